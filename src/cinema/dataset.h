@@ -1,0 +1,58 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace clipgs {
+
+enum class Split { kTrain, kTestAxis, kTestOblique };
+const char* split_name(Split split);  ///< "train", "test_axis", "test_oblique"
+
+/// One picture of the dataset.
+struct Frame {
+  Camera camera;
+  std::optional<Plane> plane;
+  Split split = Split::kTrain;
+  std::string file;        ///< PNG, relative to the folder: 8-bit sRGB RGBA, straight alpha
+  std::string uncut_file;  ///< test frames: the same view without the plane ("leak" needs it)
+  std::string
+      depth_file;      ///< test frames: first-hit depth, 16-bit grey PNG: mm = value·depth_scale
+  float noise_db = 0;  ///< noise floor of the picture over black, dB
+};
+
+/// A cinematic dataset on disk: transforms.json (NeRF/Nerfstudio convention plus our keys), PNGs,
+/// and points.ply (seed points sampled from the volume). See docs/format.md.
+struct Dataset {
+  std::filesystem::path folder;
+  std::vector<Frame> frames;
+  Vec3 axis{0, 0, 1};
+  Vec2 extent{0};      ///< interval of axis·x over the visible matter, mm
+  Sphere sphere;       ///< bounding sphere of the visible matter
+  Box bounds;          ///< bounding box of the visible matter
+  float voxel_mm = 1;  ///< spacing of the source volume (geometric mean)
+  std::string preset;
+  float depth_scale = 0;  ///< mm per unit of the depth pictures' 16-bit values
+
+  std::vector<const Frame*> split(Split which) const;
+  Image load(const Frame& frame) const;
+};
+
+/// A point of matter to start a Gaussian from (points.ply: x y z, nx ny nz, red green blue,
+/// spacing).
+struct SeedPoint {
+  Vec3 position;  ///< mm
+  Vec3 color;     ///< display sRGB estimate
+  float spacing;  ///< mm: distance to its neighbours, the start of its size
+};
+
+/// Reads and checks transforms.json. Throws Error.
+Dataset load_dataset(const std::filesystem::path& folder);
+std::vector<SeedPoint> load_seed_points(const std::filesystem::path& folder);
+
+}  // namespace clipgs

@@ -1,0 +1,53 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+
+#include "cli/commands.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadUsage = 2;
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "clipgs: from a medical volume to a cinematic Gaussian scene that can be cut at any angle");
+  app.name("clipgs");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", CLIPGS_VERSION);
+  app.fallthrough();
+
+  int threads = 0;
+  bool quiet = false;
+  app.add_option("--threads", threads, "Worker threads (0: all cores); never changes the result")
+      ->check(CLI::NonNegativeNumber);
+  app.add_flag("--quiet", quiet, "No progress");
+  app.parse_complete_callback([&] {
+    clipgs::set_thread_count(threads);
+    clipgs::Progress::set_enabled(!quiet);
+  });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kBadUsage;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "clipgs: out of memory; use a smaller volume or --quality draft\n");
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "clipgs: {}\n", e.what());
+  }
+  return kFailed;
+}

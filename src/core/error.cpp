@@ -1,0 +1,9 @@
+#include "core/error.h"
+
+#include <cstdio>
+
+namespace clipgs {
+
+void warn(const std::string& message) { fmt::print(stderr, "warning: {}\n", message); }
+
+}  // namespace clipgs

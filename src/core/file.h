@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace clipgs {
+
+/// The whole file. Throws Error if it cannot be read or is longer than `limit` bytes.
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
+                                    std::uintmax_t limit = std::uintmax_t{4} << 30);
+std::string read_text(const std::filesystem::path& path);
+
+/// Writes the file whole or not at all: a temporary beside it, fsync, rename. A full disk or a
+/// killed process leaves the old file (or none), never half of the new one. Throws Error.
+void write_file(const std::filesystem::path& path, const void* data, size_t size);
+void write_text(const std::filesystem::path& path, std::string_view text);
+
+/// Checks, before hours of work, that a file can be created at `path`. Throws Error.
+void require_writable(const std::filesystem::path& path);
+
+/// Creates the folder and its parents. Throws Error.
+void create_folder(const std::filesystem::path& path);
+
+}  // namespace clipgs

@@ -1,0 +1,64 @@
+#include "core/image.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/random.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Image, SrgbRoundTrips) {
+  for (int i = 0; i <= 255; ++i) {
+    const float v = static_cast<float>(i) / 255.0f;
+    EXPECT_NEAR(srgb_from_linear(linear_from_srgb(v)), v, 1e-5);
+  }
+}
+
+TEST(Image, PngRoundTripsAtBothDepths) {
+  const fs::path path = fs::path(testing::TempDir()) / fmt::format("clipgs-{}.png", getpid());
+  Rng rng(1);
+  for (const int channels : {3, 4}) {
+    for (const int bits : {8, 16}) {
+      Image image(17, 9, channels);
+      for (float& v : image.data) {
+        v = rng.uniform();
+      }
+      write_png(path, image, bits);
+      const Image back = read_png(path);
+      ASSERT_EQ(back.channels, channels);
+      ASSERT_EQ(back.data.size(), image.data.size());
+      for (size_t i = 0; i < back.data.size(); ++i) {
+        EXPECT_NEAR(back.data[i], image.data[i], 0.51f / (bits == 8 ? 255.0f : 65535.0f));
+      }
+    }
+  }
+  fs::remove(path);
+}
+
+TEST(Image, TruncatedPngThrows) {
+  const fs::path path = fs::path(testing::TempDir()) / fmt::format("clipgs-cut-{}.png", getpid());
+  write_png(path, Image(32, 32, 4));
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  for (const size_t length : {size_t{0}, size_t{7}, size_t{20}, bytes.size() / 2}) {
+    write_file(path, bytes.data(), length);
+    EXPECT_THROW(read_png(path), Error) << length;
+  }
+  fs::remove(path);
+}
+
+TEST(Image, CompositeUsesStraightAlpha) {
+  Image image(1, 1, 4);
+  image.data = {1.0f, 0.5f, 0.0f, 0.25f};
+  const Image out = composite(image, 0, 0, 1);
+  EXPECT_FLOAT_EQ(out.data[0], 0.25f);
+  EXPECT_FLOAT_EQ(out.data[1], 0.125f);
+  EXPECT_FLOAT_EQ(out.data[2], 0.75f);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,29 @@
+#include "core/parallel.h"
+
+#include <memory>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+namespace clipgs {
+
+namespace {
+std::unique_ptr<tbb::global_control>& limit() {
+  static std::unique_ptr<tbb::global_control> control;
+  return control;
+}
+}  // namespace
+
+void set_thread_count(int threads) {
+  limit().reset();
+  if (threads > 0) {
+    limit() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    static_cast<size_t>(threads));
+  }
+}
+
+int thread_count() {
+  return static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+}  // namespace clipgs

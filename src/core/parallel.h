@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace clipgs {
+
+/// Limits all parallel work of the process to `threads` (0: every core). Results never depend on
+/// it.
+void set_thread_count(int threads);
+int thread_count();
+
+/// Calls body(begin, end) over pieces of [0, count) of at most `grain` elements, on all threads.
+/// The pieces are the same at any thread count, so that a body may keep per-piece results.
+template <typename Body>
+void parallel_for(size_t count, size_t grain, const Body& body) {
+  if (grain == 0) {
+    grain = 1;
+  }
+  const size_t pieces = (count + grain - 1) / grain;
+  tbb::parallel_for(size_t{0}, pieces, [&](size_t piece) {
+    const size_t begin = piece * grain;
+    body(begin, begin + grain < count ? begin + grain : count);
+  });
+}
+
+}  // namespace clipgs

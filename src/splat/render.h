@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "splat/gaussians.h"
+
+namespace clipgs {
+
+/// The three clip operators of method.md §3.
+enum class ClipOperator { kHard, kSoft, kExact };
+
+ClipOperator parse_clip_operator(const std::string& name);  ///< throws Error listing the names
+const char* clip_operator_name(ClipOperator clip);
+
+/// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1]. `plane` empty: uncut.
+Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
+             ClipOperator clip);
+
+/// The same from the slow double-precision reference that the fast rasteriser is held to.
+Image render_reference(const Gaussians& gaussians, const Camera& camera,
+                       const std::optional<Plane>& plane, ClipOperator clip);
+
+}  // namespace clipgs

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// How stored values become HU: HU = scale·stored + offset.
+struct Rescale {
+  float scale = 1;
+  float offset = 0;
+};
+
+struct LoadOptions {
+  std::string series;         ///< DICOM series UID or 1-based number; empty: the largest
+  std::optional<Rescale> hu;  ///< --hu scale,offset; empty: values as stored
+};
+
+/// Reads a DICOM folder, NIfTI, NRRD or MetaImage file (through ITK), converts LPS to RAS, flips
+/// and permutes axes to run R, A, S, and resamples tilted gantries and uneven slice spacing to a
+/// regular grid (with a warning that says what was done). Throws Error for anything it cannot make
+/// sense of: truncated or corrupt files, no image in a folder, missing slices, zero-size, NaN or
+/// constant data.
+Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
+
+/// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.
+void save_volume(const std::filesystem::path& path, const Volume& volume);
+
+}  // namespace clipgs

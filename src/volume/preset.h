@@ -1,0 +1,54 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "volume/transfer_function.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// A distant light with a disc of some size; fixed in the patient's space.
+struct KeyLight {
+  Vec3 direction{0, 1, 0};      ///< unit RAS vector towards the light
+  Vec3 radiance{1};             ///< irradiance that a facing white surface receives / π, linear RGB
+  float angular_radius = 0.1f;  ///< radians, 0 for a point
+};
+
+/// Lights of a scene: a smooth sky (vertical gradient along S) and any number of key lights.
+struct LightRig {
+  Vec3 sky_top{1};      ///< environment radiance from superior, linear RGB
+  Vec3 sky_horizon{1};  ///< … from the horizon
+  Vec3 sky_bottom{1};   ///< … from inferior
+  std::vector<KeyLight> keys;
+};
+
+/// Everything that says how a volume looks: one file of presets/.
+struct Preset {
+  std::string name;   ///< file stem, e.g. "skin-and-bone"
+  std::string title;  ///< for people
+  Modality modality = Modality::kUnknown;
+  TransferFunction transfer;
+  float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
+  float phase_g = 0;           ///< Henyey–Greenstein asymmetry of volume scattering
+  LightRig rig;
+  float exposure = 1;  ///< linear factor before the sRGB curve
+};
+
+/// Parses a preset; `where` names the source in errors. Throws Error.
+Preset parse_preset(const std::string& json, const std::string& name, const std::string& where);
+
+/// Names of the built-in presets, sorted.
+std::vector<std::string> preset_names();
+
+/// A built-in preset by name, or a JSON file by path. Throws Error that lists the names.
+Preset load_preset(const std::string& name_or_path);
+
+/// The preset that suits the volume's modality and histogram; its name goes to the caller's log.
+Preset choose_preset(const Volume& volume);
+
+/// `name` may be "auto".
+Preset load_preset(const std::string& name, const Volume& volume);
+
+}  // namespace clipgs

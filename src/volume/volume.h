@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace clipgs {
+
+enum class Modality { kUnknown, kCt, kMr, kPhoto };
+
+/// A regular grid of voxels, x fastest. The first index axis runs roughly to the patient's Right,
+/// the second Anterior, the third Superior (loading flips and permutes axes so).
+///
+///   values  [nz, ny, nx] float  HU for CT, stored units otherwise (luminance 0…255 of photographs)
+///   rgb     [nz, ny, nx, 3] u8  sRGB, only for photographs; empty otherwise
+struct Volume {
+  IVec3 dims{0};      ///< voxels along the three index axes
+  Vec3 spacing{1};    ///< mm between voxel centres
+  Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
+  Vec3 origin{0};     ///< RAS mm of the centre of voxel (0, 0, 0)
+  Modality modality = Modality::kUnknown;
+  std::vector<float> values;
+  std::vector<std::uint8_t> rgb;
+
+  size_t voxels() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
+  size_t offset(int x, int y, int z) const {
+    return (static_cast<size_t>(z) * dims.y + y) * dims.x + x;
+  }
+  float at(int x, int y, int z) const { return values[offset(x, y, z)]; }
+
+  /// World (RAS mm) ↔ continuous voxel index; integer indices are voxel centres.
+  Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }
+  Vec3 index_from_world(const Vec3& world) const {
+    return ((world - origin) * direction) / spacing;  // v * M is transpose(M) * v
+  }
+
+  /// Trilinear value at a world position; positions outside the grid take the nearest voxel's.
+  float sample(const Vec3& world) const;
+  /// World-space box around all voxel centres.
+  Box bounds() const;
+};
+
+}  // namespace clipgs
