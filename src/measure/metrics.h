@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace clipgs {
+
+// Every metric compares two pictures of one size, in display sRGB [0, 1] over a black background.
+// RGBA pictures have straight alpha; a picture of 3 channels counts as opaque. The functions throw
+// Error when the sizes differ.
+
+/// Value reported for pictures that are equal: no infinity enters a mean or a JSON file.
+constexpr double kMaxPsnr = 100.0;
+
+/// Alpha above which a pixel belongs to the masked PSNR.
+constexpr float kMaskAlpha = 0.01f;
+/// Alpha below which the clipped truth counts as empty, for `leak`.
+constexpr float kEmptyAlpha = 0.02f;
+/// Half width of the band at the plane, as a share of the extent of the visible matter.
+constexpr float kBandShare = 0.02f;
+
+/// −10·log₁₀(mse), at most kMaxPsnr.
+double psnr_from_mse(double mse);
+
+/// PSNR over RGB of the whole picture, dB.
+double psnr(const Image& truth, const Image& picture);
+
+/// PSNR over the pixels where either alpha exceeds kMaskAlpha, dB: no background can flatter it.
+/// Empty when both pictures are.
+std::optional<double> masked_psnr(const Image& truth, const Image& picture);
+
+/// SSIM per pixel (Wang et al. 2004), mean of the three channels: [height, width, 1]. Gaussian
+/// window of 11×11 pixels, σ 1.5, K1 0.01, K2 0.03, data range 1, zero padding as 3DGS.
+Image ssim_map(const Image& truth, const Image& picture);
+
+/// Mean of the SSIM map.
+double ssim(const Image& truth, const Image& picture);
+double mean(const Image& map);
+
+/// Mean of `ssim_map` over the pixels whose first hit lies within `half_width` mm of the plane.
+/// `depth` [height, width, 1] is the truth's first-hit distance along the pixel's ray from the
+/// camera, mm, 0 where nothing is hit. Empty when no pixel is in the band.
+std::optional<double> band_ssim(const Image& ssim_map, const Image& depth, const Camera& camera,
+                                const Plane& plane, float half_width);
+
+/// Colour energy (Σ of squared RGB) that the picture puts where the clipped truth is empty (alpha
+/// below kEmptyAlpha) and the uncut truth is not, divided by the energy of the clipped truth, in
+/// units of 10⁻². Empty when the clipped truth has no energy.
+std::optional<double> leak(const Image& truth, const Image& uncut_truth, const Image& picture);
+
+}  // namespace clipgs
