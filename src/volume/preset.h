@@ -24,11 +24,19 @@ struct LightRig {
   std::vector<KeyLight> keys;
 };
 
-/// Everything that says how a volume looks: one file of presets/.
+/// What the transfer function's values mean.
+enum class ValueUnits {
+  kStored,      ///< HU for CT, otherwise the volume's stored unit
+  kPercentile,  ///< 0…100 of the volume's foreground; resolve_percentiles() turns them into values
+};
+
+/// Everything that says how a volume looks: one file of presets/ (docs/presets.md).
 struct Preset {
-  std::string name;   ///< file stem, e.g. "skin-and-bone"
-  std::string title;  ///< for people
+  std::string name;         ///< file stem, e.g. "skin-and-bone"
+  std::string title;        ///< for people
+  std::string description;  ///< one sentence
   Modality modality = Modality::kUnknown;
+  ValueUnits units = ValueUnits::kStored;
   TransferFunction transfer;
   float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
   float phase_g = 0;           ///< Henyey–Greenstein asymmetry of volume scattering
@@ -42,13 +50,19 @@ Preset parse_preset(const std::string& json, const std::string& name, const std:
 /// Names of the built-in presets, sorted.
 std::vector<std::string> preset_names();
 
-/// A built-in preset by name, or a JSON file by path. Throws Error that lists the names.
+/// A built-in preset by name, or a JSON file by path, as written: percentiles are not resolved, so
+/// prefer the overload that takes the volume. Throws Error that lists the names.
 Preset load_preset(const std::string& name_or_path);
 
-/// The preset that suits the volume's modality and histogram; its name goes to the caller's log.
+/// Turns percentiles of the foreground (values above Otsu's threshold) into the volume's values,
+/// and surface_strength from "per p1–p99 range and mm" into "per value unit and mm". Other presets
+/// are left as they are.
+void resolve_percentiles(Preset& preset, const Volume& volume);
+
+/// The preset that suits the volume's modality and histogram, ready to use on it.
 Preset choose_preset(const Volume& volume);
 
-/// `name` may be "auto".
+/// A preset ready to use on `volume`; `name` may be "auto".
 Preset load_preset(const std::string& name, const Volume& volume);
 
 }  // namespace clipgs

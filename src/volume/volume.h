@@ -10,6 +10,7 @@
 namespace clipgs {
 
 enum class Modality { kUnknown, kCt, kMr, kPhoto };
+const char* modality_name(Modality modality);  ///< "CT", "MR", "photographs", "unknown"
 
 /// A regular grid of voxels, x fastest. The first index axis runs roughly to the patient's Right,
 /// the second Anterior, the third Superior (loading flips and permutes axes so).

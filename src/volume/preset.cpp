@@ -1,0 +1,303 @@
+#include "volume/preset.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/image.h"
+#include "volume/built_in_presets.h"
+#include "volume/histogram.h"
+
+namespace clipgs {
+namespace {
+
+using nlohmann::json;
+
+constexpr float kRadiansPerDegree = 0.017453293f;
+
+/// Reads one JSON object and refuses keys that nothing asked for: a misspelt key must not be
+/// silently ignored.
+class Reader {
+ public:
+  Reader(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+    if (!object_.is_object()) {
+      throw Error("{}: expected an object {{...}}", where_);
+    }
+  }
+
+  const json* find(const std::string& key) {
+    known_.insert(key);
+    const auto it = object_.find(key);
+    return it == object_.end() ? nullptr : &*it;
+  }
+
+  const json& get(const std::string& key) {
+    const json* value = find(key);
+    if (value == nullptr) {
+      throw Error("{}: \"{}\" is missing", where_, key);
+    }
+    return *value;
+  }
+
+  const json& list(const std::string& key) {
+    const json& value = get(key);
+    if (!value.is_array()) {
+      throw Error("{}: \"{}\" must be a list", where_, key);
+    }
+    return value;
+  }
+
+  float number(const std::string& key) { return number(get(key), key); }
+  float number(const std::string& key, float otherwise) {
+    const json* value = find(key);
+    return value == nullptr ? otherwise : number(*value, key);
+  }
+
+  std::string text(const std::string& key, const std::string& otherwise) {
+    const json* value = find(key);
+    if (value == nullptr) {
+      return otherwise;
+    }
+    if (!value->is_string()) {
+      throw Error("{}: \"{}\" must be a string", where_, key);
+    }
+    return value->get<std::string>();
+  }
+
+  Vec3 vector(const std::string& key) { return vector(get(key), key); }
+
+  /// "#rrggbb" or [r, g, b] in 0…1, both sRGB, as linear RGB.
+  Vec3 color(const std::string& key) {
+    const json& value = get(key);
+    Vec3 srgb;
+    if (value.is_string()) {
+      srgb = parse_hex(value.get<std::string>(), key);
+    } else {
+      srgb = vector(value, key);
+    }
+    if (glm::any(glm::lessThan(srgb, Vec3(0))) || glm::any(glm::greaterThan(srgb, Vec3(1)))) {
+      throw Error("{}: \"{}\" must lie in 0..1", where_, key);
+    }
+    return {linear_from_srgb(srgb.r), linear_from_srgb(srgb.g), linear_from_srgb(srgb.b)};
+  }
+
+  void refuse_unknown_keys() const {
+    for (const auto& [key, value] : object_.items()) {
+      if (!known_.contains(key)) {
+        throw Error("{}: unknown key \"{}\"; known here: {}", where_, key, fmt::join(known_, ", "));
+      }
+    }
+  }
+
+  const std::string& where() const { return where_; }
+
+ private:
+  float number(const json& value, const std::string& key) const {
+    if (!value.is_number() || !std::isfinite(value.get<float>())) {
+      throw Error("{}: \"{}\" must be a finite number", where_, key);
+    }
+    return value.get<float>();
+  }
+
+  Vec3 vector(const json& value, const std::string& key) const {
+    if (!value.is_array() || value.size() != 3) {
+      throw Error("{}: \"{}\" must be a list of three numbers", where_, key);
+    }
+    return {number(value[0], key), number(value[1], key), number(value[2], key)};
+  }
+
+  Vec3 parse_hex(const std::string& text, const std::string& key) const {
+    const bool hex = text.size() == 7 && text[0] == '#' &&
+                     text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+    if (!hex) {
+      throw Error("{}: \"{}\" must be \"#rrggbb\" or [r, g, b]", where_, key);
+    }
+    const auto channel = [&](size_t at) {
+      return static_cast<float>(std::stoi(text.substr(at, 2), nullptr, 16)) / 255.0f;
+    };
+    return {channel(1), channel(3), channel(5)};
+  }
+
+  const json& object_;
+  std::string where_;
+  std::set<std::string> known_;
+};
+
+Modality parse_modality(const std::string& text, const std::string& where) {
+  if (text == "ct") return Modality::kCt;
+  if (text == "mr") return Modality::kMr;
+  if (text == "photo") return Modality::kPhoto;
+  if (text == "any") return Modality::kUnknown;
+  throw Error("{}: modality \"{}\" is none of ct, mr, photo, any", where, text);
+}
+
+ValueUnits parse_units(const std::string& text, const std::string& where) {
+  if (text == "hu" || text == "stored") return ValueUnits::kStored;
+  if (text == "percentile") return ValueUnits::kPercentile;
+  throw Error("{}: units \"{}\" are none of hu, stored, percentile", where, text);
+}
+
+TransferPoint parse_point(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  TransferPoint point;
+  point.value = reader.number("value");
+  point.material.albedo = reader.color("color");
+  point.material.extinction = reader.number("extinction");
+  point.material.specular = reader.number("specular", 0);
+  point.material.roughness = reader.number("roughness", 0.5f);
+  reader.refuse_unknown_keys();
+  return point;
+}
+
+/// {"color": ..., "intensity": ...} as linear radiance.
+Vec3 parse_radiance(Reader& reader) {
+  const float intensity = reader.number("intensity", 1);
+  if (intensity < 0) {
+    throw Error("{}: \"intensity\" must not be negative", reader.where());
+  }
+  return reader.color("color") * intensity;
+}
+
+Vec3 parse_sky(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  const Vec3 radiance = parse_radiance(reader);
+  reader.refuse_unknown_keys();
+  return radiance;
+}
+
+KeyLight parse_key(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  KeyLight key;
+  key.direction = reader.vector("direction");
+  const float length = glm::length(key.direction);
+  if (length == 0) {
+    throw Error("{}: \"direction\" must not be zero", where);
+  }
+  key.direction /= length;
+  key.radiance = parse_radiance(reader);
+  const float degrees = reader.number("angular_radius_deg", 5);
+  if (degrees < 0 || degrees > 89) {
+    throw Error("{}: \"angular_radius_deg\" must lie in 0..89", where);
+  }
+  key.angular_radius = degrees * kRadiansPerDegree;
+  reader.refuse_unknown_keys();
+  return key;
+}
+
+LightRig parse_rig(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  Reader sky(reader.get("sky"), where + ": sky");
+  LightRig rig;
+  rig.sky_top = parse_sky(sky.get("top"), where + ": sky top");
+  rig.sky_horizon = parse_sky(sky.get("horizon"), where + ": sky horizon");
+  rig.sky_bottom = parse_sky(sky.get("bottom"), where + ": sky bottom");
+  sky.refuse_unknown_keys();
+  const json& keys = reader.list("keys");
+  for (size_t i = 0; i < keys.size(); ++i) {
+    rig.keys.push_back(parse_key(keys[i], fmt::format("{}: key light {}", where, i + 1)));
+  }
+  reader.refuse_unknown_keys();
+  return rig;
+}
+
+Preset read_preset(const json& object, const std::string& name, const std::string& where) {
+  Reader reader(object, where);
+  Preset preset;
+  preset.name = name;
+  preset.title = reader.text("title", name);
+  preset.description = reader.text("description", "");
+  preset.modality = parse_modality(reader.text("modality", "any"), where);
+  preset.units = parse_units(reader.text("units", "hu"), where);
+  preset.surface_strength = reader.number("surface_strength");
+  preset.phase_g = reader.number("phase_g", 0);
+  preset.exposure = reader.number("exposure", 1);
+  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(preset.phase_g) >= 1) {
+    throw Error("{}: surface_strength must be >= 0, exposure > 0 and |phase_g| < 1", where);
+  }
+
+  std::vector<TransferPoint> points;
+  const json& list = reader.list("points");
+  for (size_t i = 0; i < list.size(); ++i) {
+    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1)));
+    const float value = points.back().value;
+    if (preset.units == ValueUnits::kPercentile && (value < 0 || value > 100)) {
+      throw Error("{}: point {}: a percentile must lie in 0..100", where, i + 1);
+    }
+  }
+  try {
+    preset.transfer = TransferFunction(std::move(points));
+  } catch (const Error& e) {
+    throw Error("{}: {}", where, e.what());
+  }
+  preset.rig = parse_rig(reader.get("lights"), where + ": lights");
+  reader.refuse_unknown_keys();
+  return preset;
+}
+
+}  // namespace
+
+Preset parse_preset(const std::string& text, const std::string& name, const std::string& where) {
+  json object;
+  try {
+    object = json::parse(text, nullptr, true, /*ignore_comments=*/true);
+  } catch (const json::parse_error& e) {
+    throw Error("{}: not JSON (near byte {})", where, e.byte);
+  }
+  return read_preset(object, name, where);
+}
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const BuiltInPreset& preset : built_in_presets()) {
+    names.emplace_back(preset.name);
+  }
+  return names;
+}
+
+Preset load_preset(const std::string& name_or_path) {
+  for (const BuiltInPreset& preset : built_in_presets()) {
+    if (preset.name == name_or_path) {
+      return parse_preset(std::string(preset.json), name_or_path, "preset " + name_or_path);
+    }
+  }
+  const std::filesystem::path path(name_or_path);
+  std::error_code ignored;
+  if (path.extension() == ".json" && std::filesystem::is_regular_file(path, ignored)) {
+    return parse_preset(read_text(path), path.stem().string(), name_or_path);
+  }
+  throw Error("no preset \"{}\": use auto, one of {}, or the path of a .json file", name_or_path,
+              fmt::join(preset_names(), ", "));
+}
+
+Preset load_preset(const std::string& name, const Volume& volume) {
+  if (name == "auto") {
+    return choose_preset(volume);
+  }
+  Preset preset = load_preset(name);
+  resolve_percentiles(preset, volume);
+  return preset;
+}
+
+void resolve_percentiles(Preset& preset, const Volume& volume) {
+  if (preset.units != ValueUnits::kPercentile) {
+    return;
+  }
+  const Histogram h = histogram(volume);
+  const float threshold = otsu_threshold(h);
+  std::vector<TransferPoint> points = preset.transfer.points();
+  for (TransferPoint& point : points) {
+    point.value = h.quantile(point.value / 100, threshold);
+  }
+  preset.transfer = TransferFunction(std::move(points));
+  const float range = h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold);
+  preset.surface_strength /= std::max(range, 1e-6f);
+  preset.units = ValueUnits::kStored;
+}
+
+}  // namespace clipgs
