@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "splat/gaussians.h"
+
+namespace clipgs {
+
+/// Reads a 3DGS PLY: binary little-endian, one `vertex` element of scalar properties in any order,
+/// f_rest_* absent or 9, 24 or 45 of them; other properties are skipped. Numbers are taken as they
+/// stand: the frame and unit are the file's own. Throws Error on anything else, on a truncated
+/// file and on numbers that are not finite.
+Gaussians read_ply(const std::filesystem::path& path);
+/// The same from memory; `name` is what errors call it.
+Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name);
+
+/// Writes a 3DGS PLY with all of its usual properties (62 floats a splat at degree 3), the numbers
+/// as they stand. Throws Error.
+void write_ply(const std::filesystem::path& path, const Gaussians& gaussians);
+
+}  // namespace clipgs

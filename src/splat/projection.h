@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/camera.h"
+#include "splat/gaussians.h"
+#include "splat/render.h"
+
+namespace clipgs {
+
+/// Thresholds of the rasteriser. Gradient tests widen them, because the steps that they make are
+/// not differentiable; everything else uses the defaults, which the viewer's shaders share.
+struct RasterOptions {
+  ClipOperator clip = ClipOperator::kExact;
+  float alpha_min = 1.0f / 255.0f;  ///< fainter contributions are skipped
+  float alpha_max = 0.99f;          ///< opacity of one Gaussian at one pixel is clamped to this
+  float transmittance_min = 1e-4f;  ///< a pixel darker than this is finished
+  float clip_sigma = 3.0f;          ///< exact: Gaussians further from the plane are not cut
+};
+
+/// Variance added to every projected Gaussian, px² (the 3DGS low-pass filter).
+constexpr float kBlurVariance = 0.3f;
+/// Gaussians nearer to the camera than this are not drawn, mm.
+constexpr float kNearPlane = 1.0f;
+
+/// A Gaussian on the image plane: all that a pixel needs. 64 bytes, one cache line.
+/// With δ = pixel − center: α(δ) = min(alpha_max, opacity · Φ(z) · exp(qa·δx² + qb·δxδy + qc·δy²)),
+/// z = z0 + zx·δx + zy·δy, where Φ(z) is there only for `clipped` ones.
+struct alignas(64) Splat {
+  float x, y;                ///< projected centre, px
+  float qa, qb, qc;          ///< −½·Σ₂⁻¹ with the off-diagonal doubled
+  float opacity;             ///< with the factor of the soft operator
+  float r, g, b;             ///< display sRGB ≥ 0
+  float z0, zx, zy;          ///< exact operator: standardised plane distance and its slope per px
+  float extent_x, extent_y;  ///< half size of the box where α ≥ alpha_min, px
+  float depth;               ///< camera z, mm
+  std::uint32_t clipped;     ///< whether Φ(z) applies
+};
+
+/// Gradient of a loss with respect to the numbers of one Splat, as moments over pixels: with
+/// h = ∂L/∂α·α and e = ∂L/∂z summed over pixels.
+struct SplatGradient {
+  float h, hx, hy, hxx, hxy, hyy;  ///< Σh, Σhδx, Σhδy, Σhδx², Σhδxδy, Σhδy²
+  float r, g, b;                   ///< ∂L/∂colour
+  float e, ex, ey;                 ///< Σe, Σeδx, Σeδy
+};
+
+/// Projects Gaussian `i`; false if it is invisible (behind the camera, outside the frame, cut away,
+/// or too faint).
+bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
+             const std::optional<Plane>& plane, const RasterOptions& options, Splat& splat);
+
+/// Chain rule through `project`: writes ∂L/∂parameter of Gaussian `i` into every plane of
+/// `gradients`. `splat` is what `project` returned for it.
+void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
+                      const std::optional<Plane>& plane, const RasterOptions& options,
+                      const Splat& splat, const SplatGradient& gradient, Gaussians& gradients);
+
+}  // namespace clipgs

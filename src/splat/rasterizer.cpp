@@ -1,0 +1,234 @@
+#include "splat/rasterizer.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "splat/tile_kernel.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr size_t kGaussianGrain = 2048;
+constexpr size_t kBinChunk = 8192;
+
+/// Inclusive range of tiles that a splat's box touches.
+struct TileBox {
+  int x0, x1, y0, y1;
+  int count() const { return (x1 - x0 + 1) * (y1 - y0 + 1); }
+};
+
+TileBox tile_box(const Splat& s, int tiles_x, int tiles_y) {
+  const auto tile = [](float pixel, int tiles) {
+    return std::clamp(static_cast<int>(std::floor(pixel / kTileSize)), 0, tiles - 1);
+  };
+  return {tile(s.x - s.extent_x, tiles_x), tile(s.x + s.extent_x, tiles_x),
+          tile(s.y - s.extent_y, tiles_y), tile(s.y + s.extent_y, tiles_y)};
+}
+
+TileLimits limits_of(const RasterOptions& options) {
+  return {options.alpha_min, options.alpha_max, options.transmittance_min};
+}
+
+/// Calls body(tile-local index, image pixel index) for the pixels of a tile inside the picture.
+template <typename Body>
+void for_tile_pixels(const Image& image, int tile_x, int tile_y, const Body& body) {
+  const int x_end = std::min(kTileSize, image.width - tile_x * kTileSize);
+  const int y_end = std::min(kTileSize, image.height - tile_y * kTileSize);
+  for (int y = 0; y < y_end; ++y) {
+    for (int x = 0; x < x_end; ++x) {
+      body(y * kTileSize + x,
+           static_cast<size_t>(tile_y * kTileSize + y) * image.width + tile_x * kTileSize + x);
+    }
+  }
+}
+
+}  // namespace
+
+void Rasterizer::project_all(const Gaussians& gaussians) {
+  projected_.resize(gaussians.size());
+  visible_.resize(gaussians.size());
+  parallel_for(gaussians.size(), kGaussianGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      visible_[i] = project(gaussians, i, camera_, plane_, options_, projected_[i]) ? 1 : 0;
+    }
+  });
+  order_.clear();
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    if (visible_[i] != 0) {
+      order_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+}
+
+void Rasterizer::sort_by_depth() {
+  // Positive floats sort as their bits do. Stable LSD radix sort, so that ties keep index order.
+  constexpr int kRadixBits = 11;
+  constexpr std::uint32_t kBuckets = 1U << kRadixBits;
+  sort_scratch_.resize(order_.size());
+  for (int shift = 0; shift < 32; shift += kRadixBits) {
+    const auto digit = [&](std::uint32_t i) {
+      return std::bit_cast<std::uint32_t>(projected_[i].depth) >> shift & (kBuckets - 1);
+    };
+    std::vector<std::uint32_t> next(kBuckets + 1, 0);
+    for (const std::uint32_t i : order_) {
+      ++next[digit(i) + 1];
+    }
+    for (std::uint32_t b = 0; b < kBuckets; ++b) {
+      next[b + 1] += next[b];
+    }
+    for (const std::uint32_t i : order_) {
+      sort_scratch_[next[digit(i)]++] = i;
+    }
+    order_.swap(sort_scratch_);
+  }
+  splats_.resize(order_.size());
+  parallel_for(order_.size(), kGaussianGrain, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      splats_[k] = projected_[order_[k]];
+    }
+  });
+}
+
+void Rasterizer::bin_into_tiles() {
+  const size_t tiles = static_cast<size_t>(tiles_x_) * tiles_y_;
+  slot_begin_.assign(splats_.size() + 1, 0);
+  for (size_t k = 0; k < splats_.size(); ++k) {
+    slot_begin_[k + 1] = slot_begin_[k] + tile_box(splats_[k], tiles_x_, tiles_y_).count();
+  }
+  const auto for_tiles = [&](size_t k, const auto& body) {
+    const TileBox box = tile_box(splats_[k], tiles_x_, tiles_y_);
+    std::uint32_t slot = slot_begin_[k];
+    for (int y = box.y0; y <= box.y1; ++y) {
+      for (int x = box.x0; x <= box.x1; ++x) {
+        body(static_cast<size_t>(y) * tiles_x_ + x, slot++);
+      }
+    }
+  };
+
+  // Counting sort by tile in chunks of splats: each chunk knows where its part of a list begins.
+  const size_t chunks = (splats_.size() + kBinChunk - 1) / kBinChunk;
+  chunk_counts_.assign(chunks * tiles, 0);
+  parallel_for(splats_.size(), kBinChunk, [&](size_t begin, size_t end) {
+    std::uint32_t* counts = &chunk_counts_[begin / kBinChunk * tiles];
+    for (size_t k = begin; k < end; ++k) {
+      for_tiles(k, [&](size_t tile, std::uint32_t) { ++counts[tile]; });
+    }
+  });
+  tile_begin_.assign(tiles + 1, 0);
+  std::uint32_t total = 0;
+  for (size_t tile = 0; tile < tiles; ++tile) {
+    tile_begin_[tile] = total;
+    for (size_t chunk = 0; chunk < chunks; ++chunk) {
+      const std::uint32_t count = chunk_counts_[chunk * tiles + tile];
+      chunk_counts_[chunk * tiles + tile] = total;
+      total += count;
+    }
+  }
+  tile_begin_[tiles] = total;
+  list_.resize(total);
+  slots_.resize(total);
+  parallel_for(splats_.size(), kBinChunk, [&](size_t begin, size_t end) {
+    std::uint32_t* next = &chunk_counts_[begin / kBinChunk * tiles];
+    for (size_t k = begin; k < end; ++k) {
+      for_tiles(k, [&](size_t tile, std::uint32_t slot) {
+        list_[next[tile]] = static_cast<std::uint32_t>(k);
+        slots_[next[tile]++] = slot;
+      });
+    }
+  });
+}
+
+const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camera,
+                                 const std::optional<Plane>& plane, const RasterOptions& options) {
+  camera_ = camera;
+  plane_ = plane;
+  options_ = options;
+  tiles_x_ = (camera.width + kTileSize - 1) / kTileSize;
+  tiles_y_ = (camera.height + kTileSize - 1) / kTileSize;
+  if (image_.width != camera.width || image_.height != camera.height) {
+    image_ = Image(camera.width, camera.height, 4);
+  }
+  project_all(gaussians);
+  sort_by_depth();
+  bin_into_tiles();
+
+  const TileLimits limits = limits_of(options_);
+  const size_t tiles = static_cast<size_t>(tiles_x_) * tiles_y_;
+  used_.resize(tiles);
+  parallel_for(tiles, 1, [&](size_t tile_index, size_t) {
+    const int tx = static_cast<int>(tile_index) % tiles_x_;
+    const int ty = static_cast<int>(tile_index) / tiles_x_;
+    const std::uint32_t begin = tile_begin_[tile_index];
+    Tile tile;
+    used_[tile_index] = static_cast<std::uint32_t>(tile_forward(
+        splats_.data(), list_.data() + begin, tile_begin_[tile_index + 1] - begin,
+        static_cast<float>(tx * kTileSize), static_cast<float>(ty * kTileSize), limits, tile));
+    for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
+      float* out = &image_.data[pixel * 4];
+      out[0] = tile.r[at];
+      out[1] = tile.g[at];
+      out[2] = tile.b[at];
+      out[3] = 1.0f - tile.t[at];
+    });
+  });
+  return image_;
+}
+
+void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradient,
+                          Gaussians& gradients) {
+  const TileLimits limits = limits_of(options_);
+  instance_gradients_.resize(list_.size());
+  parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
+    const int tx = static_cast<int>(tile_index) % tiles_x_;
+    const int ty = static_cast<int>(tile_index) / tiles_x_;
+    Tile tile{};
+    Tile gradient{};
+    std::fill(tile.t, tile.t + kTilePixels, 1.0f);
+    for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
+      const float* in = &image_.data[pixel * 4];
+      const float* g = &image_gradient.data[pixel * 4];
+      tile.r[at] = in[0];
+      tile.g[at] = in[1];
+      tile.b[at] = in[2];
+      tile.t[at] = 1.0f - in[3];
+      gradient.r[at] = g[0];
+      gradient.g[at] = g[1];
+      gradient.b[at] = g[2];
+      gradient.t[at] = g[3];
+    });
+    const std::uint32_t begin = tile_begin_[tile_index];
+    const std::uint32_t used = used_[tile_index];
+    tile_backward(splats_.data(), list_.data() + begin, slots_.data() + begin, used,
+                  static_cast<float>(tx * kTileSize), static_cast<float>(ty * kTileSize), limits,
+                  tile, gradient, instance_gradients_.data());
+    for (std::uint32_t k = begin + used; k < tile_begin_[tile_index + 1]; ++k) {
+      instance_gradients_[slots_[k]] = {};
+    }
+  });
+  parallel_for(splats_.size(), kGaussianGrain, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      SplatGradient sum{};
+      for (std::uint32_t slot = slot_begin_[k]; slot < slot_begin_[k + 1]; ++slot) {
+        const SplatGradient& g = instance_gradients_[slot];
+        sum.h += g.h;
+        sum.hx += g.hx;
+        sum.hy += g.hy;
+        sum.hxx += g.hxx;
+        sum.hxy += g.hxy;
+        sum.hyy += g.hyy;
+        sum.r += g.r;
+        sum.g += g.g;
+        sum.b += g.b;
+        sum.e += g.e;
+        sum.ex += g.ex;
+        sum.ey += g.ey;
+      }
+      project_backward(gaussians, order_[k], camera_, plane_, options_, splats_[k], sum, gradients);
+    }
+  });
+}
+
+}  // namespace clipgs

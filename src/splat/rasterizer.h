@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/image.h"
+#include "splat/projection.h"
+
+namespace clipgs {
+
+/// The tile rasteriser: a picture of Gaussians and, for training, its exact adjoint. Keeps its
+/// buffers between calls. The result does not depend on the number of threads: every tile sums in
+/// depth order, and gradients of one Gaussian are added up in the order of its tiles.
+class Rasterizer {
+ public:
+  /// Draws `gaussians` into [height, width, 4]: premultiplied display sRGB and alpha.
+  const Image& forward(const Gaussians& gaussians, const Camera& camera,
+                       const std::optional<Plane>& plane, const RasterOptions& options);
+
+  /// Given ∂L/∂image of the last `forward` (same shape), writes ∂L/∂parameter for every Gaussian
+  /// that it drew. Planes of others are left as they are: ask `drawn`.
+  void backward(const Gaussians& gaussians, const Image& image_gradient, Gaussians& gradients);
+
+  /// Indices of the Gaussians that the last `forward` drew, near to far.
+  const std::vector<std::uint32_t>& drawn() const { return order_; }
+
+ private:
+  void project_all(const Gaussians& gaussians);
+  void sort_by_depth();
+  void bin_into_tiles();
+
+  Camera camera_;
+  std::optional<Plane> plane_;
+  RasterOptions options_;
+  Image image_;
+  int tiles_x_ = 0;
+  int tiles_y_ = 0;
+
+  std::vector<Splat> projected_;       // of each Gaussian; meaningful where visible_
+  std::vector<std::uint8_t> visible_;  // of each Gaussian
+  std::vector<std::uint32_t> order_;   // drawn Gaussians, near to far
+  std::vector<Splat> splats_;          // the same, gathered
+  std::vector<std::uint32_t> sort_scratch_;
+
+  // One instance per (splat, tile) pair. Slots run splat by splat; a tile's list names splats in
+  // depth order, and beside each its slot.
+  std::vector<std::uint32_t> slot_begin_;  // of each splat, one more at the end
+  std::vector<std::uint32_t> tile_begin_;  // of each tile's list, one more at the end
+  std::vector<std::uint32_t> list_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint32_t> used_;  // of each tile: entries looked at by the forward pass
+  std::vector<std::uint32_t> chunk_counts_;
+  std::vector<SplatGradient> instance_gradients_;
+};
+
+}  // namespace clipgs

@@ -1,0 +1,226 @@
+#include "splat/rasterizer.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "splat/clip.h"
+#include "splat/reference.h"
+
+namespace clipgs {
+namespace {
+
+/// A cloud that fills the frame, with splats cut by, kept by and removed by the plane.
+Gaussians random_cloud(size_t count, int degree, std::uint64_t seed) {
+  Gaussians gaussians(count, degree);
+  Rng rng(seed);
+  for (size_t i = 0; i < count; ++i) {
+    for (int a = 0; a < 3; ++a) {
+      gaussians.plane(Gaussians::kMean + a)[i] = 60 * (rng.uniform() - 0.5f);
+      gaussians.plane(Gaussians::kLogScale + a)[i] = std::log(2.0f + 6.0f * rng.uniform());
+    }
+    for (int a = 0; a < 4; ++a) {
+      gaussians.plane(Gaussians::kRotation + a)[i] = 1.7f * rng.normal();
+    }
+    gaussians.plane(Gaussians::kOpacity)[i] = 2 * rng.normal();
+    for (int k = 0; k < 3 * sh_coefficients(degree); ++k) {
+      gaussians.plane(Gaussians::kSh + k)[i] = 0.4f * rng.normal();
+    }
+  }
+  return gaussians;
+}
+
+Camera test_camera(int width, int height) {
+  return frame_sphere({{0, 0, 0}, 45}, View{35, 20, 1.2f}, width, height);
+}
+
+const Plane kPlane{glm::normalize(Vec3(0.3f, 0.5f, -0.8f)), 1.5f};
+
+std::vector<double> as_doubles(const Gaussians& g) { return {g.data().begin(), g.data().end()}; }
+
+class ClipTest : public testing::TestWithParam<ClipOperator> {};
+
+TEST_P(ClipTest, FastPictureEqualsReference) {
+  const Gaussians cloud = random_cloud(400, 3, 1);
+  const Camera camera = test_camera(75, 50);  // not whole tiles
+  for (const bool cut : {false, true}) {
+    const std::optional<Plane> plane = cut ? std::optional(kPlane) : std::nullopt;
+    RasterOptions options;
+    options.clip = GetParam();
+    Rasterizer rasterizer;
+    const Image& fast = rasterizer.forward(cloud, camera, plane, options);
+    const std::vector<double> slow =
+        reference_render(as_doubles(cloud), cloud.size(), 3, camera, plane, options);
+    double worst = 0;
+    double total = 0;
+    for (size_t i = 0; i < slow.size(); ++i) {
+      worst = std::max(worst, std::abs(fast.data[i] - slow[i]));
+      total += std::abs(fast.data[i] - slow[i]);
+    }
+    // A contribution just at 1/255 may fall on either side.
+    EXPECT_LT(worst, 1.5 / 255);
+    EXPECT_LT(total / static_cast<double>(slow.size()), 2e-5);
+  }
+}
+
+TEST_P(ClipTest, EveryInstructionSetDrawsTheSame) {
+  const Gaussians cloud = random_cloud(300, 1, 2);
+  const Camera camera = test_camera(64, 64);
+  RasterOptions options;
+  options.clip = GetParam();
+  const Image best = Rasterizer().forward(cloud, camera, kPlane, options);
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    const Image other = Rasterizer().forward(cloud, camera, kPlane, options);
+    for (size_t i = 0; i < best.data.size(); ++i) {
+      ASSERT_NEAR(best.data[i], other.data[i], 1.5f / 255) << hwy::TargetName(target);
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+/// Loss = Σ weight·image with fixed random weights: its gradient exercises every output.
+TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
+  constexpr int kDegree = 3;
+  const Gaussians cloud = random_cloud(24, kDegree, 3);
+  const Camera camera = test_camera(40, 36);
+  // No step to differentiate across: every contribution counts, every Gaussian is cut.
+  RasterOptions options;
+  options.clip = GetParam();
+  options.alpha_min = 1e-7f;
+  options.alpha_max = 0.9999f;
+  options.transmittance_min = 0;
+  options.clip_sigma = 8;
+  Rng rng(4);
+  Image weight(camera.width, camera.height, 4);
+  for (float& w : weight.data) {
+    w = rng.uniform() - 0.3f;
+  }
+  Rasterizer rasterizer;
+  rasterizer.forward(cloud, camera, kPlane, options);
+  Gaussians gradients(cloud.size(), kDegree);
+  rasterizer.backward(cloud, weight, gradients);
+
+  std::vector<double> parameters = as_doubles(cloud);
+  const auto loss = [&] {
+    const std::vector<double> image =
+        reference_render(parameters, cloud.size(), kDegree, camera, kPlane, options);
+    double sum = 0;
+    for (size_t i = 0; i < image.size(); ++i) {
+      sum += image[i] * weight.data[i];
+    }
+    return sum;
+  };
+  for (int plane = 0; plane < cloud.planes(); ++plane) {
+    double largest = 0;
+    double worst = 0;
+    for (size_t i = 0; i < cloud.size(); ++i) {
+      double& p = parameters[static_cast<size_t>(plane) * cloud.size() + i];
+      const double saved = p;
+      constexpr double kStep = 1e-5;
+      p = saved + kStep;
+      const double above = loss();
+      p = saved - kStep;
+      const double below = loss();
+      p = saved;
+      const double expected = (above - below) / (2 * kStep);
+      largest = std::max(largest, std::abs(expected));
+      worst = std::max(worst, std::abs(expected - gradients.plane(plane)[i]));
+    }
+    EXPECT_GT(largest, 0) << "plane " << plane;
+    EXPECT_LT(worst, 2e-3 * largest + 1e-4) << "plane " << plane << " largest " << largest;
+  }
+}
+
+TEST_P(ClipTest, SameBytesAtOneAndTwoThreads) {
+  const Gaussians cloud = random_cloud(20000, 1, 5);
+  const Camera camera = test_camera(160, 144);
+  RasterOptions options;
+  options.clip = GetParam();
+  std::vector<float> images[2];
+  std::vector<float> gradients[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    set_thread_count(threads);
+    Rasterizer rasterizer;
+    const Image image = rasterizer.forward(cloud, camera, kPlane, options);
+    Gaussians g(cloud.size(), 1);
+    rasterizer.backward(cloud, image, g);
+    images[threads - 1] = image.data;
+    gradients[threads - 1] = g.data();
+  }
+  set_thread_count(0);
+  EXPECT_EQ(images[0], images[1]);
+  EXPECT_EQ(gradients[0], gradients[1]);
+}
+
+TEST_P(ClipTest, PlaneFarAwayCutsNothingOrEverything) {
+  const Gaussians cloud = random_cloud(200, 0, 6);
+  const Camera camera = test_camera(48, 48);
+  RasterOptions options;
+  options.clip = GetParam();
+  const Image uncut = Rasterizer().forward(cloud, camera, std::nullopt, options);
+  const Image kept = Rasterizer().forward(cloud, camera, Plane{{0, 0, 1}, -1000}, options);
+  const Image removed = Rasterizer().forward(cloud, camera, Plane{{0, 0, 1}, 1000}, options);
+  EXPECT_EQ(uncut.data, kept.data);
+  for (const float v : removed.data) {
+    EXPECT_EQ(v, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Operators, ClipTest,
+                         testing::Values(ClipOperator::kHard, ClipOperator::kSoft,
+                                         ClipOperator::kExact),
+                         [](const auto& test) {
+                           return std::string(clip_operator_name(test.param));
+                         });
+
+TEST(ExactClip, EqualsTheHalfSpaceIntegralAlongTheRay) {
+  // One large Gaussian seen from far away, where the affine projection is nearly the perspective
+  // one, and large on the screen, where the blur is negligible: integrate its density along each
+  // pixel's ray, over the kept half only and over all of it.
+  Gaussians one(1, 0);
+  const Vec3 deviations(9, 4, 6);
+  for (int a = 0; a < 3; ++a) {
+    one.plane(Gaussians::kLogScale + a)[0] = std::log(deviations[a]);
+  }
+  const float q[4] = {0.8f, 0.3f, -0.4f, 0.2f};
+  for (int a = 0; a < 4; ++a) {
+    one.plane(Gaussians::kRotation + a)[0] = q[a];
+  }
+  one.plane(Gaussians::kOpacity)[0] = 0.0f;
+  Camera camera = frame_sphere({{0, 0, 0}, 2000}, View{20, 10, 80}, 512, 512);
+  RasterOptions options;
+  options.alpha_min = 1e-6f;
+  options.clip_sigma = 8;
+  const std::vector<double> p = as_doubles(one);
+  const auto cut = reference_render(p, 1, 0, camera, kPlane, options);
+  const auto uncut = reference_render(p, 1, 0, camera, std::nullopt, options);
+  const glm::dmat3 precision = glm::inverse(glm::dmat3(one.covariance(0)));
+  const double distance = glm::length(camera.position);
+  int compared = 0;
+  for (int y = 32; y < 512; y += 56) {
+    for (int x = 32; x < 512; x += 56) {
+      const size_t at = (static_cast<size_t>(y) * 512 + x) * 4 + 3;
+      if (uncut[at] < 0.02) {
+        continue;
+      }
+      const glm::dvec3 direction(camera.ray_direction(x + 0.5f, y + 0.5f));
+      double kept = 0;
+      double all = 0;
+      for (double s = distance - 80; s < distance + 80; s += 0.05) {
+        const glm::dvec3 world = glm::dvec3(camera.position) + s * direction;
+        const double density = std::exp(-0.5 * glm::dot(world, precision * world));
+        all += density;
+        kept += glm::dot(glm::dvec3(kPlane.normal), world) > kPlane.offset ? density : 0;
+      }
+      EXPECT_NEAR(cut[at] / uncut[at], kept / all, 2e-3) << x << "," << y;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 20);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,185 @@
+#include "splat/reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+
+#include "splat/clip.h"
+
+namespace clipgs {
+
+namespace {
+
+using DVec2 = glm::dvec2;
+using DVec3 = glm::dvec3;
+using DMat3 = glm::dmat3;
+
+struct ReferenceSplat {
+  DVec2 center;
+  glm::dmat2 conic;
+  double opacity;
+  DVec3 color;
+  bool clipped;
+  double distance;  // d(μ)
+  DVec2 k;
+  double s;
+  double depth;
+};
+
+double normal_cdf(double x) {
+  return 1.0 / (1.0 + std::exp(-(double{kCdfLinear} * x + double{kCdfCubic} * x * x * x)));
+}
+
+/// 3DGS's real SH basis in double precision.
+void basis(int degree, const DVec3& d, double* y) {
+  const double x = d.x, yy = d.y, z = d.z;
+  y[0] = 0.28209479177387814;
+  if (degree >= 1) {
+    y[1] = -0.4886025119029199 * yy;
+    y[2] = 0.4886025119029199 * z;
+    y[3] = -0.4886025119029199 * x;
+  }
+  if (degree >= 2) {
+    y[4] = 1.0925484305920792 * x * yy;
+    y[5] = -1.0925484305920792 * yy * z;
+    y[6] = 0.31539156525252005 * (2 * z * z - x * x - yy * yy);
+    y[7] = -1.0925484305920792 * x * z;
+    y[8] = 0.5462742152960396 * (x * x - yy * yy);
+  }
+  if (degree >= 3) {
+    y[9] = -0.5900435899266435 * yy * (3 * x * x - yy * yy);
+    y[10] = 2.890611442640554 * x * yy * z;
+    y[11] = -0.4570457994644658 * yy * (4 * z * z - x * x - yy * yy);
+    y[12] = 0.3731763325901154 * z * (2 * z * z - 3 * x * x - 3 * yy * yy);
+    y[13] = -0.4570457994644658 * x * (4 * z * z - x * x - yy * yy);
+    y[14] = 1.445305721320277 * z * (x * x - yy * yy);
+    y[15] = -0.5900435899266435 * x * (x * x - 3 * yy * yy);
+  }
+}
+
+class ReferenceScene {
+ public:
+  ReferenceScene(const std::vector<double>& parameters, size_t count, int degree)
+      : p_(parameters), count_(count), degree_(degree) {}
+
+  double plane(int k, size_t i) const { return p_[static_cast<size_t>(k) * count_ + i]; }
+
+  bool project(size_t i, const Camera& camera, const std::optional<Plane>& cut,
+               const RasterOptions& options, ReferenceSplat& out) const {
+    const DVec3 mean(plane(0, i), plane(1, i), plane(2, i));
+    const DMat3 w(camera.rotation);
+    const DVec3 position(camera.position);
+    const DVec3 t = w * (mean - position);
+    if (t.z <= kNearPlane) {
+      return false;
+    }
+    const glm::dquat q =
+        glm::normalize(glm::dquat(plane(6, i), plane(7, i), plane(8, i), plane(9, i)));
+    const DMat3 r = glm::mat3_cast(q);
+    DMat3 scale2(0);
+    for (int a = 0; a < 3; ++a) {
+      scale2[a][a] = std::exp(2 * plane(Gaussians::kLogScale + a, i));
+    }
+    const DMat3 sigma = r * scale2 * glm::transpose(r);
+
+    const double fx = camera.fx, fy = camera.fy;
+    const double limit_x = 1.3 * 0.5 * camera.width / fx;
+    const double limit_y = 1.3 * 0.5 * camera.height / fy;
+    const double lx = std::clamp(t.x / t.z, -limit_x, limit_x);
+    const double ly = std::clamp(t.y / t.z, -limit_y, limit_y);
+    const glm::dmat3x2 j(fx / t.z, 0, 0, fy / t.z, -fx * lx / t.z, -fy * ly / t.z);
+    const glm::dmat3x2 a = j * w;
+    const glm::dmat2 cov = a * sigma * glm::transpose(a) + glm::dmat2(double{kBlurVariance});
+    out.conic = glm::inverse(cov);
+    out.center = {fx * t.x / t.z + camera.cx, fy * t.y / t.z + camera.cy};
+    out.depth = t.z;
+    out.opacity = 1 / (1 + std::exp(-plane(Gaussians::kOpacity, i)));
+    out.clipped = false;
+    if (cut) {
+      const DVec3 n(cut->normal);
+      out.distance = glm::dot(n, mean) - cut->offset;
+      const double s_n = std::sqrt(glm::dot(n, sigma * n));
+      switch (options.clip) {
+        case ClipOperator::kHard:
+          if (out.distance < 0) {
+            return false;
+          }
+          break;
+        case ClipOperator::kSoft:
+          out.opacity *= std::clamp(0.5 + out.distance / (2 * s_n), 0.0, 1.0);
+          break;
+        case ClipOperator::kExact:
+          if (out.distance < -options.clip_sigma * s_n) {
+            return false;
+          }
+          out.clipped = out.distance < options.clip_sigma * s_n;
+          const DVec2 c = a * (sigma * n);
+          out.k = out.conic * c;
+          out.s = std::sqrt(std::max(s_n * s_n - glm::dot(c, out.k),
+                                     double{kMinConditionalVariance} * s_n * s_n));
+          break;
+      }
+    }
+    double y[sh_coefficients(kMaxShDegree)];
+    basis(degree_, glm::normalize(mean - position), y);
+    for (int c = 0; c < 3; ++c) {
+      double value = 0.5;
+      for (int k = 0; k < sh_coefficients(degree_); ++k) {
+        value += y[k] * plane(Gaussians::kSh + 3 * k + c, i);
+      }
+      out.color[c] = std::max(0.0, value);
+    }
+    return true;
+  }
+
+ private:
+  const std::vector<double>& p_;
+  size_t count_;
+  int degree_;
+};
+
+}  // namespace
+
+std::vector<double> reference_render(const std::vector<double>& parameters, size_t count,
+                                     int sh_degree, const Camera& camera,
+                                     const std::optional<Plane>& plane,
+                                     const RasterOptions& options) {
+  const ReferenceScene scene(parameters, count, sh_degree);
+  std::vector<ReferenceSplat> splats;
+  for (size_t i = 0; i < count; ++i) {
+    ReferenceSplat splat{};
+    if (scene.project(i, camera, plane, options, splat)) {
+      splats.push_back(splat);
+    }
+  }
+  std::stable_sort(splats.begin(), splats.end(),
+                   [](const auto& l, const auto& r) { return l.depth < r.depth; });
+
+  std::vector<double> image(static_cast<size_t>(camera.width) * camera.height * 4, 0.0);
+  for (int py = 0; py < camera.height; ++py) {
+    for (int px = 0; px < camera.width; ++px) {
+      double* out = &image[(static_cast<size_t>(py) * camera.width + px) * 4];
+      double transmittance = 1;
+      for (const ReferenceSplat& s : splats) {
+        const DVec2 delta = DVec2(px + 0.5, py + 0.5) - s.center;
+        double alpha = s.opacity * std::exp(-0.5 * glm::dot(delta, s.conic * delta));
+        if (s.clipped) {
+          alpha *= normal_cdf((s.distance + glm::dot(s.k, delta)) / s.s);
+        }
+        alpha = std::min(alpha, double{options.alpha_max});
+        if (alpha < options.alpha_min || transmittance < options.transmittance_min) {
+          continue;
+        }
+        for (int c = 0; c < 3; ++c) {
+          out[c] += s.color[c] * alpha * transmittance;
+        }
+        transmittance *= 1 - alpha;
+      }
+      out[3] = 1 - transmittance;
+    }
+  }
+  return image;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,63 @@
+#include "splat/render.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/error.h"
+#include "splat/rasterizer.h"
+#include "splat/reference.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr std::array<const char*, 3> kNames = {"hard", "soft", "exact"};
+
+/// Premultiplied → straight alpha.
+template <typename T>
+Image straighten(const T* premultiplied, int width, int height) {
+  Image out(width, height, 4);
+  for (size_t i = 0; i < out.pixels(); ++i) {
+    const T alpha = premultiplied[i * 4 + 3];
+    for (int c = 0; c < 3; ++c) {
+      const T value = alpha > T{0} ? premultiplied[i * 4 + c] / alpha : T{0};
+      out.data[i * 4 + c] = static_cast<float>(std::clamp(value, T{0}, T{1}));
+    }
+    out.data[i * 4 + 3] = static_cast<float>(alpha);
+  }
+  return out;
+}
+
+}  // namespace
+
+ClipOperator parse_clip_operator(const std::string& name) {
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) {
+      return static_cast<ClipOperator>(i);
+    }
+  }
+  throw Error("clip operator \"{}\" does not exist; choose hard, soft or exact", name);
+}
+
+const char* clip_operator_name(ClipOperator clip) { return kNames[static_cast<size_t>(clip)]; }
+
+Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
+             ClipOperator clip) {
+  Rasterizer rasterizer;
+  RasterOptions options;
+  options.clip = clip;
+  const Image& image = rasterizer.forward(gaussians, camera, plane, options);
+  return straighten(image.data.data(), image.width, image.height);
+}
+
+Image render_reference(const Gaussians& gaussians, const Camera& camera,
+                       const std::optional<Plane>& plane, ClipOperator clip) {
+  RasterOptions options;
+  options.clip = clip;
+  const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
+  const std::vector<double> image =
+      reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, plane, options);
+  return straighten(image.data(), camera.width, camera.height);
+}
+
+}  // namespace clipgs
