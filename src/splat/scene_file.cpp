@@ -41,7 +41,7 @@ class Reader {
  public:
   Reader(const json& object, std::string name) : object_(object), name_(std::move(name)) {
     if (!object_.is_object()) {
-      throw Error("{}: JSON object expected; the file is corrupt", name_);
+      throw Error("{}: a JSON object was expected; the file is corrupt", name_);
     }
   }
 
@@ -91,7 +91,7 @@ class Reader {
   }
 
   [[noreturn]] void fail(const char* key) const {
-    throw Error("{}: \"{}\" is missing or not as it should be; the file is corrupt", name_, key);
+    throw Error("{}: \"{}\" is missing or out of range", name_, key);
   }
 
  private:
@@ -119,7 +119,7 @@ class Reader {
 json json_number(float value) { return std::strtod(fmt::format("{}", value).c_str(), nullptr); }
 
 json scene_to_json(const Scene& scene, const Similarity& world) {
-  return {
+  json result = {
       {"version", kVersion},
       {"world", {{"scene_to_ras_mm", to_json(world.matrix())}, {"mm_per_unit", world.scale}}},
       {"axis", to_json(scene.axis)},
@@ -131,6 +131,9 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
       {"preset", scene.preset},
       {"created", scene.created},
   };
+  Scene checked;  // what is written can be read
+  scene_from_json(result, "the scene to be written", checked);
+  return result;
 }
 
 Similarity scene_from_json(const json& object, const std::string& name, Scene& scene) {

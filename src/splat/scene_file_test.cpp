@@ -1,0 +1,92 @@
+#include "splat/scene_file.h"
+
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "splat/ply.h"
+#include "splat/test_scene.h"
+
+namespace clipgs {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::filesystem::path temporary(const std::string& name) {
+  return std::filesystem::path(::testing::TempDir()) / ("clipgs_scene_test_" + name);
+}
+
+TEST(SceneFile, RoundTripKeepsEveryField) {
+  const Scene written = random_scene(200, 2, 5);
+  write_scene(temporary("a.ply"), written);
+  const Scene read = read_scene(temporary("a.ply"));
+  EXPECT_EQ(read.sphere.center, written.sphere.center);
+  EXPECT_EQ(read.sphere.radius, written.sphere.radius);
+  EXPECT_EQ(read.bounds.min, written.bounds.min);
+  EXPECT_EQ(read.bounds.max, written.bounds.max);
+  EXPECT_EQ(read.axis, written.axis);
+  EXPECT_EQ(read.extent, written.extent);
+  EXPECT_EQ(read.title, written.title);
+  EXPECT_EQ(read.preset, written.preset);
+  EXPECT_EQ(read.created, written.created);
+  ASSERT_EQ(read.gaussians.size(), 200u);
+  ASSERT_EQ(read.gaussians.sh_degree(), 2);
+  for (size_t i = 0; i < 200; ++i) {
+    EXPECT_LT(glm::length(read.gaussians.mean(i) - written.gaussians.mean(i)), 1e-3f);
+    const Vec3 d = fibonacci_sphere(static_cast<int>(i), 200);
+    EXPECT_LT(glm::length(sh_color(read.gaussians, i, d) - sh_color(written.gaussians, i, d)),
+              1e-5f);
+  }
+}
+
+TEST(SceneFile, PlyIsInMetresWithTheHeadUp) {
+  const Scene scene = random_scene(1, 0, 5);
+  write_scene(temporary("b.ply"), scene);
+  const Vec3 ras = scene.gaussians.mean(0);
+  const Vec3 p = read_ply(temporary("b.ply")).mean(0);
+  EXPECT_LT(glm::length(p - Vec3(-ras.x, -ras.z, -ras.y) * 0.001f), 1e-6f);
+}
+
+TEST(SceneFile, OneLineErrors) {
+  EXPECT_THAT([] { write_scene(temporary("c.sog"), random_scene(1, 0, 1)); },
+              ThrowsMessage<Error>(HasSubstr(".ply")));
+  write_ply(temporary("alone.ply"), random_gaussians(1, 0, 1));
+  std::filesystem::remove(temporary("alone.json"));
+  EXPECT_THAT([] { read_scene(temporary("alone.ply")); },
+              ThrowsMessage<Error>(HasSubstr("alone.json")));
+  write_text(temporary("alone.json"), "{\"version\": 1,");
+  EXPECT_THROW(read_scene(temporary("alone.ply")), Error);
+
+  Scene scene = random_scene(1, 0, 1);
+  scene.sphere.radius = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT([&] { write_scene(temporary("d.ply"), scene); },
+              ThrowsMessage<Error>(HasSubstr("radius")));
+  EXPECT_FALSE(std::filesystem::exists(temporary("d.ply")));
+}
+
+TEST(SceneFile, EveryKeyIsChecked) {
+  const nlohmann::json whole = scene_to_json(random_scene(1, 0, 1), scene_to_world());
+  for (const auto& entry : whole.items()) {
+    nlohmann::json missing = whole;
+    missing.erase(entry.key());
+    nlohmann::json wrong = whole;
+    wrong[entry.key()] = nullptr;
+    Scene scene;
+    EXPECT_THAT([&] { scene_from_json(missing, "x.json", scene); },
+                ThrowsMessage<Error>(HasSubstr(entry.key())));
+    EXPECT_THROW(scene_from_json(wrong, "x.json", scene), Error) << entry.key();
+  }
+}
+
+TEST(SceneFile, NumbersAreShort) {
+  EXPECT_EQ(json_number(0.1f).dump(), "0.1");
+  EXPECT_EQ(json_number(1.0f / 3.0f).get<float>(), 1.0f / 3.0f);
+}
+
+}  // namespace
+}  // namespace clipgs
