@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# Installs what clipgs needs, from the distribution's own packages: Debian 12 or newer, Ubuntu 24.04.
+# Does nothing, and needs no rights, when everything is there already.
+#
+#   scripts/setup.sh            everything: to build, to test and to check the style
+#   scripts/setup.sh --build    only what is needed to build and run
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+case "${1:-}" in
+  "") with_checks=1 ;;
+  --build) with_checks=0 ;;
+  *)
+    echo "usage: scripts/setup.sh [--build]" >&2
+    exit 2
+    ;;
+esac
+
+readonly node_wanted=20 # what the viewer's build tools ask for
+readonly node_folder=build/tools
+
+if ! command -v apt-get >/dev/null; then
+  echo "setup: this script speaks apt only; on other systems install the libraries that" >&2
+  echo "setup: CMakeLists.txt names (ITK 5, oneTBB, Highway, GLM, fmt, CLI11, libwebp, ...)" >&2
+  exit 1
+fi
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    env DEBIAN_FRONTEND=noninteractive "$@"
+  else
+    sudo env DEBIAN_FRONTEND=noninteractive "$@"
+  fi
+}
+
+installed() {
+  [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+available() {
+  [ -n "$(apt-cache madison "$1" 2>/dev/null)" ]
+}
+
+updated=0
+update_lists() {
+  if [ "$updated" -eq 0 ]; then
+    echo "setup: reading the package lists"
+    as_root apt-get update -qq
+    updated=1
+  fi
+}
+
+install_packages() {
+  update_lists
+  echo "setup: installing $*"
+  if ! as_root apt-get install -y -qq --no-install-recommends "$@" >"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    echo "setup: apt-get could not install the packages above; see $log" >&2
+    exit 1
+  fi
+}
+
+log="$(mktemp)"
+
+packages=(
+  ca-certificates git
+  # build
+  g++ cmake ninja-build ccache pkg-config
+  # libraries
+  libinsighttoolkit5-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
+  nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libminizip-dev
+  libcpp-httplib-dev libssl-dev libqrencode-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
+  # the viewer's WebAssembly
+  clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32
+)
+checks=(clang-format-19 clang-tidy-19 chromium fonts-dejavu-core)
+if [ "$with_checks" -eq 1 ]; then
+  packages+=("${checks[@]}")
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+  installed "$package" || missing+=("$package")
+done
+
+if [ "${#missing[@]}" -gt 0 ]; then
+  update_lists
+  wanted=()
+  for package in "${missing[@]}"; do
+    if available "$package"; then
+      wanted+=("$package")
+    else
+      echo "setup: this system has no package $package; what needs it will be left out" >&2
+    fi
+  done
+  if [ "${#wanted[@]}" -gt 0 ]; then
+    install_packages "${wanted[@]}"
+  fi
+fi
+
+# Node comes with npm or without it, depending on who packaged it.
+command -v node >/dev/null || install_packages nodejs
+command -v npm >/dev/null || install_packages npm
+
+# Debian 12's Node is too old for the viewer's build tools: a newer one goes into the build folder,
+# where the other scripts find it (PATH) and nobody else is disturbed.
+node_major() { "$1" --version | sed 's/^v\([0-9]*\).*/\1/'; }
+if [ "$(node_major node)" -lt "$node_wanted" ] && [ ! -x "$node_folder/bin/node" ]; then
+  echo "setup: Node $(node --version) is older than $node_wanted; fetching one into $node_folder"
+  mkdir -p "$node_folder"
+  npm install --prefix "$node_folder" --no-save --no-audit --no-fund --silent node@22
+  mkdir -p "$node_folder/bin"
+  ln -sf ../node_modules/node/bin/node "$node_folder/bin/node"
+fi
+
+rm -f "$log"

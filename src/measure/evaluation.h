@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cinema/dataset.h"
+#include "splat/render.h"
+#include "splat/scene.h"
+
+namespace clipgs {
+
+/// Metrics of one picture, or their means; a metric that is not defined there is empty (see
+/// metrics.h): no plane or no matter near it, nothing visible, no uncut picture in the dataset.
+struct Scores {
+  double psnr = 0;
+  std::optional<double> psnr_masked;
+  double ssim = 0;
+  std::optional<double> band_ssim;
+  std::optional<double> leak;
+};
+
+/// One test picture under one clip operator.
+struct FrameScores {
+  size_t frame = 0;  ///< index into Dataset::frames
+  ClipOperator clip = ClipOperator::kExact;
+  Scores scores;
+};
+
+/// One line of the table: the mean of every metric over the pictures of a split where it is
+/// defined. A mean PSNR is the mean of the pictures' PSNR, not the PSNR of their mean error.
+struct EvaluationRow {
+  Split split = Split::kTestAxis;
+  ClipOperator clip = ClipOperator::kExact;
+  std::string section = "splats";  ///< what draws the exposed face
+  std::string against = "truth";   ///< what the pictures are compared with
+  Scores mean;
+  size_t images = 0;
+};
+
+struct Evaluation {
+  size_t splats = 0;
+  std::uintmax_t bytes = 0;                              ///< size of the scene's file
+  std::vector<std::pair<Split, double>> noise_floor_db;  ///< mean over the pictures of the split
+  std::vector<EvaluationRow> rows;
+  std::vector<FrameScores> frames;  ///< in the order split, frame, clip
+};
+
+struct EvaluationOptions {
+  std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,
+                                     ClipOperator::kExact};
+};
+
+/// A test picture of the dataset, checked against its camera's size. Throws Error.
+Image load_truth(const Dataset& dataset, const Frame& frame);
+
+/// Renders every test picture of the dataset with every operator and compares it with the
+/// path-traced truth over black. Throws Error for a dataset without test pictures, pictures that
+/// are missing or of the wrong size.
+Evaluation evaluate(const Scene& scene, const Dataset& dataset,
+                    const EvaluationOptions& options = {});
+
+/// {"splats", "bytes", "noise_floor_db": {split: dB}, "rows": [{"split", "clip", "section",
+/// "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "images"}]}; null where a metric
+/// is not defined.
+std::string evaluation_json(const Evaluation& evaluation);
+
+/// The same rows as a table for a terminal.
+std::string evaluation_table(const Evaluation& evaluation);
+
+}  // namespace clipgs

@@ -1,0 +1,203 @@
+#include "measure/evaluation.h"
+
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "core/error.h"
+#include "core/progress.h"
+#include "core/random.h"
+#include "measure/report.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr float kRadius = 40;  // mm
+constexpr float kDepthScale = 0.01f;
+
+/// A ball of coloured Gaussians.
+Scene make_scene() {
+  Scene scene;
+  scene.gaussians = Gaussians(600, 0);
+  Gaussians& g = scene.gaussians;
+  Rng rng(7);
+  for (size_t i = 0; i < g.size(); ++i) {
+    const float radius = kRadius * std::cbrt(rng.uniform());
+    const Vec3 mean = radius * fibonacci_sphere(static_cast<int>(i), 600);
+    for (int axis = 0; axis < 3; ++axis) {
+      g.plane(Gaussians::kMean + axis)[i] = mean[axis];
+      g.plane(Gaussians::kLogScale + axis)[i] = std::log(3.0f + 3.0f * rng.uniform());
+      g.plane(Gaussians::kSh + axis)[i] = rng.normal();
+    }
+    g.plane(Gaussians::kRotation)[i] = 1;
+    g.plane(Gaussians::kOpacity)[i] = 2;
+  }
+  scene.sphere = {{0, 0, 0}, kRadius + 5};
+  scene.title = "A <ball> & \"more\"";
+  return scene;
+}
+
+class EvaluationTest : public testing::Test {
+ protected:
+  EvaluationTest() {
+    Progress::set_enabled(false);
+    fs::create_directories(folder_);
+    dataset_.folder = folder_;
+    dataset_.axis = {0, 0, 1};
+    dataset_.extent = {-kRadius, kRadius};
+    dataset_.sphere = scene_.sphere;
+    dataset_.preset = "bone";
+    dataset_.depth_scale = kDepthScale;
+    for (int i = 0; i < 3; ++i) {
+      const float offset = -10.0f + 10.0f * static_cast<float>(i);
+      add_frame(Split::kTestAxis, Plane{{0, 0, -1}, offset}, {30.0f * static_cast<float>(i), 40});
+      add_frame(Split::kTestOblique, Plane{glm::normalize(Vec3(1, -1, -1)), offset},
+                {40.0f * static_cast<float>(i), 20});
+    }
+  }
+  ~EvaluationTest() override { fs::remove_all(folder_); }
+  EvaluationTest(const EvaluationTest&) = delete;
+  EvaluationTest& operator=(const EvaluationTest&) = delete;
+
+  /// A test picture whose truth is the scene itself under the exact operator.
+  void add_frame(Split split, const Plane& plane, const View& view) {
+    Frame frame;
+    frame.camera = frame_sphere(scene_.sphere, view, 64, 48);
+    frame.plane = plane;
+    frame.split = split;
+    const std::string name = std::to_string(dataset_.frames.size());
+    frame.file = name + ".png";
+    frame.uncut_file = name + "-uncut.png";
+    frame.depth_file = name + "-depth.png";
+    frame.noise_db = 41.0f + static_cast<float>(dataset_.frames.size());
+    const Image truth = render(scene_.gaussians, frame.camera, plane, ClipOperator::kExact);
+    write_png(folder_ / frame.file, truth, 16);
+    write_png(folder_ / frame.uncut_file,
+              render(scene_.gaussians, frame.camera, std::nullopt, ClipOperator::kExact), 16);
+    write_png(folder_ / frame.depth_file, plane_depth(frame.camera, plane, truth), 16);
+    dataset_.frames.push_back(frame);
+  }
+
+  /// Distance along each covered pixel's ray to the plane, as the dataset stores it.
+  static Image plane_depth(const Camera& camera, const Plane& plane, const Image& truth) {
+    Image depth(truth.width, truth.height, 1);
+    for (int y = 0; y < truth.height; ++y) {
+      for (int x = 0; x < truth.width; ++x) {
+        const Vec3 ray =
+            camera.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        const float distance =
+            -plane.signed_distance(camera.position) / glm::dot(plane.normal, ray);
+        if (truth.at(x, y)[3] > 0.5f && distance > 0) {
+          *depth.at(x, y) = distance / kDepthScale / 65535.0f;
+        }
+      }
+    }
+    return depth;
+  }
+
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / ("clipgs-evaluation-" + std::to_string(getpid()));
+  Scene scene_ = make_scene();
+  Dataset dataset_;
+};
+
+TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
+  const Evaluation evaluation = evaluate(scene_, dataset_);
+  EXPECT_EQ(evaluation.splats, 600u);
+  ASSERT_EQ(evaluation.rows.size(), 6u);
+  EXPECT_EQ(evaluation.frames.size(), 18u);
+  for (size_t split = 0; split < 2; ++split) {
+    const EvaluationRow& hard = evaluation.rows[split * 3];
+    const EvaluationRow& soft = evaluation.rows[split * 3 + 1];
+    const EvaluationRow& exact = evaluation.rows[split * 3 + 2];
+    EXPECT_EQ(hard.clip, ClipOperator::kHard);
+    EXPECT_EQ(exact.clip, ClipOperator::kExact);
+    EXPECT_EQ(exact.images, 3u);
+    EXPECT_GT(*exact.mean.psnr_masked, 60);
+    EXPECT_GT(*exact.mean.psnr_masked, *soft.mean.psnr_masked + 10);
+    EXPECT_GT(*exact.mean.psnr_masked, *hard.mean.psnr_masked + 10);
+    EXPECT_GT(*exact.mean.band_ssim, 0.999);
+    EXPECT_GT(*exact.mean.band_ssim, *hard.mean.band_ssim);
+    EXPECT_GT(*hard.mean.leak, *exact.mean.leak);
+    EXPECT_LT(hard.mean.ssim, exact.mean.ssim);
+  }
+  // Frames alternate between the splits with noise floors 41, 42, …, 46.
+  ASSERT_EQ(evaluation.noise_floor_db.size(), 2u);
+  EXPECT_EQ(evaluation.noise_floor_db[0], std::pair(Split::kTestAxis, 43.0));
+  EXPECT_EQ(evaluation.noise_floor_db[1], std::pair(Split::kTestOblique, 44.0));
+}
+
+TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
+  Evaluation evaluation = evaluate(scene_, dataset_, {{ClipOperator::kSoft}});
+  evaluation.bytes = 1234;
+  const nlohmann::ordered_json json = nlohmann::ordered_json::parse(evaluation_json(evaluation));
+  EXPECT_EQ(json["splats"], 600);
+  EXPECT_EQ(json["bytes"], 1234);
+  EXPECT_EQ(json["noise_floor_db"]["test_axis"], 43.0);
+  ASSERT_EQ(json["rows"].size(), 2u);
+  const nlohmann::ordered_json& row = json["rows"][1];
+  std::vector<std::string> keys;
+  for (const auto& item : row.items()) {
+    keys.push_back(item.key());
+  }
+  EXPECT_THAT(keys, testing::ElementsAre("split", "clip", "section", "against", "psnr",
+                                         "psnr_masked", "ssim", "band_ssim", "leak", "images"));
+  EXPECT_EQ(row["split"], "test_oblique");
+  EXPECT_EQ(row["clip"], "soft");
+  EXPECT_EQ(row["section"], "splats");
+  EXPECT_EQ(row["against"], "truth");
+  EXPECT_EQ(row["images"], 3);
+  EXPECT_NEAR(row["psnr"], evaluation.rows[1].mean.psnr, 1e-5);
+}
+
+TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
+  for (Frame& frame : dataset_.frames) {
+    frame.uncut_file.clear();
+    frame.depth_file.clear();
+  }
+  const Evaluation evaluation = evaluate(scene_, dataset_, {{ClipOperator::kExact}});
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation));
+  EXPECT_TRUE(json["rows"][0]["leak"].is_null());
+  EXPECT_TRUE(json["rows"][0]["band_ssim"].is_null());
+  EXPECT_TRUE(json["rows"][0]["psnr_masked"].is_number());
+}
+
+TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
+  const Evaluation evaluation = evaluate(scene_, dataset_);
+  const std::string html = evaluation_report(scene_, dataset_, evaluation);
+  EXPECT_THAT(html, testing::HasSubstr("Not for diagnosis"));
+  EXPECT_THAT(html, testing::HasSubstr("A &lt;ball&gt; &amp; &quot;more&quot;"));
+  EXPECT_THAT(html, testing::Not(testing::HasSubstr("<ball>")));
+  EXPECT_THAT(html, testing::Not(testing::HasSubstr("http")));
+  size_t pictures = 0;
+  for (size_t at = html.find("data:image/webp"); at != std::string::npos;
+       at = html.find("data:image/webp", at + 1)) {
+    ++pictures;
+  }
+  EXPECT_EQ(pictures, 2u * 3 * 5);  // splits × worst, median, best × truth, three operators, error
+}
+
+TEST_F(EvaluationTest, ADatasetWithoutTestPicturesIsAnError) {
+  std::erase_if(dataset_.frames, [](const Frame&) { return true; });
+  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("no test pictures")));
+}
+
+TEST_F(EvaluationTest, AMissingPictureIsAnError) {
+  fs::remove(folder_ / dataset_.frames[2].depth_file);
+  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("2-depth.png")));
+}
+
+TEST_F(EvaluationTest, APictureOfTheWrongSizeIsAnError) {
+  write_png(folder_ / dataset_.frames[1].file, Image(32, 48, 4));
+  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("32×48")));
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,362 @@
+#include "measure/report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <vector>
+
+#include "measure/html.h"
+#include "measure/metrics.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr const char* kStyle = R"css(
+:root { color-scheme: light dark; --ground: #f6f5f2; --card: #ffffff; --ink: #1d1f23;
+  --quiet: #6a6e76; --line: #dddbd5; --exact: #1f6feb; --soft: #c2571a; --hard: #7a7f87; }
+@media (prefers-color-scheme: dark) { :root { --ground: #111316; --card: #1a1d21; --ink: #e8e9eb;
+  --quiet: #9aa0a8; --line: #30343a; --exact: #6ea8ff; --soft: #f0934e; --hard: #a3a9b2; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--ground); color: var(--ink);
+  font: 16px/1.55 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; }
+main { max-width: 1240px; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .4rem; letter-spacing: -.01em; }
+h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; }
+p { max-width: 72ch; margin: .4rem 0; }
+.quiet { color: var(--quiet); }
+.badge { display: inline-block; border: 1px solid var(--soft); color: var(--soft);
+  border-radius: 99px; padding: .05rem .7rem; font-size: .85rem; margin-bottom: .9rem; }
+.scroll { overflow-x: auto; background: var(--card); border: 1px solid var(--line);
+  border-radius: 10px; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { padding: .5rem .9rem; text-align: right; white-space: nowrap; }
+th { font-weight: 600; font-size: .85rem; color: var(--quiet); border-bottom: 1px solid var(--line); }
+tbody + tbody tr:first-child td { border-top: 1px solid var(--line); }
+th:nth-child(-n+4), td:nth-child(-n+4) { text-align: left; }
+td.best { font-weight: 700; }
+.exact { color: var(--exact); } .soft { color: var(--soft); } .hard { color: var(--hard); }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }
+.plots > figure { background: var(--card); border: 1px solid var(--line); border-radius: 10px;
+  padding: .8rem 1rem; }
+svg { width: 100%; height: auto; display: block; font-size: 12px; }
+svg text { fill: var(--quiet); } svg .grid { stroke: var(--line); }
+svg .floor { stroke: var(--ink); stroke-dasharray: 5 4; }
+svg polyline { fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round; }
+svg circle { fill: currentColor; }
+figure { margin: 0; }
+.frame { margin: 0 0 1.6rem; }
+.frame > figcaption { margin-bottom: .5rem; }
+.row { display: grid; gap: .5rem; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); }
+.row img { width: 100%; display: block; background: #000; border-radius: 8px; }
+.row figcaption { font-size: .85rem; padding: .3rem .1rem; }
+.scale { display: inline-block; vertical-align: middle; width: 7rem; height: .7rem;
+  border-radius: 4px; background: linear-gradient(90deg, #000, #f00, #ff0, #fff);
+  border: 1px solid var(--line); }
+dt { font-weight: 600; margin-top: .6rem; } dd { margin: 0; max-width: 72ch; }
+)css";
+
+constexpr const char* kDefinitions = R"html(
+<h2>What the columns mean</h2>
+<dl>
+<dt>PSNR</dt><dd>Over RGB in [0, 1] on black, the whole picture; mean of the pictures' values. An
+object that fills little of the frame makes it high.</dd>
+<dt>masked</dt><dd>PSNR over the pixels where the truth's or the picture's alpha exceeds 0.01: the
+figure to compare.</dd>
+<dt>SSIM</dt><dd>Window of 11×11 pixels, σ 1.5, zero padded, mean of the channels.</dd>
+<dt>band SSIM</dt><dd>Mean of the SSIM map where the truth's first hit lies within 2&nbsp;% of the
+extent of the plane: at the cut.</dd>
+<dt>leak</dt><dd>Colour energy that the picture puts where the cut left nothing, divided by the
+energy of the truth, in units of 10⁻².</dd>
+<dt>noise floor</dt><dd>How well the path-traced truth knows itself, from two independent halves of
+its samples. No PSNR above it can be trusted.</dd>
+</dl>
+)html";
+
+/// Mean absolute error that the error map shows as white.
+constexpr float kErrorScale = 0.25f;
+
+std::string value_text(const std::optional<double>& value, int decimals) {
+  return value ? fmt::format("{:.{}f}", *value, decimals) : "–";
+}
+
+const char* split_title(Split split) {
+  switch (split) {
+    case Split::kTestAxis:
+      return "Planes along the axis";
+    case Split::kTestOblique:
+      return "Oblique planes";
+    case Split::kTrain:
+      break;
+  }
+  return "Training";
+}
+
+/// How the columns of the table are written; `best` is +1 where more is better, −1 where less is.
+struct Column {
+  const char* title;
+  int decimals;
+  int best;
+  std::optional<double> (*value)(const Scores&);
+};
+
+const std::array<Column, 5> kColumns = {{
+    {"PSNR, dB", 2, 1, [](const Scores& s) { return std::optional(s.psnr); }},
+    {"masked, dB", 2, 1, [](const Scores& s) { return s.psnr_masked; }},
+    {"SSIM", 4, 1, [](const Scores& s) { return std::optional(s.ssim); }},
+    {"band SSIM", 4, 1, [](const Scores& s) { return s.band_ssim; }},
+    {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak; }},
+}};
+
+/// The best value of a column among the rows of one split.
+std::optional<double> best_value(const Evaluation& evaluation, Split split, const Column& column) {
+  std::optional<double> best;
+  for (const EvaluationRow& row : evaluation.rows) {
+    const std::optional<double> value = column.value(row.mean);
+    if (row.split == split && value &&
+        (!best || (*value - *best) * static_cast<double>(column.best) > 0)) {
+      best = value;
+    }
+  }
+  return best;
+}
+
+std::string table_html(const Evaluation& evaluation) {
+  std::string html =
+      "<div class=\"scroll\"><table><thead><tr><th>split</th><th>clip</th><th>section</th>"
+      "<th>against</th>";
+  for (const Column& column : kColumns) {
+    html += fmt::format("<th>{}</th>", column.title);
+  }
+  html += "<th>noise floor, dB</th><th>pictures</th></tr></thead>\n";
+  for (const auto& [split, noise] : evaluation.noise_floor_db) {
+    html += "<tbody>\n";
+    for (const EvaluationRow& row : evaluation.rows) {
+      if (row.split != split) {
+        continue;
+      }
+      const char* clip = clip_operator_name(row.clip);
+      html += fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td>{}</td><td>{}</td>",
+                          split_name(split), clip, clip, escape_html(row.section),
+                          escape_html(row.against));
+      for (const Column& column : kColumns) {
+        const std::optional<double> value = column.value(row.mean);
+        const bool best = value && value == best_value(evaluation, split, column);
+        html += fmt::format("<td{}>{}</td>", best ? " class=\"best\"" : "",
+                            value_text(value, column.decimals));
+      }
+      html += fmt::format("<td>{:.1f}</td><td>{}</td></tr>\n", noise, row.images);
+    }
+    html += "</tbody>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+/// Masked PSNRs of one split and operator, lowest first.
+std::vector<double> sorted_psnr(const Dataset& dataset, const Evaluation& evaluation, Split split,
+                                ClipOperator clip) {
+  std::vector<double> values;
+  for (const FrameScores& frame : evaluation.frames) {
+    if (frame.clip == clip && dataset.frames[frame.frame].split == split &&
+        frame.scores.psnr_masked) {
+      values.push_back(*frame.scores.psnr_masked);
+    }
+  }
+  std::ranges::sort(values);
+  return values;
+}
+
+/// Maps ranks and decibels to the plot's coordinates.
+struct PlotFrame {
+  static constexpr double kLeft = 36, kRight = 500, kTop = 12, kBottom = 200;
+  double low = 0, high = 1;
+
+  double x(size_t rank, size_t count) const {
+    return kLeft +
+           (kRight - kLeft) *
+               (count > 1 ? static_cast<double>(rank) / static_cast<double>(count - 1) : 0.5);
+  }
+  double y(double db) const { return kBottom - (kBottom - kTop) * (db - low) / (high - low); }
+};
+
+std::string curve_svg(const PlotFrame& plot, const std::vector<double>& values, const char* name) {
+  std::string points;
+  std::string dots;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const double x = plot.x(i, values.size());
+    const double y = plot.y(values[i]);
+    points += fmt::format("{:.1f},{:.1f} ", x, y);
+    dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", x, y);
+  }
+  return fmt::format("<g class=\"{}\"><polyline points=\"{}\"/>{}</g>\n", name, points, dots);
+}
+
+std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Split split,
+                      double noise) {
+  PlotFrame plot{std::numeric_limits<double>::max(), noise};
+  std::string curves;
+  std::string legend;
+  std::vector<std::pair<const char*, std::vector<double>>> series;
+  for (const EvaluationRow& row : evaluation.rows) {
+    if (row.split == split) {
+      series.emplace_back(clip_operator_name(row.clip),
+                          sorted_psnr(dataset, evaluation, split, row.clip));
+      for (const double value : series.back().second) {
+        plot.low = std::min(plot.low, value);
+        plot.high = std::max(plot.high, value);
+      }
+    }
+  }
+  constexpr double kStep = 5;
+  plot.low = std::floor(std::min(plot.low, plot.high - kStep) / kStep) * kStep;
+  plot.high = std::ceil(plot.high / kStep) * kStep;
+  for (const auto& [name, values] : series) {
+    curves += curve_svg(plot, values, name);
+    legend += fmt::format(" <span class=\"{0}\">● {0}</span>", name);
+  }
+  std::string grid;
+  for (double db = plot.low; db <= plot.high; db += kStep) {
+    grid += fmt::format(
+        "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
+        "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.0f}</text>\n",
+        PlotFrame::kLeft, PlotFrame::kRight, plot.y(db), PlotFrame::kLeft - 6, plot.y(db) + 4, db);
+  }
+  grid += fmt::format(
+      "<line class=\"floor\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
+      "<text x=\"{3}\" y=\"{4:.1f}\">noise floor</text>\n",
+      PlotFrame::kLeft, PlotFrame::kRight, plot.y(noise), PlotFrame::kLeft + 6, plot.y(noise) + 15);
+  return fmt::format(
+      "<figure><figcaption><b>{}</b> · masked PSNR of every picture, dB, worst to best ·{}"
+      "</figcaption>\n<svg viewBox=\"0 0 510 215\" role=\"img\" aria-label=\"Sorted masked PSNR\">"
+      "{}{}</svg></figure>\n",
+      split_title(split), legend, grid, curves);
+}
+
+Image error_map(const Image& truth, const Image& picture) {
+  const Image a = composite(truth, 0, 0, 0);
+  const Image b = composite(picture, 0, 0, 0);
+  Image grey(a.width, a.height, 1);
+  for (size_t i = 0; i < a.pixels(); ++i) {
+    float sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      sum += std::abs(a.data[i * 3 + c] - b.data[i * 3 + c]);
+    }
+    grey.data[i] = sum / 3.0f / kErrorScale;
+  }
+  return heat_map(grey);
+}
+
+std::string picture_html(const Image& rgb, const std::string& name, const std::string& detail) {
+  return fmt::format(
+      "<figure><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\"><figcaption>{} "
+      "<span class=\"quiet\">{}</span></figcaption></figure>\n",
+      data_uri(rgb), rgb.width, rgb.height, name, name, detail);
+}
+
+/// The operator whose pictures choose the frames shown and are held against the truth first.
+ClipOperator leading_clip(const Evaluation& evaluation) {
+  for (const EvaluationRow& row : evaluation.rows) {
+    if (row.clip == ClipOperator::kExact) {
+      return row.clip;
+    }
+  }
+  return evaluation.rows.front().clip;
+}
+
+std::string plane_text(const std::optional<Plane>& plane) {
+  return plane ? fmt::format("plane {:.2f}, {:.2f}, {:.2f} at {:.1f} mm", plane->normal.x,
+                             plane->normal.y, plane->normal.z, plane->offset)
+               : "uncut";
+}
+
+/// Truth, ours under every operator (the leading one first) and the error of one test picture.
+std::string frame_html(const Scene& scene, const Dataset& dataset, const Evaluation& evaluation,
+                       size_t index, const char* rank) {
+  const Frame& frame = dataset.frames[index];
+  const Image truth = load_truth(dataset, frame);
+  std::vector<const FrameScores*> scores;
+  for (const FrameScores& score : evaluation.frames) {
+    if (score.frame == index) {
+      scores.push_back(&score);
+    }
+  }
+  const ClipOperator leading = leading_clip(evaluation);
+  std::ranges::stable_partition(scores, [&](const auto* s) { return s->clip == leading; });
+
+  std::string html = fmt::format(
+      "<figure class=\"frame\"><figcaption><b>{}</b> <span class=\"quiet\">{} · {} · noise floor "
+      "{:.1f} dB</span></figcaption><div class=\"row\">\n",
+      rank, escape_html(frame.file), plane_text(frame.plane), frame.noise_db);
+  html += picture_html(composite(truth, 0, 0, 0), "truth", "path traced");
+  Image error;
+  for (const FrameScores* score : scores) {
+    const Image picture = render(scene.gaussians, frame.camera, frame.plane, score->clip);
+    if (score->clip == leading) {
+      error = error_map(truth, picture);
+    }
+    html += picture_html(composite(picture, 0, 0, 0), clip_operator_name(score->clip),
+                         value_text(score->scores.psnr_masked, 2) + " dB");
+  }
+  html += picture_html(error, "error", fmt::format("of {}", clip_operator_name(leading)));
+  return html + "</div></figure>\n";
+}
+
+/// The worst, the median and the best picture of a split, each once.
+std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset,
+                                                          const Evaluation& evaluation,
+                                                          Split split) {
+  std::vector<std::pair<double, size_t>> ranked;
+  for (const FrameScores& frame : evaluation.frames) {
+    if (frame.clip == leading_clip(evaluation) && dataset.frames[frame.frame].split == split) {
+      ranked.emplace_back(frame.scores.psnr_masked.value_or(kMaxPsnr), frame.frame);
+    }
+  }
+  std::ranges::sort(ranked);
+  std::vector<std::pair<const char*, size_t>> chosen = {{"Worst", ranked.front().second}};
+  if (ranked.size() > 2) {
+    chosen.emplace_back("Median", ranked[ranked.size() / 2].second);
+  }
+  if (ranked.size() > 1) {
+    chosen.emplace_back("Best", ranked.back().second);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+std::string evaluation_report(const Scene& scene, const Dataset& dataset,
+                              const Evaluation& evaluation) {
+  const std::string title = scene.title.empty() ? "Untitled scene" : scene.title;
+  std::string html = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
+      "<title>{0} · clipgs evaluation</title><style>{1}</style></head>\n<body><main>\n"
+      "<span class=\"badge\">Not for diagnosis</span>\n<h1>{0}</h1>\n"
+      "<p class=\"quiet\">{2} Gaussians · {3:.2f} MB · preset {4} · held-out views and planes, "
+      "against path-traced truth</p>\n<h2>Figures</h2>\n",
+      escape_html(title), kStyle, evaluation.splats, static_cast<double>(evaluation.bytes) / 1e6,
+      escape_html(dataset.preset));
+  html += table_html(evaluation);
+  html +=
+      "<p class=\"quiet\">Bold: the best of its split.</p>\n<h2>Every picture</h2>\n"
+      "<div class=\"plots\">\n";
+  for (const auto& [split, noise] : evaluation.noise_floor_db) {
+    html += plot_html(dataset, evaluation, split, noise);
+  }
+  html += "</div>\n";
+  for (const auto& [split, noise] : evaluation.noise_floor_db) {
+    html += fmt::format("<h2>{}: truth and ours</h2>\n", split_title(split));
+    for (const auto& [rank, frame] : chosen_frames(dataset, evaluation, split)) {
+      html += frame_html(scene, dataset, evaluation, frame, rank);
+    }
+  }
+  html += fmt::format(
+      "<p class=\"quiet\">Error: mean over RGB, from 0 <span class=\"scale\"></span> to {:.2f} "
+      "and more. Pictures are ranked by the masked PSNR of {}.</p>\n",
+      kErrorScale, clip_operator_name(leading_clip(evaluation)));
+  return html + kDefinitions + "</main></body></html>\n";
+}
+
+}  // namespace clipgs
