@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "splat/gaussians.h"
+
+namespace clipgs {
+
+/// Learning rates of the parameter groups, and Adam's constants (method.md §6).
+struct LearningRates {
+  float mean = 0;  ///< mm; the caller decays it
+  float log_scale = 5e-3f;
+  float rotation = 1e-3f;
+  float opacity = 5e-2f;
+  float sh0 = 2.5e-3f;
+  float sh_rest = 2.5e-3f / 20;
+};
+
+/// Adam over the Gaussians that a step has drawn. Others keep their moments: a Gaussian that the
+/// plane has cut away learns nothing from that picture, and momentum alone must not move it. Bias
+/// correction counts each Gaussian's own updates.
+class Adam {
+ public:
+  static constexpr float kBeta1 = 0.9f;
+  static constexpr float kBeta2 = 0.999f;
+  static constexpr float kEpsilon = 1e-15f;
+
+  Adam() = default;
+  Adam(size_t size, int sh_degree)
+      : first_(size, sh_degree), second_(size, sh_degree), updates_(size, 0) {}
+
+  /// One step for the Gaussians in `drawn` (indices, any order).
+  void step(const std::vector<std::uint32_t>& drawn, const Gaussians& gradients,
+            const LearningRates& rates, Gaussians& gaussians);
+
+  /// Forgets the history of Gaussian `i` (it was relocated).
+  void reset(size_t i);
+  /// Makes room for `size` Gaussians; new ones start without history.
+  void resize(size_t size);
+
+  Gaussians& first() { return first_; }
+  Gaussians& second() { return second_; }
+  std::vector<std::uint32_t>& updates() { return updates_; }
+
+ private:
+  Gaussians first_;  // moments, laid out as the parameters
+  Gaussians second_;
+  std::vector<std::uint32_t> updates_;
+};
+
+/// Copies the planes of `from` into a larger cloud; the new Gaussians' parameters are 0.
+Gaussians resized(const Gaussians& from, size_t size);
+
+}  // namespace clipgs

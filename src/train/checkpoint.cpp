@@ -1,0 +1,92 @@
+// Trainer's checkpoint: a header, then the raw float arrays (docs/format.md).
+#include <cstring>
+#include <span>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "train/trainer.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '1'};
+
+struct Header {
+  char magic[8];
+  std::uint64_t steps;  // of the whole run
+  std::uint64_t step;   // done
+  std::uint64_t seed;
+  std::uint64_t budget;
+  std::uint64_t size;  // Gaussians
+  std::int32_t sh_degree;
+  std::int32_t clip;
+  std::uint64_t views;
+};
+
+void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
+  const auto* p = static_cast<const std::uint8_t*>(data);
+  bytes.insert(bytes.end(), p, p + size);
+}
+
+}  // namespace
+
+void Trainer::save_checkpoint(const std::filesystem::path& path) {
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.steps = options_.steps;
+  header.step = step_;
+  header.seed = options_.seed;
+  header.budget = options_.budget;
+  header.size = gaussians_.size();
+  header.sh_degree = options_.sh_degree;
+  header.clip = static_cast<std::int32_t>(options_.clip);
+  header.views = views_.size();
+  std::vector<std::uint8_t> bytes;
+  append(bytes, &header, sizeof header);
+  for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
+    append(bytes, cloud->data().data(), cloud->data().size() * sizeof(float));
+  }
+  append(bytes, adam_.updates().data(), adam_.updates().size() * sizeof(std::uint32_t));
+  write_file(path, bytes.data(), bytes.size());
+}
+
+bool Trainer::load_checkpoint(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) {
+    return false;
+  }
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  Header header{};
+  if (bytes.size() < sizeof header) {
+    throw Error("{}: is truncated; delete it to train from the start", path.string());
+  }
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) {
+    throw Error("{}: is not a checkpoint; delete it to train from the start", path.string());
+  }
+  if (header.steps != options_.steps || header.seed != options_.seed ||
+      header.budget != options_.budget || header.sh_degree != options_.sh_degree ||
+      header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size()) {
+    throw Error("{}: was written with other options; delete it, or give the ones it had",
+                path.string());
+  }
+  const auto planes = static_cast<size_t>(Gaussians::planes(options_.sh_degree));
+  const size_t per_gaussian = 3 * planes * sizeof(float) + sizeof(std::uint32_t);
+  if (header.size > options_.budget || bytes.size() != sizeof header + header.size * per_gaussian) {
+    throw Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
+  }
+  step_ = header.step;
+  gaussians_ = Gaussians(header.size, options_.sh_degree);
+  gradients_ = Gaussians(header.size, options_.sh_degree);
+  adam_ = Adam(header.size, options_.sh_degree);
+  const std::uint8_t* at = bytes.data() + sizeof header;
+  for (Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
+    std::memcpy(cloud->data().data(), at, cloud->data().size() * sizeof(float));
+    at += cloud->data().size() * sizeof(float);
+  }
+  std::memcpy(adam_.updates().data(), at, adam_.updates().size() * sizeof(std::uint32_t));
+  order_.clear();
+  return true;
+}
+
+}  // namespace clipgs

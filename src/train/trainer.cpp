@@ -1,0 +1,208 @@
+#include "train/trainer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "core/random.h"
+#include "train/densification.h"
+#include "train/seeding.h"
+
+namespace clipgs {
+
+namespace {
+
+// Independent random streams of a training run.
+enum Stream : std::uint64_t { kEpochOrder = 1, kBackground, kRelocation, kGrowth, kNoise };
+
+Camera half_size(const Camera& camera) {
+  Camera half = camera;
+  half.width /= 2;
+  half.height /= 2;
+  half.fx /= 2;
+  half.fy /= 2;
+  half.cx /= 2;
+  half.cy /= 2;
+  return half;
+}
+
+}  // namespace
+
+Trainer::Trainer(const Dataset& dataset, const TrainOptions& options)
+    : options_(options), extent_(dataset.sphere.radius) {
+  const std::vector<const Frame*> frames = dataset.split(Split::kTrain);
+  if (frames.empty()) {
+    throw Error("{}: has no training frames; make the dataset again", dataset.folder.string());
+  }
+  views_.resize(frames.size());
+  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
+    const Image image = dataset.load(*frames[i]);
+    View& view = views_[i];
+    view.camera = frames[i]->camera;
+    view.plane = frames[i]->plane;
+    view.rgba.resize(image.pixels() * 4);
+    for (size_t p = 0; p < image.pixels(); ++p) {
+      for (int c = 0; c < 4; ++c) {
+        const float v = c < image.channels ? image.data[p * image.channels + c] : 1.0f;
+        view.rgba[p * 4 + c] = static_cast<std::uint8_t>(std::lround(v * 255));
+      }
+    }
+  });
+  gaussians_ =
+      start_from_points(load_seed_points(dataset.folder), std::min(options_.start, options_.budget),
+                        options_.sh_degree, options_.seed);
+  gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
+  adam_ = Adam(gaussians_.size(), options_.sh_degree);
+}
+
+const Trainer::View& Trainer::next_view() {
+  const size_t epoch = step_ / views_.size();
+  const size_t within = step_ % views_.size();
+  if (within == 0 || order_.empty()) {
+    order_.resize(views_.size());
+    std::iota(order_.begin(), order_.end(), 0U);
+    Rng rng(options_.seed, Rng::mix(epoch) ^ kEpochOrder);
+    for (size_t i = order_.size(); i > 1; --i) {
+      std::swap(order_[i - 1], order_[rng.below(static_cast<std::uint32_t>(i))]);
+    }
+  }
+  return views_[order_[within]];
+}
+
+void Trainer::load_target(const View& view, bool half) {
+  const int scale = half ? 2 : 1;
+  const int width = view.camera.width / scale;
+  const int height = view.camera.height / scale;
+  if (target_.width != width || target_.height != height) {
+    target_ = Image(width, height, 4);
+  }
+  // Premultiply, then average: straight colours of transparent pixels mean nothing.
+  const float norm = 1.0f / static_cast<float>(scale * scale * 255);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      float sum[4] = {0, 0, 0, 0};
+      for (int sy = 0; sy < scale; ++sy) {
+        for (int sx = 0; sx < scale; ++sx) {
+          const size_t source =
+              static_cast<size_t>(y * scale + sy) * view.camera.width + x * scale + sx;
+          const std::uint8_t* in = &view.rgba[source * 4];
+          const float alpha = static_cast<float>(in[3]) / 255.0f;
+          for (int c = 0; c < 3; ++c) {
+            sum[c] += static_cast<float>(in[c]) * alpha;
+          }
+          sum[3] += static_cast<float>(in[3]);
+        }
+      }
+      float* out = target_.at(x, y);
+      for (int c = 0; c < 4; ++c) {
+        out[c] = sum[c] * norm;
+      }
+    }
+  }
+}
+
+double Trainer::step() {
+  const View& view = next_view();
+  const auto steps = static_cast<float>(options_.steps);
+  const float progress = static_cast<float>(step_) / steps;
+  const bool half = progress < options_.coarse_share;
+  load_target(view, half);
+
+  RasterOptions raster;
+  raster.clip = options_.clip;
+  const Camera camera = half ? half_size(view.camera) : view.camera;
+  const Image& image = rasterizer_.forward(gaussians_, camera, view.plane, raster);
+  Rng rng(options_.seed, Rng::mix(step_) ^ kBackground);
+  const Vec3 background(rng.uniform(), rng.uniform(), rng.uniform());
+  const double loss = loss_.evaluate(image, target_, background, options_.loss, image_gradient_);
+  rasterizer_.backward(gaussians_, image_gradient_, gradients_);
+  add_penalties();
+
+  const float relative_rate = options_.mean_rate * std::pow(0.01f, progress);
+  const float decay = std::pow(options_.rate_decay, progress);
+  LearningRates rates;
+  rates.mean = relative_rate * extent_;
+  rates.log_scale *= decay;
+  rates.rotation *= decay;
+  rates.opacity *= decay;
+  rates.sh0 *= decay;
+  rates.sh_rest *= decay;
+  adam_.step(rasterizer_.drawn(), gradients_, rates, gaussians_);
+
+  ++step_;
+  if (progress < options_.relocate_until) {
+    if (step_ % options_.relocate_every == 0) {
+      densify();
+    }
+    add_noise(gaussians_, relative_rate / extent_, options_.seed, Rng::mix(step_) ^ kNoise);
+  }
+  return loss;
+}
+
+void Trainer::add_penalties() {
+  const std::vector<std::uint32_t>& drawn = rasterizer_.drawn();
+  const auto count = static_cast<float>(std::max<size_t>(1, drawn.size()));
+  const float opacity_scale = options_.opacity_penalty / count;
+  const float log_scale_scale = options_.scale_penalty / (3 * count * extent_);
+  parallel_for(drawn.size(), 4096, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const std::uint32_t i = drawn[k];
+      const float o = gaussians_.opacity(i);
+      gradients_.plane(Gaussians::kOpacity)[i] += opacity_scale * o * (1 - o);
+      const Vec3 scale = gaussians_.scale(i);
+      for (int a = 0; a < 3; ++a) {
+        gradients_.plane(Gaussians::kLogScale + a)[i] += log_scale_scale * scale[a];
+      }
+    }
+  });
+}
+
+void Trainer::densify() {
+  relocate_dead(gaussians_, adam_, Rng(options_.seed, Rng::mix(step_) ^ kRelocation));
+  grow(gaussians_, adam_, options_.budget, Rng(options_.seed, Rng::mix(step_) ^ kGrowth));
+  if (gradients_.size() != gaussians_.size()) {
+    gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
+  }
+}
+
+Scene scene_of(const Dataset& dataset) {
+  Scene scene;
+  scene.sphere = dataset.sphere;
+  scene.bounds = dataset.bounds;
+  scene.axis = dataset.axis;
+  scene.extent = dataset.extent;
+  scene.preset = dataset.preset;
+  return scene;
+}
+
+Scene train(const Dataset& dataset, const TrainOptions& options,
+            const std::filesystem::path& checkpoint) {
+  Trainer trainer(dataset, options);
+  if (!checkpoint.empty()) {
+    trainer.load_checkpoint(checkpoint);
+  }
+  using Clock = std::chrono::steady_clock;
+  constexpr auto kSaveEvery = std::chrono::minutes(2);
+  auto last_save = Clock::now();
+  Progress progress("training", options.steps);
+  double smoothed = 0;
+  while (trainer.steps_done() < options.steps) {
+    const double loss = trainer.step();
+    smoothed = smoothed == 0 ? loss : 0.98 * smoothed + 0.02 * loss;
+    progress.update(trainer.steps_done(), fmt::format("loss {:.4f}", smoothed));
+    if (!checkpoint.empty() && Clock::now() - last_save > kSaveEvery) {
+      trainer.save_checkpoint(checkpoint);
+      last_save = Clock::now();
+    }
+  }
+  Scene scene = scene_of(dataset);
+  scene.gaussians = trainer.gaussians();
+  return scene;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "cinema/dataset.h"
+#include "splat/rasterizer.h"
+#include "splat/scene.h"
+#include "train/adam.h"
+#include "train/loss.h"
+
+namespace clipgs {
+
+struct TrainOptions {
+  size_t budget = 100000;  ///< Gaussians at most
+  size_t start = 100000;   ///< Gaussians to start from, at most the budget
+  size_t steps = 20000;
+  int sh_degree = 1;
+  std::uint64_t seed = 1;
+  ClipOperator clip = ClipOperator::kExact;
+  LossWeights loss;
+  float mean_rate = 1.6e-4f;      ///< of the scene's extent, decayed to 1 % over the steps
+  float rate_decay = 0.1f;        ///< the other rates end at this share of themselves
+  float coarse_share = 0.2f;      ///< of the steps run at half resolution
+  float opacity_penalty = 0.01f;  ///< MCMC's pull of opacities …
+  float scale_penalty = 0.01f;    ///< … and scales towards 0, per drawn Gaussian
+  size_t relocate_every = 100;    ///< steps between relocations and growth
+  float relocate_until = 0.8f;    ///< share of the steps after which the cloud stays as it is
+};
+
+/// Fits Gaussians to the training frames of a dataset. Everything random is drawn from (seed,
+/// step), so that a run that was interrupted and resumed ends with the same bytes as one that was
+/// not.
+class Trainer {
+ public:
+  /// Loads the training frames (kept in memory, 4 bytes a pixel) and the seed points. Throws Error.
+  Trainer(const Dataset& dataset, const TrainOptions& options);
+
+  /// One step: draw a training frame, compare, move. Returns the loss.
+  double step();
+  size_t steps_done() const { return step_; }
+  const Gaussians& gaussians() const { return gaussians_; }
+
+  /// Writes all that the next step depends on, atomically. Throws Error.
+  void save_checkpoint(const std::filesystem::path& path);
+  /// Restores it; false if there is no such file. Throws Error if it is corrupt or was written with
+  /// other options.
+  bool load_checkpoint(const std::filesystem::path& path);
+
+ private:
+  struct View {
+    Camera camera;
+    std::optional<Plane> plane;
+    std::vector<std::uint8_t> rgba;  // display sRGB, straight alpha
+  };
+
+  const View& next_view();
+  void load_target(const View& view, bool half);
+  void add_penalties();
+  void densify();
+
+  TrainOptions options_;
+  float extent_;  // mm
+  std::vector<View> views_;
+  std::vector<std::uint32_t> order_;  // of the current epoch
+  size_t step_ = 0;
+  Gaussians gaussians_;
+  Gaussians gradients_;
+  Adam adam_;
+  Rasterizer rasterizer_;
+  ImageLoss loss_;
+  Image target_;  // premultiplied
+  Image image_gradient_;
+};
+
+/// Trains from start to finish, or on from `checkpoint` if that file is there; writes it every few
+/// minutes (pass an empty path for none), and shows progress. Throws Error.
+Scene train(const Dataset& dataset, const TrainOptions& options,
+            const std::filesystem::path& checkpoint);
+
+/// The scene of a dataset without its Gaussians.
+Scene scene_of(const Dataset& dataset);
+
+}  // namespace clipgs
