@@ -29,6 +29,7 @@ class Rasterizer {
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
+  SplatGradient summed_gradient(std::uint32_t splat) const;
 
   Camera camera_;
   std::optional<Plane> plane_;
@@ -41,6 +42,7 @@ class Rasterizer {
   std::vector<std::uint8_t> visible_;  // of each Gaussian
   std::vector<std::uint32_t> order_;   // drawn Gaussians, near to far
   std::vector<Splat> splats_;          // the same, gathered
+  std::vector<std::uint32_t> rank_;    // of each drawn Gaussian: its place in order_
   std::vector<std::uint32_t> sort_scratch_;
 
   // One instance per (splat, tile) pair. Slots run splat by splat; a tile's list names splats in

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "splat/ply.h"
+#include "splat/sh.h"
 #include "splat/test_scene.h"
 
 namespace clipgs {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "splat/sh.h"
 #include "splat/test_scene.h"
 
 namespace clipgs {

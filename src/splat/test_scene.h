@@ -48,17 +48,4 @@ inline Scene random_scene(size_t count, int sh_degree, std::uint64_t seed) {
   return scene;
 }
 
-/// The colour of Gaussian `i` seen along a unit direction.
-inline Vec3 sh_color(const Gaussians& g, size_t i, const Vec3& direction) {
-  float basis[sh_coefficients(kMaxShDegree)];
-  sh_basis(g.sh_degree(), direction, basis);
-  Vec3 color(0.5f);
-  for (int k = 0; k < sh_coefficients(g.sh_degree()); ++k) {
-    for (int channel = 0; channel < 3; ++channel) {
-      color[channel] += basis[k] * g.plane(Gaussians::kSh + 3 * k + channel)[i];
-    }
-  }
-  return color;
-}
-
 }  // namespace clipgs
