@@ -31,6 +31,9 @@ int run(int argc, char** argv) {
     clipgs::Progress::set_enabled(!quiet);
   });
 
+  clipgs::add_info_command(app);
+  clipgs::add_phantom_command(app);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

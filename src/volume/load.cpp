@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "volume/dicom_series.h"
 #include "volume/itk_reader.h"
 
 namespace clipgs {
@@ -54,6 +55,9 @@ void require_perpendicular(const glm::dmat3& direction, const std::string& where
 template <typename T>
 std::vector<T> reorder(const std::vector<T>& from, int channels, const IVec3& from_dims,
                        const IVec3& dims, const AxisMap& map) {
+  if (from.empty()) {
+    return {};
+  }
   const std::array<std::ptrdiff_t, 3> from_stride{1, from_dims.x,
                                                   std::ptrdiff_t{from_dims.x} * from_dims.y};
   std::array<std::ptrdiff_t, 3> step{};
@@ -125,8 +129,51 @@ Modality guess_modality(float min, float max) {
   return min <= -500 && min >= -4096 && max > 0 && max < 32768 ? Modality::kCt : Modality::kUnknown;
 }
 
-void finish(Volume& volume, const StoredImage& stored, const LoadOptions& options,
-            const std::string& where) {
+struct Range {
+  float min = 0;
+  float max = 0;
+};
+
+/// Throws unless all values are finite and not all the same.
+Range checked_range(const Volume& volume, const std::string& where) {
+  Range range{volume.values[0], volume.values[0]};
+  for (const float value : volume.values) {
+    if (!std::isfinite(value)) {
+      throw Error("{}: holds voxels that are not finite numbers (NaN or infinity); replace them",
+                  where);
+    }
+    range.min = std::min(range.min, value);
+    range.max = std::max(range.max, value);
+  }
+  if (range.min == range.max) {
+    throw Error("{}: every voxel has the value {}: there is nothing to show", where, range.min);
+  }
+  return range;
+}
+
+void clamp_outside_of_scan(Volume& volume) {
+  constexpr float kLowestHu = -1024;
+  for (float& value : volume.values) {
+    value = std::max(value, kLowestHu);
+  }
+}
+
+/// Everything between an image as stored and a volume that can be trusted.
+Volume make_volume(const StoredImage& stored, Modality modality, const LoadOptions& options,
+                   const std::string& where) {
+  if (glm::any(glm::lessThan(stored.dims, IVec3(2)))) {
+    throw Error("{}: {} x {} x {} voxels; at least 2 along every axis are needed", where,
+                stored.dims.x, stored.dims.y, stored.dims.z);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(stored.spacing[axis] > 1e-6 && stored.spacing[axis] < 1e6) ||
+        !(std::abs(stored.origin[axis]) < 1e9)) {
+      throw Error("{}: its spacing or origin along axis {} makes no sense; the header is corrupt",
+                  where, axis);
+    }
+  }
+  Volume volume = oriented(stored, where);
+  volume.modality = modality;
   if (!volume.rgb.empty()) {
     fill_luminance(volume);
   } else if (options.hu) {
@@ -134,43 +181,108 @@ void finish(Volume& volume, const StoredImage& stored, const LoadOptions& option
       value = value * options.hu->scale + options.hu->offset;
     }
     volume.modality = Modality::kCt;
-  }
-  float min = volume.values[0];
-  float max = volume.values[0];
-  for (const float value : volume.values) {
-    if (!std::isfinite(value)) {
-      throw Error("{}: holds voxels that are not finite numbers (NaN or infinity); replace them",
-                  where);
-    }
-    min = std::min(min, value);
-    max = std::max(max, value);
-  }
-  if (min == max) {
-    throw Error("{}: every voxel has the value {}: there is nothing to show", where, min);
-  }
-  if (volume.modality == Modality::kUnknown) {
-    volume.modality = guess_modality(min, max);
-  }
-  if (stored.eight_bit && !options.hu) {
+  } else if (stored.eight_bit) {
     warn(fmt::format("{}: 8-bit values taken as stored; if this is CT give --hu 16,-1024", where));
   }
+  const Range range = checked_range(volume, where);
+  if (volume.modality == Modality::kUnknown) {
+    volume.modality = guess_modality(range.min, range.max);
+  }
+  if (volume.modality == Modality::kCt) {
+    clamp_outside_of_scan(volume);
+  }
+  return volume;
+}
+
+Modality dicom_modality(const std::string& text) {
+  return text == "CT" ? Modality::kCt : text == "MR" ? Modality::kMr : Modality::kUnknown;
+}
+
+std::vector<DicomStack> stacks_in(const fs::path& folder) {
+  std::vector<DicomStack> stacks = group_into_stacks(scan_dicom(folder));
+  if (stacks.empty()) {
+    throw Error(
+        "{}: no DICOM image with a position in this folder; give the folder of a CT or MR "
+        "series, or a .nii(.gz), .nrrd or .mha file",
+        folder.string());
+  }
+  return stacks;
+}
+
+void list_choices(const std::vector<DicomStack>& stacks, const std::string& where) {
+  std::string text = fmt::format("{}: {} series:", where, stacks.size());
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    text += fmt::format("{} {}) {}, UID {}", i == 0 ? "" : ";", i + 1, stacks[i].describe(),
+                        stacks[i].uid);
+  }
+  warn(text + "; taking 1, choose another with --series");
+}
+
+const DicomStack& choose_stack(const std::vector<DicomStack>& stacks, const std::string& series,
+                               const std::string& where) {
+  if (series.empty()) {
+    if (stacks.size() > 1) {
+      list_choices(stacks, where);
+    }
+    return stacks.front();
+  }
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    if (series == std::to_string(i + 1) || series == stacks[i].uid) {
+      return stacks[i];
+    }
+  }
+  throw Error("{}: no series \"{}\": give a number from 1 to {} or a series UID", where, series,
+              stacks.size());
+}
+
+Volume load_dicom(const std::vector<DicomStack>& stacks, const std::string& series,
+                  const LoadOptions& options, const std::string& where) {
+  const DicomStack& stack = choose_stack(stacks, series, where);
+  const Modality modality = dicom_modality(stack.modality);
+  const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
+  return make_volume(read_stack(stack, fill, where), modality, options, where);
+}
+
+/// One file of a series stands for the series.
+Volume load_series_of(const fs::path& file, const LoadOptions& options) {
+  const fs::path folder = fs::absolute(file).parent_path();
+  const std::vector<DicomStack> stacks = stacks_in(folder);
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    for (const DicomHeader& slice : stacks[i].slices) {
+      if (slice.path == fs::absolute(file)) {
+        return load_dicom(stacks, std::to_string(i + 1), options, folder.string());
+      }
+    }
+  }
+  throw Error("{}: a DICOM file without an image", file.string());
 }
 
 }  // namespace
 
+std::vector<SeriesInfo> list_series(const fs::path& folder) {
+  std::vector<SeriesInfo> series;
+  for (const DicomStack& stack : stacks_in(folder)) {
+    const DicomHeader& first = stack.slices.front();
+    const int slices = first.frames > 1 ? first.frames : static_cast<int>(stack.slices.size());
+    series.push_back({stack.uid, stack.modality, stack.series_number, slices,
+                      IVec3(first.columns, first.rows, slices)});
+  }
+  return series;
+}
+
 Volume load_volume(const fs::path& path, const LoadOptions& options) {
   const std::string where = path.string();
-  if (!fs::exists(path)) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) {
     throw Error("{}: no such file or folder", where);
   }
-  const StoredImage stored = read_image_file(path);
-  if (glm::any(glm::lessThan(stored.dims, IVec3(2)))) {
-    throw Error("{}: {} x {} x {} voxels; at least 2 along every axis are needed", where,
-                stored.dims.x, stored.dims.y, stored.dims.z);
+  if (fs::is_directory(path, ignored)) {
+    return load_dicom(stacks_in(path), options.series, options, where);
   }
-  Volume volume = oriented(stored, where);
-  finish(volume, stored, options, where);
-  return volume;
+  if (is_dicom_file(path)) {
+    return load_series_of(path, options);
+  }
+  return make_volume(read_image_file(path), Modality::kUnknown, options, where);
 }
 
 }  // namespace clipgs

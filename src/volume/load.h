@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "volume/volume.h"
 
@@ -19,11 +20,26 @@ struct LoadOptions {
   std::optional<Rescale> hu;  ///< --hu scale,offset; empty: values as stored
 };
 
-/// Reads a DICOM folder, NIfTI, NRRD or MetaImage file (through ITK), converts LPS to RAS, flips
-/// and permutes axes to run R, A, S, and resamples tilted gantries and uneven slice spacing to a
-/// regular grid (with a warning that says what was done). Throws Error for anything it cannot make
-/// sense of: truncated or corrupt files, no image in a folder, missing slices, zero-size, NaN or
-/// constant data.
+/// One series of a DICOM folder, as a person tells series apart.
+struct SeriesInfo {
+  std::string uid;
+  std::string modality;  ///< "CT", "MR", ...
+  int number = 0;        ///< DICOM's series number
+  int slices = 0;
+  IVec3 dims{0};  ///< columns, rows, slices as stored
+};
+
+/// The series of a DICOM folder, the largest first: LoadOptions::series counts in this order
+/// from 1.
+std::vector<SeriesInfo> list_series(const std::filesystem::path& folder);
+
+/// Reads a DICOM folder (or one file of it), NIfTI, NRRD or MetaImage file (through ITK), converts
+/// LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries and uneven
+/// slice spacing to a regular grid (with a warning that says what was done). Throws Error for
+/// anything it cannot make sense of: truncated or corrupt files, no image in a folder, missing
+/// slices, zero-size, NaN or constant data. Colour volumes become photographs. Several series in a
+/// folder are listed in a warning. CT is cut off at −1024 HU: scanners mark pixels outside their
+/// field with less.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.

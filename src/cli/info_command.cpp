@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cli/commands.h"
+#include "cli/volume_options.h"
+#include "volume/load.h"
+#include "volume/preset.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  fs::path path;
+  LoadOptions load;
+  bool json = false;
+};
+
+Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json describe_series(const fs::path& folder) {
+  Json list = Json::array();
+  for (const SeriesInfo& series : list_series(folder)) {
+    list.push_back({{"uid", series.uid},
+                    {"modality", series.modality},
+                    {"number", series.number},
+                    {"dims", {series.dims.x, series.dims.y, series.dims.z}}});
+  }
+  return list;
+}
+
+Json describe_volume(const InfoOptions& options) {
+  const Volume volume = load_volume(options.path, options.load);
+  const auto [low, high] = std::minmax_element(volume.values.begin(), volume.values.end());
+  Json json;
+  json["kind"] = "volume";
+  json["dims"] = {volume.dims.x, volume.dims.y, volume.dims.z};
+  json["spacing_mm"] = list_of(volume.spacing);
+  json["size_mm"] = list_of(Vec3(volume.dims) * volume.spacing);
+  json["origin_ras_mm"] = list_of(volume.origin);
+  json["axes_ras"] = {list_of(volume.direction[0]), list_of(volume.direction[1]),
+                      list_of(volume.direction[2])};
+  json["modality"] = modality_name(volume.modality);
+  json["values"] = {*low, *high};
+  json["auto_preset"] = choose_preset(volume).name;
+  if (fs::is_directory(options.path)) {
+    json["series"] = describe_series(options.path);
+  }
+  return json;
+}
+
+/// One kind of thing that `info` knows; the first that matches a path describes it.
+struct InfoKind {
+  bool (*matches)(const fs::path& path);
+  Json (*describe)(const InfoOptions& options);
+};
+
+bool is_volume(const fs::path& /*path*/) {
+  return true;
+}  // the last: load_volume says what is wrong
+
+constexpr std::array kKinds{InfoKind{is_volume, describe_volume}};
+
+std::string as_text(const Json& value) {
+  if (value.is_string()) {
+    return value.get<std::string>();
+  }
+  if (value.is_number_float()) {
+    return fmt::format("{:.6g}", value.get<double>());
+  }
+  if (value.is_array() || value.is_object()) {
+    std::vector<std::string> parts;
+    for (const auto& [key, item] : value.items()) {
+      parts.push_back(value.is_object() ? key + " " + as_text(item) : as_text(item));
+    }
+    const bool nested = value.is_array() && !value.empty() && value[0].is_structured();
+    return fmt::format("{}", fmt::join(parts, nested ? "; " : ", "));
+  }
+  return value.dump();
+}
+
+void run_info(const InfoOptions& options) {
+  const auto* const kind = std::find_if(kKinds.begin(), kKinds.end(),
+                                        [&](const InfoKind& k) { return k.matches(options.path); });
+  const Json json = kind->describe(options);
+  if (options.json) {
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("{}\n", options.path.string());
+  for (const auto& [key, value] : json.items()) {
+    fmt::print("  {:<14} {}\n", key, as_text(value));
+  }
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = app.add_subcommand("info", "Say what a file or folder is");
+  command->footer("Example: clipgs info ct-folder/ --json");
+  command->add_option("FILE", options->path, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
+      ->required();
+  command->add_flag("--json", options->json, "Print JSON");
+  add_volume_options(*command, options->load);
+  command->callback([options] { run_info(*options); });
+}
+
+}  // namespace clipgs

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "volume/load.h"
+
+namespace clipgs {
+
+/// Adds --series and --hu, which every command that reads a volume understands. `options` must
+/// outlive the parsing.
+inline void add_volume_options(CLI::App& command, LoadOptions& options) {
+  command.add_option("--series", options.series,
+                     "DICOM series, by UID or by its number in the list (default: the largest)");
+  command
+      .add_option_function<std::vector<float>>(
+          "--hu",
+          [&options](const std::vector<float>& values) {
+            options.hu = Rescale{values[0], values[1]};
+          },
+          "HU = SCALE * stored + OFFSET, for data that does not say so, e.g. --hu 16,-1024")
+      ->type_name("SCALE,OFFSET")
+      ->delimiter(',')
+      ->expected(2);
+}
+
+}  // namespace clipgs

@@ -1,0 +1,414 @@
+#include "volume/dicom_series.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+
+namespace clipgs {
+namespace {
+
+glm::dvec3 normal_of(const DicomHeader& slice) { return glm::cross(slice.row, slice.column); }
+
+double along_normal(const DicomHeader& slice, const glm::dvec3& normal) {
+  return glm::dot(slice.position, normal);
+}
+
+/// Images of one key lie parallel with equal pixels. Rounding lets the last digits differ.
+auto stack_key(const DicomHeader& h) {
+  const auto rounded = [](double x) { return std::lround(x * 200); };
+  const std::array<long, 6> orientation{rounded(h.row.x),    rounded(h.row.y),
+                                        rounded(h.row.z),    rounded(h.column.x),
+                                        rounded(h.column.y), rounded(h.column.z)};
+  return std::tuple(h.series_uid, h.columns, h.rows, orientation, rounded(h.pixel_spacing.x),
+                    rounded(h.pixel_spacing.y));
+}
+
+void sort_slices(std::vector<DicomHeader>& slices) {
+  const glm::dvec3 normal = normal_of(slices.front());
+  std::stable_sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
+    return std::pair(along_normal(a, normal), a.instance) <
+           std::pair(along_normal(b, normal), b.instance);
+  });
+}
+
+/// Keeps the first (by instance number) of the images that share a position: phases, echoes,
+/// copies.
+void drop_repeats(std::vector<DicomHeader>& slices, const std::string& where) {
+  const glm::dvec3 normal = normal_of(slices.front());
+  constexpr double kSamePlace = 0.005;  // mm
+  const size_t before = slices.size();
+  const auto same = [&](const DicomHeader& a, const DicomHeader& b) {
+    return std::abs(along_normal(a, normal) - along_normal(b, normal)) < kSamePlace;
+  };
+  slices.erase(std::unique(slices.begin(), slices.end(), same), slices.end());
+  if (slices.size() < before) {
+    warn(fmt::format("{}: {} images share their position with another; the first of each is taken",
+                     where, before - slices.size()));
+  }
+}
+
+/// The step most others agree with (within 5 %); the smaller one if several do.
+double most_common(const std::vector<double>& steps) {
+  double best = steps.front();
+  std::ptrdiff_t best_count = 0;
+  for (const double step : steps) {
+    const auto count = std::count_if(steps.begin(), steps.end(), [&](double other) {
+      return std::abs(other - step) < 0.05 * step;
+    });
+    if (count > best_count || (count == best_count && step < best)) {
+      best = step;
+      best_count = count;
+    }
+  }
+  return best;
+}
+
+bool nearly(double a, double b) { return std::abs(a - b) < 0.05 * b; }
+
+/// Consecutive equal steps.
+struct Run {
+  size_t first = 0;
+  size_t count = 0;
+  double step = 0;
+};
+
+std::vector<Run> runs_of(const std::vector<double>& steps) {
+  std::vector<Run> runs;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (runs.empty() || !nearly(steps[i], runs.back().step)) {
+      runs.push_back({i, 0, steps[i]});
+    }
+    ++runs.back().count;
+  }
+  return runs;
+}
+
+/// How many slices a short run lacks at each of its steps, 0 if it is none (see plan_stack).
+long missing_per_step(const std::vector<Run>& runs, size_t i, double common) {
+  const Run& run = runs[i];
+  if (run.count > 2 || runs.size() == 1) {
+    return 0;
+  }
+  const double before = i > 0 ? runs[i - 1].step : runs[i + 1].step;
+  const double after = i + 1 < runs.size() ? runs[i + 1].step : before;
+  const double multiple = std::round(run.step / before);
+  const bool doubled =
+      nearly(before, after) && multiple >= 2 && nearly(run.step, multiple * before);
+  if (doubled) {
+    return std::lround(multiple) - 1;
+  }
+  return run.step > 3.5 * common ? std::lround(run.step / common) - 1 : 0;
+}
+
+/// Throws if some steps look like holes rather than like a change of spacing.
+void refuse_missing_slices(const std::vector<double>& steps, const std::string& where) {
+  const std::vector<Run> runs = runs_of(steps);
+  const double common = most_common(steps);
+  size_t missing = 0;
+  std::optional<size_t> first;
+  for (size_t i = 0; i < runs.size(); ++i) {
+    const long lacking = missing_per_step(runs, i, common);
+    if (lacking > 0) {
+      missing += static_cast<size_t>(lacking) * runs[i].count;
+      first = first.value_or(runs[i].first);
+    }
+  }
+  if (first) {
+    throw Error(
+        "{}: {} of {} slices missing, the first after slice {} ({:.2f} mm to the next, most "
+        "are {:.2f} mm apart); copy the whole series",
+        where, missing, steps.size() + 1 + missing, *first + 1, steps[*first], common);
+  }
+}
+
+/// The finest of the spacings that the scan kept for a while: a single odd step, where two blocks
+/// of slices overlap, must not multiply the data.
+double finest_lasting_step(const std::vector<double>& steps, double otherwise) {
+  double finest = std::numeric_limits<double>::max();
+  for (const Run& run : runs_of(steps)) {
+    if (run.count >= 3) {
+      finest = std::min(finest, run.step);
+    }
+  }
+  return finest < std::numeric_limits<double>::max() ? finest : otherwise;
+}
+
+/// A regular grid that holds every slice: in-plane axes as stored, the third along the normal.
+struct ResampleGrid {
+  glm::dvec3 normal;
+  glm::dvec3 origin;
+  IVec3 dims;
+  glm::dvec3 spacing;
+};
+
+ResampleGrid resample_grid(const std::vector<DicomHeader>& slices, const StackPlan& plan) {
+  const DicomHeader& first = slices.front();
+  ResampleGrid grid;
+  grid.normal = normal_of(first);
+  grid.spacing = glm::dvec3(first.pixel_spacing, plan.step);
+  glm::dvec2 low(0);
+  glm::dvec2 high(0);
+  for (const DicomHeader& slice : slices) {
+    const glm::dvec3 shift = slice.position - first.position;
+    const glm::dvec2 in_plane =
+        glm::dvec2(glm::dot(shift, first.row), glm::dot(shift, first.column)) / first.pixel_spacing;
+    low = glm::min(low, in_plane);
+    high = glm::max(high, in_plane);
+  }
+  // Whole pixels, so that an untilted stack keeps its pixels as they are.
+  low = glm::floor(low + 1e-3);
+  high = glm::ceil(high - 1e-3);
+  const double depth = along_normal(slices.back(), grid.normal) - along_normal(first, grid.normal);
+  grid.dims = IVec3(first.columns + static_cast<int>(high.x - low.x),
+                    first.rows + static_cast<int>(high.y - low.y),
+                    1 + static_cast<int>(std::lround(depth / plan.step)));
+  grid.origin = first.position + first.row * (low.x * first.pixel_spacing.x) +
+                first.column * (low.y * first.pixel_spacing.y);
+  return grid;
+}
+
+/// One slice's pixels seen from the regular grid, whose in-plane index it is shifted against.
+class ShiftedSlice {
+ public:
+  ShiftedSlice(const DicomHeader& header, std::vector<float> pixels, const ResampleGrid& grid)
+      : columns_(header.columns), rows_(header.rows), pixels_(std::move(pixels)) {
+    const glm::dvec3 shift = header.position - grid.origin;
+    shift_ = glm::dvec2(glm::dot(shift, header.row), glm::dot(shift, header.column)) /
+             header.pixel_spacing;
+  }
+
+  /// Bilinear value at grid index (x, y), nothing outside the slice.
+  std::optional<float> at(int x, int y) const {
+    constexpr double kSlack = 1e-3;  // rounding of positions must not cut off a border
+    const double u = x - shift_.x;
+    const double v = y - shift_.y;
+    if (u < -kSlack || v < -kSlack || u > columns_ - 1 + kSlack || v > rows_ - 1 + kSlack) {
+      return std::nullopt;
+    }
+    const int x0 = std::clamp(static_cast<int>(u), 0, columns_ - 2);
+    const int y0 = std::clamp(static_cast<int>(v), 0, rows_ - 2);
+    const auto s = static_cast<float>(std::clamp(u - x0, 0.0, 1.0));
+    const auto t = static_cast<float>(std::clamp(v - y0, 0.0, 1.0));
+    const float* p = &pixels_[static_cast<size_t>(y0) * columns_ + x0];
+    return glm::mix(glm::mix(p[0], p[1], s), glm::mix(p[columns_], p[columns_ + 1], s), t);
+  }
+
+ private:
+  int columns_;
+  int rows_;
+  glm::dvec2 shift_;
+  std::vector<float> pixels_;
+};
+
+std::vector<float> read_pixels(const DicomHeader& header) {
+  StoredImage image = read_dicom_image(header.path);
+  const size_t expected = static_cast<size_t>(header.columns) * header.rows;
+  if (!image.rgb.empty()) {
+    throw Error("{}: a colour image; store colour volumes as RGB .nrrd or .mha",
+                header.path.string());
+  }
+  if (image.values.size() != expected) {
+    throw Error("{}: holds {} pixels where its series has {} a slice", header.path.string(),
+                image.values.size(), expected);
+  }
+  return std::move(image.values);
+}
+
+void warn_of_resampling(const StackPlan& plan, const ResampleGrid& grid, const std::string& where) {
+  std::string why;
+  if (plan.sheared) {
+    why = fmt::format("gantry tilted by {:.1f} degrees", plan.tilt_deg);
+  }
+  if (plan.uneven) {
+    why += fmt::format("{}slices {:.2f} to {:.2f} mm apart", why.empty() ? "" : " and ",
+                       plan.smallest_step, plan.largest_step);
+  }
+  warn(
+      fmt::format("{}: {}: resampled to a regular grid of {} x {} x {} voxels, {:.3f} x {:.3f} x "
+                  "{:.3f} mm",
+                  where, why, grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing.x, grid.spacing.y,
+                  grid.spacing.z));
+}
+
+/// Linear between the two slices around each plane of the grid; where only one of them has data,
+/// that one's value.
+void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fill,
+                    std::vector<float>& values) {
+  const std::vector<DicomHeader>& slices = stack.slices;
+  const double start = along_normal(slices.front(), grid.normal);
+  const auto load = [&](size_t i) { return ShiftedSlice(slices[i], read_pixels(slices[i]), grid); };
+  size_t below = 0;
+  ShiftedSlice low = load(0);
+  ShiftedSlice high = load(1);
+  const size_t plane = static_cast<size_t>(grid.dims.x) * grid.dims.y;
+  Progress progress("reading", static_cast<size_t>(grid.dims.z));
+  for (int z = 0; z < grid.dims.z; ++z) {
+    const double depth = start + z * grid.spacing.z;
+    while (below + 2 < slices.size() && along_normal(slices[below + 1], grid.normal) <= depth) {
+      ++below;
+      low = std::move(high);
+      high = load(below + 1);
+    }
+    const double near_depth = along_normal(slices[below], grid.normal);
+    const double far_depth = along_normal(slices[below + 1], grid.normal);
+    const auto t =
+        static_cast<float>(std::clamp((depth - near_depth) / (far_depth - near_depth), 0.0, 1.0));
+    float* out = &values[plane * z];
+    parallel_for(static_cast<size_t>(grid.dims.y), 16, [&](size_t begin, size_t end) {
+      for (size_t row = begin; row < end; ++row) {
+        for (int x = 0; x < grid.dims.x; ++x) {
+          const std::optional<float> a = low.at(x, static_cast<int>(row));
+          const std::optional<float> b = high.at(x, static_cast<int>(row));
+          float& value = out[row * grid.dims.x + x];
+          value = a && b ? glm::mix(*a, *b, t) : a ? *a : b.value_or(fill);
+        }
+      }
+    });
+    progress.update(static_cast<size_t>(z) + 1);
+  }
+}
+
+void read_regular(const DicomStack& stack, std::vector<float>& values) {
+  Progress progress("reading", stack.slices.size());
+  size_t at = 0;
+  for (size_t i = 0; i < stack.slices.size(); ++i) {
+    const std::vector<float> pixels = read_pixels(stack.slices[i]);
+    std::copy(pixels.begin(), pixels.end(), values.begin() + static_cast<std::ptrdiff_t>(at));
+    at += pixels.size();
+    progress.update(i + 1);
+  }
+}
+
+void require_whole(const DicomStack& stack, const std::string& where) {
+  const DicomHeader& first = stack.slices.front();
+  if (stack.slices.size() < 2 || first.columns < 2 || first.rows < 2) {
+    throw Error(
+        "{}: the series has {} slice(s) of {} x {} pixels; a volume needs at least 2 along "
+        "every axis",
+        where, stack.slices.size(), first.columns, first.rows);
+  }
+  const double skew = std::abs(glm::dot(first.row, first.column));
+  if (std::abs(glm::length(first.row) - 1) > 1e-2 ||
+      std::abs(glm::length(first.column) - 1) > 1e-2 || skew > 1e-2) {
+    throw Error("{}: the slices' orientation is not made of perpendicular unit vectors",
+                first.path.string());
+  }
+}
+
+}  // namespace
+
+std::uint64_t DicomStack::voxels() const {
+  const DicomHeader& first = slices.front();
+  const std::uint64_t images = first.frames > 1 ? first.frames : slices.size();
+  return images * static_cast<std::uint64_t>(first.columns) * first.rows;
+}
+
+std::string DicomStack::describe() const {
+  const DicomHeader& first = slices.front();
+  const size_t images = first.frames > 1 ? static_cast<size_t>(first.frames) : slices.size();
+  return fmt::format("{}, series {}, {} slices of {} x {}", modality.empty() ? "?" : modality,
+                     series_number, images, first.columns, first.rows);
+}
+
+std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& headers) {
+  using Key = decltype(stack_key(headers.front()));
+  std::map<std::pair<Key, std::string>, DicomStack> stacks;
+  for (const DicomHeader& header : headers) {
+    const bool multi_frame = header.frames > 1;
+    if (!header.placed && !multi_frame) {
+      continue;
+    }
+    // A file of many frames is a volume of its own.
+    DicomStack& stack =
+        stacks[{stack_key(header), multi_frame ? header.path.string() : std::string()}];
+    stack.uid = header.series_uid;
+    stack.modality = header.modality;
+    stack.series_number = header.series_number;
+    stack.slices.push_back(header);
+  }
+  std::vector<DicomStack> sorted;
+  for (auto& [key, stack] : stacks) {
+    sort_slices(stack.slices);
+    sorted.push_back(std::move(stack));
+  }
+  std::stable_sort(sorted.begin(), sorted.end(), [](const DicomStack& a, const DicomStack& b) {
+    return a.voxels() > b.voxels();
+  });
+  return sorted;
+}
+
+StackPlan plan_stack(const std::vector<DicomHeader>& slices, const std::string& where) {
+  const glm::dvec3 normal = normal_of(slices.front());
+  std::vector<double> steps;
+  for (size_t i = 1; i < slices.size(); ++i) {
+    steps.push_back(along_normal(slices[i], normal) - along_normal(slices[i - 1], normal));
+  }
+  std::vector<double> sorted = steps;
+  std::sort(sorted.begin(), sorted.end());
+  const double median = sorted[sorted.size() / 2];
+
+  StackPlan plan;
+  plan.smallest_step = sorted.front();
+  plan.largest_step = sorted.back();
+  const double tolerance = std::max(0.02 * median, 0.02);
+  plan.uneven = median - sorted.front() > tolerance || sorted.back() - median > tolerance;
+  const glm::dvec3 whole = slices.back().position - slices.front().position;
+  const double depth = glm::dot(whole, normal);
+  if (plan.uneven) {
+    refuse_missing_slices(steps, where);
+    plan.step = finest_lasting_step(steps, median);
+  } else {
+    plan.step = depth / static_cast<double>(steps.size());
+  }
+
+  for (const DicomHeader& slice : slices) {
+    const glm::dvec3 shift = slice.position - slices.front().position;
+    const glm::dvec3 in_plane = shift - normal * glm::dot(shift, normal);
+    plan.largest_shift = std::max(plan.largest_shift, glm::length(in_plane));
+  }
+  const DicomHeader& first = slices.front();
+  plan.sheared = plan.largest_shift > 0.5 * std::min(first.pixel_spacing.x, first.pixel_spacing.y);
+  plan.tilt_deg = glm::degrees(std::atan2(glm::length(whole - normal * depth), depth));
+  return plan;
+}
+
+StoredImage read_stack(const DicomStack& stack, float fill, const std::string& where) {
+  if (stack.slices.front().frames > 1) {
+    return read_dicom_image(stack.slices.front().path);
+  }
+  DicomStack whole = stack;
+  drop_repeats(whole.slices, where);
+  require_whole(whole, where);
+  const StackPlan plan = plan_stack(whole.slices, where);
+  const ResampleGrid grid = resample_grid(whole.slices, plan);
+
+  StoredImage image;
+  const DicomHeader& first = whole.slices.front();
+  image.direction = glm::dmat3(first.row, first.column, grid.normal);
+  const bool resample = plan.uneven || plan.sheared;
+  image.dims = resample ? grid.dims
+                        : IVec3(first.columns, first.rows, static_cast<int>(whole.slices.size()));
+  image.spacing = grid.spacing;
+  image.origin = resample ? grid.origin : first.position;
+  if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
+    throw Error("{}: more than 2^31 voxels; crop or downsample the series", where);
+  }
+  image.values.resize(static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z);
+  if (resample) {
+    warn_of_resampling(plan, grid, where);
+    resample_stack(whole, grid, fill, image.values);
+  } else {
+    read_regular(whole, image.values);
+  }
+  return image;
+}
+
+}  // namespace clipgs
