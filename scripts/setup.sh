@@ -16,8 +16,7 @@ case "${1:-}" in
     ;;
 esac
 
-readonly node_wanted=20 # what the viewer's build tools ask for
-readonly node_folder=build/tools
+readonly node_wanted=18 # as web/package.json says
 
 if ! command -v apt-get >/dev/null; then
   echo "setup: this script speaks apt only; on other systems install the libraries that" >&2
@@ -67,7 +66,7 @@ packages=(
   # build
   g++ cmake ninja-build ccache pkg-config
   # libraries
-  libinsighttoolkit5-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
+  libinsighttoolkit5-dev libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libminizip-dev
   libcpp-httplib-dev libssl-dev libqrencode-dev
   libgtest-dev libgmock-dev libbenchmark-dev
@@ -103,15 +102,9 @@ fi
 command -v node >/dev/null || install_packages nodejs
 command -v npm >/dev/null || install_packages npm
 
-# Debian 12's Node is too old for the viewer's build tools: a newer one goes into the build folder,
-# where the other scripts find it (PATH) and nobody else is disturbed.
-node_major() { "$1" --version | sed 's/^v\([0-9]*\).*/\1/'; }
-if [ "$(node_major node)" -lt "$node_wanted" ] && [ ! -x "$node_folder/bin/node" ]; then
-  echo "setup: Node $(node --version) is older than $node_wanted; fetching one into $node_folder"
-  mkdir -p "$node_folder"
-  npm install --prefix "$node_folder" --no-save --no-audit --no-fund --silent node@22
-  mkdir -p "$node_folder/bin"
-  ln -sf ../node_modules/node/bin/node "$node_folder/bin/node"
+if [ "$(node --version | sed 's/^v\([0-9]*\).*/\1/')" -lt "$node_wanted" ]; then
+  echo "setup: Node $(node --version) is too old, the viewer needs $node_wanted or newer" >&2
+  exit 1
 fi
 
 rm -f "$log"

@@ -7,7 +7,6 @@
 
 #include "core/error.h"
 #include "core/progress.h"
-#include "measure/metrics.h"
 
 namespace clipgs {
 
@@ -92,7 +91,9 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
   EvaluationRow row;
   row.split = split;
   row.clip = clip;
-  Mean psnr, psnr_masked, ssim, band_ssim, leak;
+  Mean psnr, psnr_masked, ssim, band_ssim;
+  Leak leaks;
+  bool any_leak = false;
   for (const FrameScores& frame : frames) {
     if (frame.clip != clip || dataset.frames[frame.frame].split != split) {
       continue;
@@ -101,11 +102,14 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
     psnr_masked.add(frame.scores.psnr_masked);
     ssim.add(frame.scores.ssim);
     band_ssim.add(frame.scores.band_ssim);
-    leak.add(frame.scores.leak);
+    if (frame.scores.leak) {
+      leaks.add(*frame.scores.leak);
+      any_leak = true;
+    }
     ++row.images;
   }
   row.mean = {psnr.value().value_or(0), psnr_masked.value(), ssim.value().value_or(0),
-              band_ssim.value(), leak.value()};
+              band_ssim.value(), any_leak ? std::optional(leaks) : std::nullopt};
   return row;
 }
 
@@ -196,7 +200,7 @@ std::string evaluation_json(const Evaluation& evaluation) {
                             {"psnr_masked", number(row.mean.psnr_masked)},
                             {"ssim", number(row.mean.ssim)},
                             {"band_ssim", number(row.mean.band_ssim)},
-                            {"leak", number(row.mean.leak)},
+                            {"leak", number(row.mean.leak_percent())},
                             {"images", row.images}});
   }
   return json.dump(2) + "\n";
@@ -213,7 +217,7 @@ std::string evaluation_table(const Evaluation& evaluation) {
         fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n",
                     split_name(row.split), clip_operator_name(row.clip), row.section, row.against,
                     cell(row.mean.psnr, 2), cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
-                    cell(row.mean.band_ssim, 4), cell(row.mean.leak, 3), row.images);
+                    cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
   }
   for (const auto& [split, noise] : evaluation.noise_floor_db) {
     text += fmt::format("noise floor of {}: {:.1f} dB (no PSNR above it can be trusted)\n",

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cinema/dataset.h"
+#include "measure/metrics.h"
 #include "splat/render.h"
 #include "splat/scene.h"
 
@@ -19,7 +20,9 @@ struct Scores {
   std::optional<double> psnr_masked;
   double ssim = 0;
   std::optional<double> band_ssim;
-  std::optional<double> leak;
+  std::optional<Leak> leak;
+
+  std::optional<double> leak_percent() const { return leak ? leak->percent() : std::nullopt; }
 };
 
 /// One test picture under one clip operator.
@@ -30,7 +33,9 @@ struct FrameScores {
 };
 
 /// One line of the table: the mean of every metric over the pictures of a split where it is
-/// defined. A mean PSNR is the mean of the pictures' PSNR, not the PSNR of their mean error.
+/// defined. A mean PSNR is the mean of the pictures' PSNR, not the PSNR of their mean error. The
+/// leak is the pictures' leaked energy together over their truths' energy together: a picture that
+/// the cut leaves almost empty has no ratio of its own worth averaging.
 struct EvaluationRow {
   Split split = Split::kTestAxis;
   ClipOperator clip = ClipOperator::kExact;

@@ -194,23 +194,23 @@ std::optional<double> band_ssim(const Image& ssim_map, const Image& depth, const
   return sum / static_cast<double>(count);
 }
 
-std::optional<double> leak(const Image& truth, const Image& uncut_truth, const Image& picture) {
+std::optional<double> Leak::percent() const {
+  return truth > 0 ? std::optional(100 * leaked / truth) : std::nullopt;
+}
+
+Leak leak(const Image& truth, const Image& uncut_truth, const Image& picture) {
   require_same_size(truth, uncut_truth);
   require_same_size(truth, picture);
   const Image a = over_black(truth);
   const Image b = over_black(picture);
-  double leaked = 0;
-  double total = 0;
+  Leak sum;
   for (size_t i = 0; i < a.pixels(); ++i) {
-    total += energy(a, i);
+    sum.truth += energy(a, i);
     if (alpha_at(truth, i) < kEmptyAlpha && alpha_at(uncut_truth, i) >= kEmptyAlpha) {
-      leaked += energy(b, i);
+      sum.leaked += energy(b, i);
     }
   }
-  if (total == 0) {
-    return std::nullopt;
-  }
-  return 100 * leaked / total;
+  return sum;
 }
 
 }  // namespace clipgs

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 
 #include "core/camera.h"
 #include "core/image.h"
@@ -46,9 +45,21 @@ double mean(const Image& map);
 std::optional<double> band_ssim(const Image& ssim_map, const Image& depth, const Camera& camera,
                                 const Plane& plane, float half_width);
 
-/// Colour energy (Σ of squared RGB) that the picture puts where the clipped truth is empty (alpha
-/// below kEmptyAlpha) and the uncut truth is not, divided by the energy of the clipped truth, in
-/// units of 10⁻². Empty when the clipped truth has no energy.
-std::optional<double> leak(const Image& truth, const Image& uncut_truth, const Image& picture);
+/// The two energies whose ratio is the leak; both sum over pictures.
+struct Leak {
+  double leaked = 0;  ///< Σ of squared RGB that the picture puts where the cut left nothing
+  double truth = 0;   ///< Σ of squared RGB of the clipped truth
+
+  void add(const Leak& other) {
+    leaked += other.leaked;
+    truth += other.truth;
+  }
+  /// leaked / truth in units of 10⁻². Empty when the truth has no energy.
+  std::optional<double> percent() const;
+};
+
+/// `leaked` counts the pixels where the clipped truth is empty (alpha below kEmptyAlpha) and the
+/// uncut truth is not.
+Leak leak(const Image& truth, const Image& uncut_truth, const Image& picture);
 
 }  // namespace clipgs

@@ -142,8 +142,8 @@ TEST(Leak, IsEnergyWhereTheCutLeftNothing) {
   for (int c = 0; c < 3; ++c) {
     picture.at(1, 0)[c] = 0.1f;
   }
-  EXPECT_NEAR(*leak(truth, uncut, picture), 100 * 0.01 / 0.25, 1e-4);
-  EXPECT_FALSE(leak(constant(3, 1, 0.5f, 0), uncut, picture).has_value());
+  EXPECT_NEAR(*leak(truth, uncut, picture).percent(), 100 * 0.01 / 0.25, 1e-4);
+  EXPECT_FALSE(leak(constant(3, 1, 0.5f, 0), uncut, picture).percent().has_value());
 }
 
 TEST(Metrics, RefusePicturesOfDifferentSize) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "measure/html.h"
-#include "measure/metrics.h"
 
 namespace clipgs {
 
@@ -107,7 +106,7 @@ const std::array<Column, 5> kColumns = {{
     {"masked, dB", 2, 1, [](const Scores& s) { return s.psnr_masked; }},
     {"SSIM", 4, 1, [](const Scores& s) { return std::optional(s.ssim); }},
     {"band SSIM", 4, 1, [](const Scores& s) { return s.band_ssim; }},
-    {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak; }},
+    {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak_percent(); }},
 }};
 
 /// The best value of a column among the rows of one split.
@@ -209,15 +208,15 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
       }
     }
   }
-  constexpr double kStep = 5;
-  plot.low = std::floor(std::min(plot.low, plot.high - kStep) / kStep) * kStep;
-  plot.high = std::ceil(plot.high / kStep) * kStep;
+  const double step = plot.high - plot.low > 40 ? 20 : 5;
+  plot.low = std::floor(std::min(plot.low, plot.high - step) / step) * step;
+  plot.high = std::ceil(plot.high / step) * step;
   for (const auto& [name, values] : series) {
     curves += curve_svg(plot, values, name);
     legend += fmt::format(" <span class=\"{0}\">● {0}</span>", name);
   }
   std::string grid;
-  for (double db = plot.low; db <= plot.high; db += kStep) {
+  for (double db = plot.low; db <= plot.high; db += step) {
     grid += fmt::format(
         "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
         "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.0f}</text>\n",
@@ -282,6 +281,7 @@ std::string frame_html(const Scene& scene, const Dataset& dataset, const Evaluat
       scores.push_back(&score);
     }
   }
+  std::ranges::reverse(scores);  // soft before hard
   const ClipOperator leading = leading_clip(evaluation);
   std::ranges::stable_partition(scores, [&](const auto* s) { return s->clip == leading; });
 
@@ -309,12 +309,16 @@ std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset
                                                           Split split) {
   std::vector<std::pair<double, size_t>> ranked;
   for (const FrameScores& frame : evaluation.frames) {
-    if (frame.clip == leading_clip(evaluation) && dataset.frames[frame.frame].split == split) {
-      ranked.emplace_back(frame.scores.psnr_masked.value_or(kMaxPsnr), frame.frame);
+    if (frame.clip == leading_clip(evaluation) && dataset.frames[frame.frame].split == split &&
+        frame.scores.psnr_masked) {
+      ranked.emplace_back(*frame.scores.psnr_masked, frame.frame);
     }
   }
   std::ranges::sort(ranked);
-  std::vector<std::pair<const char*, size_t>> chosen = {{"Worst", ranked.front().second}};
+  std::vector<std::pair<const char*, size_t>> chosen;
+  if (!ranked.empty()) {
+    chosen.emplace_back("Worst", ranked.front().second);
+  }
   if (ranked.size() > 2) {
     chosen.emplace_back("Median", ranked[ranked.size() / 2].second);
   }
