@@ -1,0 +1,258 @@
+#include "asset/case.h"
+
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "asset/webp.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/random.h"
+#include "splat/sh.h"
+#include "splat/test_scene.h"
+
+namespace clipgs {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::filesystem::path temporary(const std::string& name) {
+  return std::filesystem::path(::testing::TempDir()) / ("clipgs_case_test_" + name);
+}
+
+Image gradient() {
+  Image image(32, 24, 3);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      image.at(x, y)[0] = static_cast<float>(x) / 31;
+      image.at(x, y)[1] = static_cast<float>(y) / 23;
+    }
+  }
+  return image;
+}
+
+json meta_of(const Bytes& bytes) {
+  const Bytes text = read_zip(bytes, "test").at("meta.json");
+  return json::parse(text.begin(), text.end());
+}
+
+/// The case with another meta.json.
+Bytes with_meta(const Bytes& bytes, const json& meta) {
+  std::vector<ZipEntry> entries;
+  for (const auto& [name, content] : read_zip(bytes, "test")) {
+    if (name != "meta.json") {
+      entries.push_back({name, content});
+    }
+  }
+  const std::string text = meta.dump();
+  entries.push_back({"meta.json", Bytes(text.begin(), text.end())});
+  return write_zip(entries);
+}
+
+TEST(Case, RoundTripKeepsEveryField) {
+  const Scene written = random_scene(500, 2, 21);
+  write_case(temporary("a.sog"), written, nullptr);
+  const Scene read = read_case(temporary("a.sog"));
+  EXPECT_EQ(read.gaussians.size(), 500u);
+  EXPECT_EQ(read.gaussians.sh_degree(), 2);
+  EXPECT_EQ(read.sphere.center, written.sphere.center);
+  EXPECT_EQ(read.sphere.radius, written.sphere.radius);
+  EXPECT_EQ(read.bounds.min, written.bounds.min);
+  EXPECT_EQ(read.bounds.max, written.bounds.max);
+  EXPECT_EQ(read.axis, written.axis);
+  EXPECT_EQ(read.extent, written.extent);
+  EXPECT_EQ(read.title, written.title);
+  EXPECT_EQ(read.preset, written.preset);
+  EXPECT_EQ(read.created, written.created);
+}
+
+TEST(Case, SplatsComeBackWhereAndAsTheyWere) {
+  // One splat a scene: codebooks and palette are exact, what is left is the change of frame.
+  for (std::uint64_t seed = 1; seed < 20; ++seed) {
+    const Scene written = random_scene(1, 3, seed);
+    const Scene read = read_case(encode_case(written, nullptr), "test.sog");
+    EXPECT_LT(glm::length(read.gaussians.mean(0) - written.gaussians.mean(0)), 1e-3f);
+    const Vec3 d = fibonacci_sphere(static_cast<int>(seed), 20);
+    EXPECT_LT(glm::length(sh_color(read.gaussians, 0, d) - sh_color(written.gaussians, 0, d)),
+              1e-3f);
+    const Mat3 a = read.gaussians.covariance(0);
+    const Mat3 b = written.gaussians.covariance(0);
+    const float size = std::max({b[0][0], b[1][1], b[2][2]});
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_LT(glm::length(a[c] - b[c]), 0.03f * size);
+    }
+  }
+}
+
+TEST(Case, SceneSpaceIsThatOf3dgs) {
+  const Scene scene = random_scene(1, 0, 3);
+  const json meta = meta_of(encode_case(scene, nullptr));
+  const Vec3 ras = scene.gaussians.mean(0);
+  const double x = -ras.x * 0.001;
+  EXPECT_NEAR(meta["means"]["mins"][0].get<double>(), std::copysign(std::log1p(std::abs(x)), x),
+              1e-7);
+  const double y = -ras.z * 0.001;
+  EXPECT_NEAR(meta["means"]["mins"][1].get<double>(), std::copysign(std::log1p(std::abs(y)), y),
+              1e-7);
+  EXPECT_EQ(meta["clipgs"]["world"]["scene_to_ras_mm"],
+            json({{-1000, 0, 0, 0}, {0, 0, -1000, 0}, {0, -1000, 0, 0}, {0, 0, 0, 1}}));
+  EXPECT_EQ(meta["clipgs"]["world"]["mm_per_unit"], 1000);
+}
+
+TEST(Case, OnlyKnownKeysAreWritten) {
+  const json block = meta_of(encode_case(random_scene(2, 0, 3), nullptr))["clipgs"];
+  std::vector<std::string> keys;
+  for (const auto& entry : block.items()) {
+    keys.push_back(entry.key());
+  }
+  EXPECT_THAT(keys,
+              ::testing::UnorderedElementsAre("axis", "bounds", "created", "extent", "generator",
+                                              "preset", "sphere", "title", "version", "world"));
+}
+
+TEST(Case, MetaIsTheLastEntry) {
+  const Bytes bytes = encode_case(random_scene(2, 0, 3), nullptr);
+  const std::string text(bytes.begin(), bytes.end());
+  const size_t directory_meta = text.rfind("meta.json");
+  EXPECT_EQ(directory_meta + std::string("meta.json").size() + 22, text.size());
+}
+
+TEST(Case, SameBytesAtAnyThreadCount) {
+  const Scene scene = random_scene(3000, 3, 22);
+  set_thread_count(1);
+  const Bytes one = encode_case(scene, nullptr);
+  set_thread_count(2);
+  const Bytes two = encode_case(scene, nullptr);
+  set_thread_count(0);
+  EXPECT_EQ(one, two);
+}
+
+TEST(Case, PackingAgainLosesNothingMore) {
+  const Scene once = read_case(encode_case(random_scene(800, 0, 23), nullptr), "once");
+  const Scene twice = read_case(encode_case(once, nullptr), "twice");
+  for (size_t i = 0; i < 800; ++i) {
+    EXPECT_LT(glm::length(once.gaussians.mean(i) - twice.gaussians.mean(i)), 2e-3f);
+    EXPECT_NEAR(once.gaussians.opacity(i), twice.gaussians.opacity(i), 1e-6f);
+    EXPECT_NEAR(once.gaussians.plane(Gaussians::kSh)[i], twice.gaussians.plane(Gaussians::kSh)[i],
+                1e-6f);
+  }
+}
+
+TEST(Case, InfoTellsWithoutDecoding) {
+  const Image thumbnail = gradient();
+  const Bytes bytes = encode_case(random_scene(300, 1, 24), &thumbnail);
+  const CaseInfo info = read_case_info(bytes, "test.sog");
+  EXPECT_EQ(info.splats, 300u);
+  EXPECT_EQ(info.sh_degree, 1);
+  EXPECT_EQ(info.bytes, bytes.size());
+  EXPECT_EQ(info.scene.title, "Phantom – bone");
+  EXPECT_THAT(info.generator, HasSubstr("clipgs"));
+  const Texels picture = decode_webp(info.thumbnail, 32, 24, "thumbnail");
+  EXPECT_NEAR(picture.rgba[4 * 31], 255, 24);
+  EXPECT_NEAR(picture.rgba[4 * 23 * 32 + 1], 255, 24);
+}
+
+TEST(Case, RefusesOtherFilesInOneLine) {
+  const auto refuses = [](const Bytes& bytes, const char* message) {
+    EXPECT_THAT([&] { read_case(bytes, "test.sog"); },
+                ThrowsMessage<Error>(::testing::AllOf(HasSubstr(message), HasSubstr("test.sog"),
+                                                      ::testing::Not(HasSubstr("\n")))));
+  };
+  refuses({}, "truncated or corrupt");
+  refuses(Bytes(1000, 0), "truncated or corrupt");
+  refuses(write_zip({{"a.txt", {1}}}), "meta.json");
+  refuses(write_zip({{"meta.json", {'{', '"'}}}), "not JSON");
+  refuses(write_zip({{"meta.json", {'{', '}'}}}), "clipgs");
+
+  const Bytes whole = encode_case(random_scene(50, 1, 25), nullptr);
+  const json meta = meta_of(whole);
+  const auto changed = [&](const char* pointer, const json& value) {
+    json copy = meta;
+    copy[json::json_pointer(pointer)] = value;
+    return with_meta(whole, copy);
+  };
+  EXPECT_NO_THROW(read_case(with_meta(whole, meta), "test.sog"));
+  refuses(changed("/version", 1), "version");
+  refuses(changed("/count", -1), "count");
+  refuses(changed("/count", 4000000), "× ");
+  refuses(changed("/count", 1e300), "count");
+  refuses(changed("/means/mins", {0, 0}), "mins");
+  refuses(changed("/means/mins/0", 1e9), "mins");
+  refuses(changed("/means/files/1", "absent.webp"), "absent.webp");
+  refuses(changed("/scales/codebook/7", nullptr), "codebook");
+  refuses(changed("/scales/codebook/7", 1e9), "codebook");
+  refuses(changed("/shN/bands", 3), "× ");
+  refuses(changed("/shN/bands", 4), "bands");
+  refuses(changed("/shN/count", 1), "names colour");
+  refuses(changed("/quats/files/0", "sh0.webp"), "rotation");
+  refuses(changed("/clipgs/version", 2), "newer clipgs");
+  refuses(changed("/clipgs/axis", {0, 0, 0}), "axis");
+  refuses(changed("/clipgs/world/scene_to_ras_mm/0/0", 0), "scene_to_ras_mm");
+}
+
+TEST(Case, NewKeysAreIgnored) {
+  const Bytes whole = encode_case(random_scene(50, 0, 25), nullptr);
+  json meta = meta_of(whole);
+  meta["clipgs"]["section"] = {{"files", {"section.webp"}}};
+  meta["other"] = 1;
+  EXPECT_EQ(read_case(with_meta(whole, meta), "test.sog").gaussians.size(), 50u);
+}
+
+// Whatever is done to the bytes, a reader says no in one line or gives a whole scene.
+void expect_error_or_scene(const Bytes& bytes, const std::string& what) {
+  try {
+    const Scene scene = read_case(bytes, "test.sog");
+    for (const float value : scene.gaussians.data()) {
+      ASSERT_TRUE(std::isfinite(value)) << what;
+    }
+  } catch (const Error& e) {
+    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << what;
+  }
+}
+
+TEST(CaseFuzz, Truncations) {
+  const Bytes whole = encode_case(random_scene(60, 1, 26), nullptr);
+  for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 400) {
+    EXPECT_THROW(read_case(std::span(whole).first(size), "test.sog"), Error) << size;
+  }
+}
+
+TEST(CaseFuzz, FlippedBytes) {
+  const Bytes whole = encode_case(random_scene(60, 1, 26), nullptr);
+  Rng rng(1);
+  for (int iteration = 0; iteration < 600; ++iteration) {
+    Bytes bytes = whole;
+    for (int flips = 0; flips < 1 + iteration % 4; ++flips) {
+      bytes[rng.below(static_cast<std::uint32_t>(bytes.size()))] ^= 1U << rng.below(8);
+    }
+    expect_error_or_scene(bytes, "iteration " + std::to_string(iteration));
+  }
+}
+
+// The same inside the entries, whose checksums are right again: this reaches the image decoder and
+// the checks of meta.json.
+TEST(CaseFuzz, FlippedBytesUnderGoodChecksums) {
+  const auto entries = read_zip(encode_case(random_scene(60, 1, 26), nullptr), "test");
+  Rng rng(2);
+  for (int iteration = 0; iteration < 600; ++iteration) {
+    std::vector<ZipEntry> changed;
+    for (const auto& [name, content] : entries) {
+      changed.push_back({name, content});
+    }
+    Bytes& content = changed[rng.below(static_cast<std::uint32_t>(changed.size()))].bytes;
+    for (int flips = 0; flips < 1 + iteration % 4; ++flips) {
+      content[rng.below(static_cast<std::uint32_t>(content.size()))] ^= 1U << rng.below(8);
+    }
+    if (iteration % 5 == 0) {
+      content.resize(rng.below(static_cast<std::uint32_t>(content.size())));
+    }
+    expect_error_or_scene(write_zip(changed), "iteration " + std::to_string(iteration));
+  }
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "asset/zip.h"
+#include "splat/gaussians.h"
+
+namespace clipgs {
+
+struct SogSummary {
+  size_t count = 0;  ///< splats
+  int sh_degree = 0;
+};
+
+/// Splats that a SOG may hold here.
+constexpr size_t kMaxSplats = size_t{4} << 20;
+
+/// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
+/// meta.json. Splats come out in Morton order; the result depends neither on the order they came
+/// in nor on the number of threads. Throws Error if there are none, too many, or one that is not
+/// finite.
+nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files);
+
+/// What meta.json says of its splats. Throws Error, `name` in it, if it is not SOG v2.
+SogSummary sog_summary(const nlohmann::json& meta, const std::string& name);
+
+/// The Gaussians (scene space) of a SOG v2. Throws Error, `name` in it, on whatever is missing,
+/// out of range or undecodable.
+Gaussians decode_sog(const nlohmann::json& meta, const std::map<std::string, Bytes>& files,
+                     const std::string& name);
+
+}  // namespace clipgs

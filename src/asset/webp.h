@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "asset/zip.h"
+#include "core/image.h"
+
+namespace clipgs {
+
+/// 8-bit RGBA texels that carry data, row-major from the top left.
+struct Texels {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;  ///< [height, width, 4]
+
+  Texels() = default;
+  /// All (0, 0, 0, 255).
+  Texels(int w, int h);
+  size_t size() const { return static_cast<size_t>(width) * height; }
+};
+
+/// Lossless, texel for texel (RGB under alpha 0 as well). Throws Error.
+Bytes encode_webp(const Texels& texels);
+
+/// A picture to look at: 3 or 4 channels in [0, 1], lossy, `quality` 0 to 100. Throws Error.
+Bytes encode_webp(const Image& image, float quality);
+
+/// Decodes a WebP of exactly that size; the size is checked before anything is allocated. `name`
+/// is what errors call it. Throws Error.
+Texels decode_webp(std::span<const std::uint8_t> bytes, int width, int height,
+                   const std::string& name);
+
+}  // namespace clipgs
