@@ -1,0 +1,363 @@
+#include "cinema/path_tracer.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "cinema/scatter.h"
+
+namespace clipgs {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr float kFar = 1e30f;
+
+// Optical depth to the next collision for uniform u in [0, 1).
+float free_path(float u) { return -std::log(1.0f - u); }
+
+// Fractional parts of the square roots of primes: irrational and independent of each other.
+constexpr std::array<double, PathDraws::kDimensions> kRoots = {
+    1.4142135623730951, 1.7320508075688772, 2.23606797749979,   2.6457513110645907,
+    3.3166247903554,    3.605551275463989,  4.123105625617661,  4.358898943540674,
+    4.795831523312719,  5.385164807134504,  5.5677643628300215, 6.082762530298219,
+    6.4031242374328485};
+
+constexpr std::array<std::uint32_t, PathDraws::kDimensions> recurrence_steps() {
+  std::array<std::uint32_t, PathDraws::kDimensions> steps{};
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const double fraction = kRoots[i] - static_cast<int>(kRoots[i]);
+    steps[i] = static_cast<std::uint32_t>(fraction * 4294967296.0);
+  }
+  return steps;
+}
+
+float largest(const Vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
+
+}  // namespace
+
+const std::array<std::uint32_t, PathDraws::kDimensions> PathDraws::kSteps = recurrence_steps();
+
+PathDraws::PathDraws(std::uint64_t seed, std::uint64_t stream, std::uint32_t first)
+    : index_(first), rng_(Rng::mix(seed) + first, stream) {
+  Rng starts(seed, stream);
+  for (std::uint32_t& start : starts_) {
+    start = starts.next();
+  }
+}
+
+PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera,
+                       const std::optional<Plane>& plane, int max_bounces)
+    : scene_(scene),
+      camera_(camera),
+      max_bounces_(max_bounces),
+      camera_voxel_(scene.voxel_from_world(camera.position)) {
+  const Box& occupied = scene.majorants().occupied();
+  empty_ = occupied.empty();
+  box_min_ = occupied.min;
+  box_max_ = occupied.max;
+  const Vec3 spacing = scene.volume().spacing;
+  if (plane) {
+    cut_ = true;
+    const Vec3 normal = scene.frame_from_world(plane->normal);
+    plane_gradient_ = normal * spacing;
+    plane_offset_ = plane->offset - glm::dot(plane->normal, scene.volume().origin);
+    add_face(-normal, -plane_gradient_, -plane_offset_);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 outward(0);
+    outward[axis] = 1;
+    add_face(outward, outward * spacing,
+             static_cast<float>(scene.volume().dims[axis] - 1) * spacing[axis]);
+    add_face(-outward, -outward * spacing, 0);
+  }
+}
+
+void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offset) {
+  Face face;
+  face.outward = outward;
+  face.gradient = gradient;
+  face.offset = offset;
+  face.half_voxel = 0.5f * glm::length(gradient);
+  face.radiance = scene_.lights().face_radiance(outward);
+  faces_[static_cast<size_t>(face_count_++)] = face;
+}
+
+PathTracer::Ray PathTracer::camera_ray(float x, float y) const {
+  return make_ray(camera_voxel_, scene_.frame_from_world(camera_.ray_direction(x, y)));
+}
+
+// Intersects [t0, t1] with the occupied box and the kept half space; false if nothing is left.
+bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
+  for (int k = 0; k < 3; ++k) {
+    const float step = std::abs(ray.step[k]) > 1e-20f ? ray.step[k] : 1e-20f;
+    const float a = (box_min_[k] - ray.origin[k]) / step;
+    const float b = (box_max_[k] - ray.origin[k]) / step;
+    t0 = std::max(t0, std::min(a, b));
+    t1 = std::min(t1, std::max(a, b));
+  }
+  if (cut_) {
+    const float slope = glm::dot(plane_gradient_, ray.step);
+    const float distance = glm::dot(plane_gradient_, ray.origin) - plane_offset_;
+    if (slope > 0) {
+      t0 = std::max(t0, -distance / slope);
+    } else if (slope < 0) {
+      t1 = std::min(t1, -distance / slope);
+    } else if (distance < 0) {
+      return false;
+    }
+  }
+  return t0 < t1;
+}
+
+// Where a ray that starts in kept matter leaves the box or the kept side.
+float PathTracer::exit(const Ray& ray) const {
+  float t1 = kFar;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(ray.step[k]) > 1e-20f) {
+      const float side = ray.step[k] > 0 ? box_max_[k] : box_min_[k];
+      t1 = std::min(t1, (side - ray.origin[k]) / ray.step[k]);
+    }
+  }
+  if (cut_) {
+    const float slope = glm::dot(plane_gradient_, ray.step);
+    if (slope < 0) {
+      t1 = std::min(t1, (plane_offset_ - glm::dot(plane_gradient_, ray.origin)) / slope);
+    }
+  }
+  return t1;
+}
+
+// Delta tracking: the first real collision after `optical_depth` of tentative ones.
+bool PathTracer::track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
+                       Collision& collision) const {
+  if (t0 >= t1) {
+    return false;
+  }
+  const VoxelGrid& grid = scene_.grid();
+  return scene_.majorants().walk(ray.origin, ray.step, t0, t1,
+                                 [&](float majorant, float t, float end) {
+                                   while (true) {
+                                     const float next = t + optical_depth / majorant;
+                                     if (!(next < end)) {
+                                       optical_depth -= majorant * (end - t);
+                                       return false;
+                                     }
+                                     t = next;
+                                     const float code = grid.sample(ray.origin + t * ray.step);
+                                     if (rng.uniform() * majorant < scene_.extinction(code)) {
+                                       collision = {t, code};
+                                       return true;
+                                     }
+                                     optical_depth = free_path(rng.uniform());
+                                   }
+                                 });
+}
+
+// Unbiased estimate of the transmittance to the light: ratio tracking, with Russian roulette once
+// little is left.
+float PathTracer::transmittance(const Ray& ray, Rng& rng) const {
+  const float t1 = exit(ray);
+  if (t1 <= 0) {
+    return 1;
+  }
+  Collision collision;
+  return track(ray, 0, t1, free_path(rng.uniform()), rng, collision) ? 0.0f : 1.0f;
+}
+
+// The face on whose outside a camera ray along `direction` was when it met matter at `voxel` less
+// than half a voxel deep.
+const PathTracer::Face* PathTracer::face_at(const Vec3& voxel, const Vec3& direction) const {
+  for (int i = 0; i < face_count_; ++i) {
+    const Face& face = faces_[static_cast<size_t>(i)];
+    const float depth = face.offset - glm::dot(face.gradient, voxel);
+    if (depth < face.half_voxel && glm::dot(direction, face.outward) < 0) {
+      return &face;
+    }
+  }
+  return nullptr;
+}
+
+// Kept matter is convex about its faces, so a point of a face sees its whole hemisphere free: its
+// diffuse light is known, and only the highlight is sampled.
+Vec3 PathTracer::shade_face(const Face& face, const Material& material, const Vec3& out,
+                            PathDraws& draws) const {
+  Vec3 light = (1.0f - material.specular) * material.albedo * face.radiance;
+  if (material.specular > 0) {
+    const Lights& lights = scene_.lights();
+    float weight = 0;
+    const Vec3 in = ggx::sample(face.outward, out, material.roughness, draws(PathDraws::kAngle),
+                                draws(PathDraws::kTurn), weight);
+    Vec3 highlight = weight > 0 ? weight * lights.sky(in) : Vec3(0);
+    for (const Lights::Key& key : lights.keys()) {
+      const Vec3 towards = key.sample(draws(PathDraws::kDiscU), draws(PathDraws::kDiscV));
+      highlight += ggx::evaluate(face.outward, out, towards, material.roughness) * key.irradiance;
+    }
+    light += material.specular * highlight;
+  }
+  return light;
+}
+
+PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
+  PathSample sample;
+  Ray ray = camera_ray(x, y);
+  float t0 = 0;
+  float t1 = kFar;
+  Collision collision;
+  if (empty_ || !clip(ray, t0, t1) ||
+      !track(ray, t0, t1, free_path(draws(PathDraws::kDistance)), draws.rng(), collision)) {
+    return sample;
+  }
+  sample.hit = true;
+
+  const Lights& lights = scene_.lights();
+  const float surface_strength = scene_.preset().surface_strength;
+  const float g = scene_.preset().phase_g;
+  Vec3 throughput(1);
+  for (int bounce = 0;; ++bounce) {
+    const bool first = bounce == 0;
+    const Vec3 voxel = ray.origin + collision.t * ray.step;
+    const Material material = scene_.material(collision.code, voxel);
+    const Vec3 out = -ray.direction;
+    if (first) {
+      if (const Face* face = face_at(voxel, ray.direction)) {
+        sample.radiance = shade_face(*face, material, out, draws);
+        return sample;
+      }
+    }
+
+    // Surface or phase: P = 1 − exp(−k·‖∇v‖).
+    const Vec3 gradient = scene_.gradient(voxel);
+    const float steepness = glm::length(gradient);
+    const float u_surface = first ? draws(PathDraws::kSurface) : draws.uniform();
+    const bool surface = surface_strength * steepness > free_path(u_surface);
+    Vec3 normal(0);
+    if (surface) {
+      normal = gradient / -steepness;
+      if (glm::dot(normal, out) < 0) {
+        normal = -normal;
+      }
+    }
+    // Highlights of later vertices would only be noise: there the lobe's energy is spread evenly.
+    const float specular = surface && first ? material.specular : 0.0f;
+    const Vec3 albedo = surface && !first
+                            ? (1.0f - material.specular) * material.albedo + material.specular
+                            : material.albedo;
+
+    // Light of one key, chosen by what each would give unshadowed.
+    {
+      constexpr int kMaxKeys = 8;
+      const int count = std::min(static_cast<int>(lights.keys().size()), kMaxKeys);
+      std::array<Vec3, kMaxKeys> towards;
+      std::array<Vec3, kMaxKeys> given;
+      std::array<float, kMaxKeys> upto;
+      float total = 0;
+      const float u = first ? draws(PathDraws::kDiscU) : draws.uniform();
+      const float v = first ? draws(PathDraws::kDiscV) : draws.uniform();
+      for (int k = 0; k < count; ++k) {
+        const Lights::Key& key = lights.keys()[static_cast<size_t>(k)];
+        towards[k] = key.sample(u, v);
+        if (surface) {
+          const float cosine = std::max(0.0f, glm::dot(normal, towards[k]));
+          given[k] = (1.0f - specular) * cosine / kPi * albedo;
+          if (specular > 0) {
+            given[k] += specular * ggx::evaluate(normal, out, towards[k], material.roughness);
+          }
+        } else {
+          given[k] = henyey_greenstein(glm::dot(ray.direction, towards[k]), g) * albedo;
+        }
+        given[k] *= key.irradiance;
+        total += largest(given[k]);
+        upto[k] = total;
+      }
+      if (total > 0) {
+        const float pick = (first ? draws(PathDraws::kKey) : draws.uniform()) * total;
+        int k = 0;
+        while (k + 1 < count && upto[k] <= pick) {
+          ++k;
+        }
+        const float weight = largest(given[k]);
+        if (weight > 0) {
+          const float t = transmittance(make_ray(voxel, towards[k]), draws.rng());
+          sample.radiance += throughput * given[k] * (total / weight * t);
+        }
+      }
+    }
+
+    // Onwards; the sky is met where a path leaves.
+    const float u = first         ? draws(PathDraws::kAngle)
+                    : bounce == 1 ? draws(PathDraws::kAngle2)
+                                  : draws.uniform();
+    const float v = first         ? draws(PathDraws::kTurn)
+                    : bounce == 1 ? draws(PathDraws::kTurn2)
+                                  : draws.uniform();
+    Vec3 direction;
+    if (!surface) {
+      direction = sample_henyey_greenstein(ray.direction, g, u, v);
+      throughput *= albedo;
+    } else if (specular > 0 && draws(PathDraws::kLobe) < specular) {
+      float weight = 0;
+      direction = ggx::sample(normal, out, material.roughness, u, v, weight);
+      throughput *= weight;
+    } else {
+      direction = sample_cosine(normal, u, v);
+      throughput *= albedo;
+    }
+    if (bounce > 0) {
+      const float survival = std::min(1.0f, largest(throughput));
+      if (draws.uniform() >= survival) {
+        return sample;
+      }
+      throughput /= survival;
+    }
+    ray = make_ray(voxel, direction);
+    const float depth = free_path(first ? draws(PathDraws::kDistance2) : draws.uniform());
+    if (!track(ray, 0, exit(ray), depth, draws.rng(), collision)) {
+      sample.radiance += throughput * lights.sky(direction);
+      return sample;
+    }
+    if (bounce + 1 >= max_bounces_) {
+      return sample;
+    }
+  }
+}
+
+float PathTracer::first_hit(float x, float y) const {
+  const Ray ray = camera_ray(x, y);
+  float t0 = 0;
+  float t1 = kFar;
+  if (empty_ || !clip(ray, t0, t1)) {
+    return 0;
+  }
+  // Two marches by half voxels: the optical depth in all, then up to the median.
+  const float march =
+      0.5f / std::max(std::abs(ray.step.x), std::max(std::abs(ray.step.y), std::abs(ray.step.z)));
+  const auto optical_depth = [&](float stop, float& where) {
+    float depth = 0;
+    scene_.majorants().walk(ray.origin, ray.step, t0, t1, [&](float, float t, float end) {
+      const int count = std::max(1, static_cast<int>(std::ceil((end - t) / march)));
+      const float length = (end - t) / static_cast<float>(count);
+      for (int i = 0; i < count; ++i) {
+        const float middle = t + (static_cast<float>(i) + 0.5f) * length;
+        const float code = scene_.grid().sample(ray.origin + middle * ray.step);
+        const float more = scene_.extinction(code) * length;
+        if (depth + more > stop) {
+          where = middle + length * ((stop - depth) / more - 0.5f);
+          return true;
+        }
+        depth += more;
+      }
+      return false;
+    });
+    return depth;
+  };
+  constexpr float kOpaque = 20;
+  float where = 0;
+  const float all = optical_depth(kOpaque, where);
+  const float alpha = where > 0 ? 1.0f : 1.0f - std::exp(-all);
+  if (alpha < 1.0f / 255.0f) {
+    return 0;
+  }
+  optical_depth(-std::log(1.0f - 0.5f * alpha), where);
+  return where;
+}
+
+}  // namespace clipgs

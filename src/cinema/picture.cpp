@@ -1,0 +1,298 @@
+#include "cinema/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "cinema/path_tracer.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+
+namespace clipgs {
+namespace {
+
+constexpr int kTile = 16;
+constexpr int kFirstRound = 8;   // samples of every pixel before any noise is known
+constexpr double kGrowth = 4;    // a round adds at most this multiple of what a pixel has
+constexpr int kNoiseRadius = 2;  // px: squared differences of halves are smoothed this far
+
+struct PixelSums {
+  std::array<Vec4, 2> halves{Vec4(0), Vec4(0)};  // radiance, hits
+  int samples = 0;                               // in each half
+};
+
+// One picture in the making.
+class Rendering {
+ public:
+  Rendering(const CinemaScene& scene, const Camera& camera, const std::optional<Plane>& plane,
+            const PictureOptions& options)
+      : tracer_(scene, camera, plane, options.max_bounces),
+        exposure_(scene.preset().exposure),
+        options_(options),
+        width_(camera.width),
+        height_(camera.height),
+        sums_(static_cast<size_t>(width_) * static_cast<size_t>(height_)),
+        wanted_(sums_.size(), 0) {}
+
+  // Brings every pixel to wanted_ samples in each half.
+  void trace() {
+    const int tiles_x = (width_ + kTile - 1) / kTile;
+    const int tiles_y = (height_ + kTile - 1) / kTile;
+    parallel_for(static_cast<size_t>(tiles_x) * static_cast<size_t>(tiles_y), 1,
+                 [&](size_t tile, size_t) {
+                   const int x0 = static_cast<int>(tile) % tiles_x * kTile;
+                   const int y0 = static_cast<int>(tile) / tiles_x * kTile;
+                   for (int y = y0; y < std::min(y0 + kTile, height_); ++y) {
+                     for (int x = x0; x < std::min(x0 + kTile, width_); ++x) {
+                       trace_pixel(x, y);
+                     }
+                   }
+                 });
+  }
+
+  void want_everywhere(int samples) { std::fill(wanted_.begin(), wanted_.end(), samples); }
+
+  // Shares out samples in proportion to each pixel's standard deviation, which is the best use of
+  // them for the mean squared error. False if there is nothing left to do.
+  bool plan() {
+    const std::vector<float> deviation = deviations();
+    double sum = 0;
+    double matter = 0;
+    double spent = 0;
+    for (size_t i = 0; i < sums_.size(); ++i) {
+      sum += deviation[i];
+      matter += deviation[i] > 0 ? 1 : 0;
+      spent += deviation[i] > 0 ? sums_[i].samples : 0;
+    }
+    const double budget = 0.5 * options_.spp * matter;
+    if (sum <= 0 || spent >= 0.98 * budget) {
+      return false;
+    }
+    // Half-samples a unit of deviation: what is left of the budget, or what the target needs.
+    double density = budget / sum;
+    if (options_.noise_db > 0) {
+      const double now = error();
+      const double target = std::pow(10.0, -0.1 * (options_.noise_db + 0.05));
+      if (now <= target) {
+        return false;
+      }
+      // At n = density·σ the squared error is Σσ²/n/N = Σσ/density/N.
+      const double needed = sum / (target * static_cast<double>(sums_.size()));
+      density = std::min(density, needed);
+    }
+    double added = 0;
+    for (size_t i = 0; i < sums_.size(); ++i) {
+      const double share = std::min(density * deviation[i], (1 + kGrowth) * sums_[i].samples);
+      wanted_[i] = std::max(sums_[i].samples, static_cast<int>(share + 0.5));
+      added += wanted_[i] - sums_[i].samples;
+    }
+    // Estimates of the noise wander: a round always moves on by a tenth, or it would crawl.
+    if (added < 0.1 * spent) {
+      const double factor = 1 + std::min(0.15, (budget - spent) / std::max(spent, 1.0));
+      for (size_t i = 0; i < sums_.size(); ++i) {
+        if (deviation[i] > 0) {
+          wanted_[i] = static_cast<int>(std::ceil(factor * sums_[i].samples));
+        }
+      }
+    }
+    return true;
+  }
+
+  // Mean squared error of the displayed mean, over pixels and channels.
+  double error() const {
+    double sum = 0;
+    for (const PixelSums& pixel : sums_) {
+      sum += pixel_error(pixel);
+    }
+    return sum / static_cast<double>(sums_.size());
+  }
+
+  double share_done() const {
+    double done = 0;
+    double all = 0;
+    for (const PixelSums& pixel : sums_) {
+      if (pixel.halves[0].w + pixel.halves[1].w > 0) {
+        done += 2.0 * pixel.samples;
+        all += options_.spp;
+      }
+    }
+    return all > 0 ? done / all : 1;
+  }
+
+  Picture picture() const {
+    Picture picture;
+    picture.half_a = Image(width_, height_, 4);
+    picture.half_b = Image(width_, height_, 4);
+    for (size_t i = 0; i < sums_.size(); ++i) {
+      const float scale = 1.0f / static_cast<float>(std::max(1, sums_[i].samples));
+      for (int c = 0; c < 4; ++c) {
+        picture.half_a.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[0][c] * scale;
+        picture.half_b.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[1][c] * scale;
+      }
+      picture.samples += 2.0 * sums_[i].samples;
+    }
+    return picture;
+  }
+
+ private:
+  void trace_pixel(int x, int y) {
+    const size_t i = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+    PixelSums& pixel = sums_[i];
+    const int more = wanted_[i] - pixel.samples;
+    if (more <= 0) {
+      return;
+    }
+    for (size_t half = 0; half < 2; ++half) {
+      PathDraws draws(Rng::mix(options_.seed) + half, i, static_cast<std::uint32_t>(pixel.samples));
+      Vec4 sum(0);
+      for (int s = 0; s < more; ++s) {
+        const PathSample sample =
+            tracer_.trace(static_cast<float>(x) + draws(PathDraws::kPixelX),
+                          static_cast<float>(y) + draws(PathDraws::kPixelY), draws);
+        sum += Vec4(sample.radiance, sample.hit ? 1.0f : 0.0f);
+        draws.next_sample();
+      }
+      pixel.halves[half] += sum;
+    }
+    pixel.samples = wanted_[i];
+  }
+
+  // Over black, as displayed: alpha · sRGB(exposure · radiance / alpha).
+  Vec3 shown(const Vec4& sum, int samples) const {
+    Vec3 rgb(0);
+    if (sum.w > 0) {
+      for (int c = 0; c < 3; ++c) {
+        rgb[c] = sum.w / static_cast<float>(samples) * srgb_from_linear(exposure_ * sum[c] / sum.w);
+      }
+    }
+    return rgb;
+  }
+
+  // A quarter of the squared difference of the halves, mean over the channels.
+  double pixel_error(const PixelSums& pixel) const {
+    if (pixel.halves[0].w + pixel.halves[1].w == 0) {
+      return 0;
+    }
+    const Vec3 difference =
+        shown(pixel.halves[0], pixel.samples) - shown(pixel.halves[1], pixel.samples);
+    return glm::dot(difference, difference) / 12.0;
+  }
+
+  // Standard deviation of one (half-)sample in each pixel, smoothed; 0 where no matter is near.
+  std::vector<float> deviations() const {
+    std::vector<float> variance(sums_.size());
+    for (size_t i = 0; i < sums_.size(); ++i) {
+      variance[i] = static_cast<float>(pixel_error(sums_[i]) * sums_[i].samples);
+    }
+    std::vector<float> result(sums_.size());
+    parallel_for(static_cast<size_t>(height_), 8, [&](size_t begin, size_t end) {
+      for (size_t row = begin; row < end; ++row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < width_; ++x) {
+          double sum = 0;
+          int count = 0;
+          bool matter = false;
+          for (int v = std::max(0, y - kNoiseRadius); v <= std::min(height_ - 1, y + kNoiseRadius);
+               ++v) {
+            for (int u = std::max(0, x - kNoiseRadius); u <= std::min(width_ - 1, x + kNoiseRadius);
+                 ++u) {
+              const size_t j =
+                  static_cast<size_t>(v) * static_cast<size_t>(width_) + static_cast<size_t>(u);
+              sum += variance[j];
+              ++count;
+              const bool beside = std::abs(u - x) <= 1 && std::abs(v - y) <= 1;
+              matter = matter || (beside && sums_[j].halves[0].w + sums_[j].halves[1].w > 0);
+            }
+          }
+          const size_t i = row * static_cast<size_t>(width_) + static_cast<size_t>(x);
+          // A small floor keeps pixels whose first samples happened to agree in the running.
+          result[i] = matter ? static_cast<float>(std::sqrt(sum / count)) + 0.01f : 0.0f;
+        }
+      }
+    });
+    return result;
+  }
+
+  PathTracer tracer_;
+  float exposure_;
+  PictureOptions options_;
+  int width_;
+  int height_;
+  std::vector<PixelSums> sums_;
+  std::vector<int> wanted_;
+};
+
+}  // namespace
+
+Image Picture::mean() const {
+  Image image = half_a;
+  for (size_t i = 0; i < image.data.size(); ++i) {
+    image.data[i] = 0.5f * (half_a.data[i] + half_b.data[i]);
+  }
+  return image;
+}
+
+Picture render_picture(const CinemaScene& scene, const Camera& camera,
+                       const std::optional<Plane>& plane, const PictureOptions& options) {
+  Rendering rendering(scene, camera, plane, options);
+  std::unique_ptr<Progress> progress;
+  if (!options.progress.empty()) {
+    progress = std::make_unique<Progress>(options.progress, 1000);
+  }
+  rendering.want_everywhere(std::clamp(options.spp / 2, 1, kFirstRound / 2));
+  rendering.trace();
+  while (rendering.plan()) {
+    if (progress) {
+      progress->update(static_cast<size_t>(1000 * std::min(1.0, rendering.share_done())));
+    }
+    rendering.trace();
+  }
+  if (progress) {
+    progress->update(1000);
+  }
+  return rendering.picture();
+}
+
+Image render_depth(const CinemaScene& scene, const Camera& camera,
+                   const std::optional<Plane>& plane) {
+  const PathTracer tracer(scene, camera, plane, 1);
+  Image depth(camera.width, camera.height, 1);
+  parallel_for(static_cast<size_t>(camera.height), 4, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        *depth.at(x, static_cast<int>(y)) =
+            tracer.first_hit(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      }
+    }
+  });
+  return depth;
+}
+
+Image display(const Image& premultiplied, float exposure) {
+  Image image(premultiplied.width, premultiplied.height, 4);
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    const float* in = &premultiplied.data[4 * i];
+    float* out = &image.data[4 * i];
+    if (in[3] > 0) {
+      for (int c = 0; c < 3; ++c) {
+        out[c] = srgb_from_linear(exposure * in[c] / in[3]);
+      }
+      out[3] = std::min(in[3], 1.0f);
+    }
+  }
+  return image;
+}
+
+float noise_floor(const Picture& picture, float exposure) {
+  const Image a = composite(display(picture.half_a, exposure), 0, 0, 0);
+  const Image b = composite(display(picture.half_b, exposure), 0, 0, 0);
+  double sum = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    const double difference = a.data[i] - b.data[i];
+    sum += difference * difference;
+  }
+  const double mse = 0.25 * sum / static_cast<double>(a.data.size());
+  return mse > 0 ? std::min(kNoNoise, static_cast<float>(-10.0 * std::log10(mse))) : kNoNoise;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "cinema/scene.h"
+#include "core/camera.h"
+#include "core/image.h"
+
+namespace clipgs {
+
+struct PictureOptions {
+  int spp = 64;         ///< most samples a pixel, as a mean over the pixels that show matter
+  float noise_db = 0;   ///< stop as soon as the noise floor is this high; 0: spend all samples
+  int max_bounces = 6;  ///< vertices of a path
+  std::uint64_t seed = 1;
+  std::string progress;  ///< label of a progress line; empty: silent
+};
+
+/// A path-traced picture as two independent halves, each [height, width, 4]: linear radiance before
+/// exposure, premultiplied by alpha, and alpha. Their mean is the picture; their difference tells
+/// its noise.
+struct Picture {
+  Image half_a;
+  Image half_b;
+  double samples = 0;  ///< paths traced in all
+
+  /// Mean of the halves: linear premultiplied RGBA.
+  Image mean() const;
+};
+
+/// Renders what `camera` sees of the scene's side of `plane`. Samples go where the noise is; the
+/// picture is a function of its inputs alone, whatever the number of threads.
+Picture render_picture(const CinemaScene& scene, const Camera& camera,
+                       const std::optional<Plane>& plane, const PictureOptions& options);
+
+/// First-hit depth: distance from the camera in mm along each pixel's central ray at which it meets
+/// matter (median over what it meets), 0 for background. [height, width, 1].
+Image render_depth(const CinemaScene& scene, const Camera& camera,
+                   const std::optional<Plane>& plane);
+
+/// Display transform: straight-alpha sRGB RGBA in [0, 1]. The colour is what the matter in a pixel
+/// looks like by itself, sRGB(exposure · radiance / alpha); alpha then blends it in display space,
+/// as every viewer of PNGs and every splat renderer does. Opaque pixels show sRGB(exposure ·
+/// radiance) exactly.
+Image display(const Image& premultiplied, float exposure);
+
+/// Noise floor of the displayed picture over black, in dB: −10·log10(MSE(A, B)/4), for the error of
+/// the mean of two halves with independent errors is a quarter of their mean squared difference. No
+/// PSNR against the picture can be trusted above it. At most kNoNoise.
+float noise_floor(const Picture& picture, float exposure);
+
+constexpr float kNoNoise = 99;
+
+}  // namespace clipgs

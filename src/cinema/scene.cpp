@@ -1,0 +1,94 @@
+#include "cinema/scene.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/image.h"
+#include "core/parallel.h"
+
+namespace clipgs {
+namespace {
+
+// The interval of values that 16-bit codes cover: the volume's own, but not further beyond the
+// transfer function's than twice its width, so that a few extreme values (metal, padding) do not
+// coarsen all others. Values beyond only shape the interpolation towards such voxels.
+Vec2 coded_interval(const Volume& volume, const TransferFunction& transfer) {
+  constexpr size_t kPiece = size_t{1} << 20;
+  std::vector<Vec2> pieces((volume.voxels() + kPiece - 1) / kPiece);
+  parallel_for(volume.voxels(), kPiece, [&](size_t begin, size_t end) {
+    const auto [low, high] = std::minmax_element(&volume.values[begin], volume.values.data() + end);
+    pieces[begin / kPiece] = {*low, *high};
+  });
+  Vec2 all = pieces.front();
+  for (const Vec2& piece : pieces) {
+    all = {std::min(all.x, piece.x), std::max(all.y, piece.y)};
+  }
+  const float margin = std::max(2.0f * (transfer.max_value() - transfer.min_value()), 1.0f);
+  return {std::max(all.x, transfer.min_value() - margin),
+          std::min(all.y, transfer.max_value() + margin)};
+}
+
+VoxelGrid make_grid(const Volume& volume, const TransferFunction& transfer) {
+  const Vec2 interval = coded_interval(volume, transfer);
+  return {volume, interval.x, interval.y};
+}
+
+std::array<float, 256> linear_table() {
+  std::array<float, 256> table{};
+  for (size_t i = 0; i < table.size(); ++i) {
+    table[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
+  }
+  return table;
+}
+
+// Trilinear, in linear light.
+Vec3 photo_color(const Volume& volume, const Vec3& voxel) {
+  static const std::array<float, 256> kLinear = linear_table();
+  const Vec3 position = glm::clamp(voxel, Vec3(0), Vec3(volume.dims - 1));
+  const IVec3 low = IVec3(position);
+  const IVec3 high = glm::min(low + 1, volume.dims - 1);
+  const Vec3 f = position - Vec3(low);
+  Vec3 color(0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const bool x = (corner & 1) != 0;
+    const bool y = (corner & 2) != 0;
+    const bool z = (corner & 4) != 0;
+    const float weight = (x ? f.x : 1 - f.x) * (y ? f.y : 1 - f.y) * (z ? f.z : 1 - f.z);
+    const std::uint8_t* rgb =
+        &volume.rgb[3 * volume.offset(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z)];
+    color += weight * Vec3(kLinear[rgb[0]], kLinear[rgb[1]], kLinear[rgb[2]]);
+  }
+  return color;
+}
+
+}  // namespace
+
+CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
+    : volume_(&volume),
+      preset_(preset),
+      grid_(make_grid(volume, preset.transfer)),
+      majorants_(grid_, preset.transfer),
+      lights_(preset.rig, glm::transpose(volume.direction)),
+      inverse_spacing_(1.0f / volume.spacing),
+      gradient_scale_(grid_.step() / volume.spacing) {
+  const TransferFunction& transfer = preset_.transfer;
+  const float range = transfer.max_value() - transfer.min_value();
+  const float per_value = range > 0 ? (TransferFunction::kTableSize - 1) / range : 0.0f;
+  entry_scale_ = grid_.step() * per_value;
+  entry_offset_ = (grid_.low() - transfer.min_value()) * per_value + 0.5f;
+  for (int i = 0; i < TransferFunction::kTableSize; ++i) {
+    const float value =
+        transfer.min_value() + range * static_cast<float>(i) / (TransferFunction::kTableSize - 1);
+    extinctions_[static_cast<size_t>(i)] = transfer.at(value).extinction;
+  }
+}
+
+Material CinemaScene::material(float code, const Vec3& voxel) const {
+  Material material = preset_.transfer.at(grid_.value(code));
+  if (!volume_->rgb.empty()) {
+    material.albedo *= photo_color(*volume_, voxel);
+  }
+  return material;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+
+#include "cinema/lights.h"
+#include "cinema/majorant_grid.h"
+#include "cinema/voxel_grid.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// A volume made ready for path tracing under a preset. Tracing works in *voxel space* (continuous
+/// voxel index) for positions and in the *grid frame* (the volume's axes, unit length = mm) for
+/// directions, normals and lights.
+///
+/// The volume must outlive the scene (photographs are read from it while tracing).
+class CinemaScene {
+ public:
+  CinemaScene(const Volume& volume, const Preset& preset);
+
+  Vec3 voxel_from_world(const Vec3& world) const { return volume_->index_from_world(world); }
+  Vec3 frame_from_world(const Vec3& direction) const { return direction * volume_->direction; }
+  /// Voxels per mm along a direction of the grid frame.
+  Vec3 voxel_direction(const Vec3& direction) const { return direction * inverse_spacing_; }
+
+  /// Extinction at an interpolated code, 1/mm.
+  float extinction(float code) const { return extinctions_[static_cast<size_t>(entry(code))]; }
+  /// Material at an interpolated code, the albedo of photographs from their colours at `voxel`.
+  Material material(float code, const Vec3& voxel) const;
+  /// Gradient of the volume's values, value units per mm, in the grid frame.
+  Vec3 gradient(const Vec3& voxel) const { return grid_.gradient(voxel) * gradient_scale_; }
+
+  const Volume& volume() const { return *volume_; }
+  const Preset& preset() const { return preset_; }
+  const VoxelGrid& grid() const { return grid_; }
+  const MajorantGrid& majorants() const { return majorants_; }
+  const Lights& lights() const { return lights_; }
+
+ private:
+  int entry(float code) const {
+    const float t = code * entry_scale_ + entry_offset_;
+    return t < 0                               ? 0
+           : t >= TransferFunction::kTableSize ? TransferFunction::kTableSize - 1
+                                               : static_cast<int>(t);
+  }
+
+  const Volume* volume_;
+  Preset preset_;
+  VoxelGrid grid_;
+  MajorantGrid majorants_;
+  Lights lights_;
+  Vec3 inverse_spacing_;
+  Vec3 gradient_scale_;
+  float entry_scale_ = 0;
+  float entry_offset_ = 0;
+  std::array<float, TransferFunction::kTableSize> extinctions_{};  // small, unlike Materials
+};
+
+}  // namespace clipgs

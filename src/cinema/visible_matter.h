@@ -1,0 +1,22 @@
+#pragma once
+
+#include "volume/transfer_function.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// Where the matter is that a transfer function shows, in world space (RAS mm). Specks far from the
+/// rest do not count.
+struct VisibleMatter {
+  Box bounds;
+  Sphere sphere;           ///< what cameras frame
+  std::vector<Vec3> hull;  ///< points that span the matter (corners of its boundary cells)
+
+  /// Interval of normal·x over the matter.
+  Vec2 extent(const Vec3& normal) const;
+};
+
+/// Throws Error if the transfer function shows nothing of the volume.
+VisibleMatter visible_matter(const Volume& volume, const TransferFunction& transfer);
+
+}  // namespace clipgs

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// The values of a volume as 16-bit codes in the layout that tracing wants: half the memory of
+/// floats, and a border (the edge voxels repeated) so that interpolation needs no bounds checks.
+///
+///   value = low + code·step
+class VoxelGrid {
+ public:
+  /// Codes cover [low, high]; values beyond are clamped to it.
+  VoxelGrid(const Volume& volume, float low, float high);
+
+  /// Trilinear code at a voxel position; every coordinate in [-1, dims].
+  float sample(float x, float y, float z) const {
+    // Positions are shifted to be positive so that truncation is floor.
+    const float px = x + kLowBorder;
+    const float py = y + kLowBorder;
+    const float pz = z + kLowBorder;
+    const int ix = static_cast<int>(px);
+    const int iy = static_cast<int>(py);
+    const int iz = static_cast<int>(pz);
+    const std::uint16_t* v = codes_.data() + (static_cast<std::ptrdiff_t>(iz) * stride_z_ +
+                                              static_cast<std::ptrdiff_t>(iy) * stride_y_ + ix);
+    // Four rows of two neighbours along x, one row per lane.
+    const Lanes<std::uint32_t> rows = {pair(v), pair(v + stride_y_), pair(v + stride_z_),
+                                       pair(v + stride_z_ + stride_y_)};
+    const auto left = __builtin_convertvector(Lanes<std::int32_t>(rows & 0xffffU), Lanes<float>);
+    const auto right = __builtin_convertvector(Lanes<std::int32_t>(rows >> 16U), Lanes<float>);
+    const Lanes<float> along_x = left + (px - static_cast<float>(ix)) * (right - left);
+    const float fy = py - static_cast<float>(iy);
+    const float fz = pz - static_cast<float>(iz);
+    const float near = along_x[0] + fy * (along_x[1] - along_x[0]);
+    const float far = along_x[2] + fy * (along_x[3] - along_x[2]);
+    return near + fz * (far - near);
+  }
+  float sample(const Vec3& voxel) const { return sample(voxel.x, voxel.y, voxel.z); }
+
+  /// Central differences over one voxel to either side, codes per voxel.
+  Vec3 gradient(const Vec3& p) const {
+    return 0.5f * Vec3(sample(p.x + 1, p.y, p.z) - sample(p.x - 1, p.y, p.z),
+                       sample(p.x, p.y + 1, p.z) - sample(p.x, p.y - 1, p.z),
+                       sample(p.x, p.y, p.z + 1) - sample(p.x, p.y, p.z - 1));
+  }
+
+  /// Code of voxel (x, y, z); each index in [-1, dims + 1].
+  std::uint16_t code(int x, int y, int z) const {
+    return codes_[static_cast<size_t>(z + kLowBorder) * stride_z_ +
+                  static_cast<size_t>(y + kLowBorder) * stride_y_ +
+                  static_cast<size_t>(x + kLowBorder)];
+  }
+
+  const IVec3& dims() const { return dims_; }
+  float value(float code) const { return low_ + code * step_; }
+  float low() const { return low_; }
+  float step() const { return step_; }
+
+ private:
+  // x and x+1 of the cell that starts one voxel below the grid … two voxels above it.
+  static constexpr int kLowBorder = 1;
+  static constexpr int kHighBorder = 2;
+
+  template <typename T>
+  using Lanes __attribute__((vector_size(16))) = T;
+
+  static std::uint32_t pair(const std::uint16_t* v) {
+    std::uint32_t two;
+    std::memcpy(&two, v, sizeof two);
+    return two;
+  }
+
+  IVec3 dims_;
+  std::ptrdiff_t stride_y_ = 0;
+  std::ptrdiff_t stride_z_ = 0;
+  float low_ = 0;
+  float step_ = 1;
+  std::vector<std::uint16_t> codes_;
+};
+
+}  // namespace clipgs

@@ -1,0 +1,114 @@
+#include <chrono>
+#include <filesystem>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cinema/picture.h"
+#include "cinema/visible_matter.h"
+#include "cli/arguments.h"
+#include "cli/commands.h"
+#include "cli/volume_options.h"
+#include "core/file.h"
+
+namespace clipgs {
+namespace {
+
+struct CinemaArguments {
+  std::filesystem::path volume;
+  std::filesystem::path output;
+  LoadOptions load;
+  std::string preset = "auto";
+  std::string view = "30,15";
+  std::string plane;
+  std::string size = "512x512";
+  std::string background;
+  PictureOptions picture;
+  int bits = 8;
+  bool json = false;
+};
+
+void run_cinema(const CinemaArguments& arguments) {
+  const View view = parse_view(arguments.view);
+  const IVec3 size = parse_size(arguments.size);
+  const std::optional<Plane> plane = parse_plane(arguments.plane);
+  std::vector<float> background;
+  if (!arguments.background.empty()) {
+    background = parse_numbers(arguments.background, 3, 3, "--background");
+  }
+  require_writable(arguments.output);
+  const Volume volume = load_volume(arguments.volume, arguments.load);
+  const Preset preset = load_preset(arguments.preset, volume);
+  const VisibleMatter matter = visible_matter(volume, preset.transfer);
+  warn_if_plane_misses(plane, matter.bounds);
+  const CinemaScene scene(volume, preset);
+  const Camera camera = frame_sphere(matter.sphere, view, size.x, size.y);
+
+  PictureOptions options = arguments.picture;
+  options.progress = "cinema";
+  const auto start = std::chrono::steady_clock::now();
+  const Picture picture = render_picture(scene, camera, plane, options);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  Image image = display(picture.mean(), preset.exposure);
+  if (!background.empty()) {
+    image = composite(image, background[0], background[1], background[2]);
+  }
+  write_png(arguments.output, image, arguments.bits);
+
+  const float noise = noise_floor(picture, preset.exposure);
+  if (arguments.json) {
+    const nlohmann::ordered_json json = {{"output", arguments.output.string()},
+                                         {"preset", preset.name},
+                                         {"noise_db", noise},
+                                         {"samples", picture.samples},
+                                         {"seconds", seconds},
+                                         {"width", size.x},
+                                         {"height", size.y}};
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    fmt::print("{}: preset {}, noise floor {:.1f} dB, {:.3g} samples in {:.1f} s\n",
+               arguments.output.string(), preset.name, noise, picture.samples, seconds);
+  }
+}
+
+}  // namespace
+
+void add_cinema_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("cinema", "Path-trace one picture of a volume");
+  command->footer(
+      "Example: clipgs cinema ct.nii.gz -o cut.png --preset bone --view 30,20 --plane 0,0,-1,40");
+  const auto arguments = std::make_shared<CinemaArguments>();
+  command->add_option("VOLUME", arguments->volume, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "Picture to write (PNG)")->required();
+  command->add_option("--preset", arguments->preset, "Look: a preset's name, a JSON file, or auto")
+      ->capture_default_str();
+  command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
+      ->capture_default_str();
+  command->add_option("--plane", arguments->plane,
+                      "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given");
+  command->add_option("--spp", arguments->picture.spp, "Most samples a pixel, on average")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  command
+      ->add_option("--noise-db", arguments->picture.noise_db,
+                   "Stop when the noise floor reaches this, dB (0: use all samples)")
+      ->check(CLI::Range(0.0, 90.0));
+  command->add_option("--bounces", arguments->picture.max_bounces, "Most vertices of a path")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
+  command->add_option("--seed", arguments->picture.seed, "Random seed")->capture_default_str();
+  command->add_option("--background", arguments->background,
+                      "r,g,b in 0..1 (sRGB) behind the picture; transparent if not given");
+  command->add_option("--bits", arguments->bits, "Bits a channel")
+      ->check(CLI::IsMember({8, 16}))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  add_volume_options(*command, arguments->load);
+  command->callback([arguments] { run_cinema(*arguments); });
+}
+
+}  // namespace clipgs
