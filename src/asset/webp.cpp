@@ -57,7 +57,7 @@ Texels::Texels(int w, int h) : width(w), height(h), rgba(4 * size(), 0) {
 }
 
 Bytes encode_webp(const Texels& texels) {
-  constexpr int kLosslessLevel = 9;  // the smallest
+  constexpr int kLosslessLevel = 6;  // 9 is a hundred times slower and not smaller on such data
   WebPConfig config;
   WebPConfigInit(&config);
   WebPConfigLosslessPreset(&config, kLosslessLevel);
