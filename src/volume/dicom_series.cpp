@@ -208,20 +208,6 @@ class ShiftedSlice {
   std::vector<float> pixels_;
 };
 
-std::vector<float> read_pixels(const DicomHeader& header) {
-  StoredImage image = read_dicom_image(header.path);
-  const size_t expected = static_cast<size_t>(header.columns) * header.rows;
-  if (!image.rgb.empty()) {
-    throw Error("{}: a colour image; store colour volumes as RGB .nrrd or .mha",
-                header.path.string());
-  }
-  if (image.values.size() != expected) {
-    throw Error("{}: holds {} pixels where its series has {} a slice", header.path.string(),
-                image.values.size(), expected);
-  }
-  return std::move(image.values);
-}
-
 void warn_of_resampling(const StackPlan& plan, const ResampleGrid& grid, const std::string& where) {
   std::string why;
   if (plan.sheared) {
@@ -244,7 +230,9 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
                     std::vector<float>& values) {
   const std::vector<DicomHeader>& slices = stack.slices;
   const double start = along_normal(slices.front(), grid.normal);
-  const auto load = [&](size_t i) { return ShiftedSlice(slices[i], read_pixels(slices[i]), grid); };
+  const auto load = [&](size_t i) {
+    return ShiftedSlice(slices[i], read_dicom_pixels(slices[i]), grid);
+  };
   size_t below = 0;
   ShiftedSlice low = load(0);
   ShiftedSlice high = load(1);
@@ -280,7 +268,7 @@ void read_regular(const DicomStack& stack, std::vector<float>& values) {
   Progress progress("reading", stack.slices.size());
   size_t at = 0;
   for (size_t i = 0; i < stack.slices.size(); ++i) {
-    const std::vector<float> pixels = read_pixels(stack.slices[i]);
+    const std::vector<float> pixels = read_dicom_pixels(stack.slices[i]);
     std::copy(pixels.begin(), pixels.end(), values.begin() + static_cast<std::ptrdiff_t>(at));
     at += pixels.size();
     progress.update(i + 1);
@@ -382,7 +370,7 @@ StackPlan plan_stack(const std::vector<DicomHeader>& slices, const std::string& 
 
 StoredImage read_stack(const DicomStack& stack, float fill, const std::string& where) {
   if (stack.slices.front().frames > 1) {
-    return read_dicom_image(stack.slices.front().path);
+    return read_multi_frame(stack.slices.front().path);
   }
   DicomStack whole = stack;
   drop_repeats(whole.slices, where);

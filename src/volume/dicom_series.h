@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/dicom_file.h"
 #include "volume/itk_reader.h"
 
 namespace clipgs {

@@ -1,12 +1,8 @@
 #include "volume/itk_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <gdcmScanner.h>
+#include <gdcmImageReader.h>
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
 #include <itkImage.h>
@@ -17,6 +13,7 @@
 #include <itkNrrdImageIO.h>
 #include <itkRGBAPixel.h>
 #include <itkRGBPixel.h>
+#include <sstream>
 #include <string>
 
 #include "core/error.h"
@@ -180,87 +177,44 @@ void silence_libraries() {
   gdcm::Trace::ErrorOff();
 }
 
-const gdcm::Tag kModality(0x0008, 0x0060);
-const gdcm::Tag kSeriesUid(0x0020, 0x000e);
-const gdcm::Tag kSeriesNumber(0x0020, 0x0011);
-const gdcm::Tag kInstanceNumber(0x0020, 0x0013);
-const gdcm::Tag kPosition(0x0020, 0x0032);
-const gdcm::Tag kOrientation(0x0020, 0x0037);
-const gdcm::Tag kFrames(0x0028, 0x0008);
-const gdcm::Tag kRows(0x0028, 0x0010);
-const gdcm::Tag kColumns(0x0028, 0x0011);
-const gdcm::Tag kPixelSpacing(0x0028, 0x0030);
-
-std::string tag_text(const gdcm::Scanner& scanner, const fs::path& path, const gdcm::Tag& tag) {
-  const char* value = scanner.GetValue(path.c_str(), tag);
-  std::string text = value == nullptr ? "" : value;
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) {
-    text.pop_back();
+void append_element(std::string& file, std::uint16_t group, std::uint16_t element, const char* vr,
+                    std::string value) {
+  if (value.size() % 2 != 0) {
+    value += vr == std::string_view("UI") ? '\0' : ' ';
   }
-  return text;
+  const auto put = [&](std::uint16_t number) {
+    file += static_cast<char>(number & 0xffU);
+    file += static_cast<char>(number >> 8U);
+  };
+  put(group);
+  put(element);
+  file += vr;
+  put(static_cast<std::uint16_t>(value.size()));
+  file += value;
 }
 
-/// The numbers of a backslash-separated DICOM string; fewer than N if it does not hold N.
-template <size_t N>
-bool parse_numbers(const std::string& text, std::array<double, N>& numbers) {
-  const char* at = text.c_str();
-  for (size_t i = 0; i < N; ++i) {
-    char* end = nullptr;
-    numbers[i] = std::strtod(at, &end);
-    if (end == at || !std::isfinite(numbers[i])) {
-      return false;
-    }
-    at = *end == '\\' ? end + 1 : end;
-  }
-  return true;
+std::string us(int number) {
+  return {static_cast<char>(number & 0xff), static_cast<char>((number >> 8) & 0xff)};
 }
 
-int parse_int(const std::string& text, int otherwise) {
-  std::array<double, 1> number{};
-  return parse_numbers(text, number) && std::abs(number[0]) < 1e9 ? static_cast<int>(number[0])
-                                                                  : otherwise;
-}
-
-DicomHeader header_of(const gdcm::Scanner& scanner, const fs::path& path) {
-  DicomHeader header;
-  header.path = path;
-  header.series_uid = tag_text(scanner, path, kSeriesUid);
-  header.modality = tag_text(scanner, path, kModality);
-  header.series_number = parse_int(tag_text(scanner, path, kSeriesNumber), 0);
-  header.instance = parse_int(tag_text(scanner, path, kInstanceNumber), 0);
-  header.columns = parse_int(tag_text(scanner, path, kColumns), 0);
-  header.rows = parse_int(tag_text(scanner, path, kRows), 0);
-  header.frames = parse_int(tag_text(scanner, path, kFrames), 1);
-  std::array<double, 3> position{};
-  std::array<double, 6> o{};
-  std::array<double, 2> spacing{};  // rows apart first, then columns
-  header.placed = parse_numbers(tag_text(scanner, path, kPosition), position) &&
-                  parse_numbers(tag_text(scanner, path, kOrientation), o) &&
-                  parse_numbers(tag_text(scanner, path, kPixelSpacing), spacing) &&
-                  spacing[0] > 0 && spacing[1] > 0;
-  if (header.placed) {
-    header.position = {position[0], position[1], position[2]};
-    header.row = {o[0], o[1], o[2]};
-    header.column = {o[3], o[4], o[5]};
-    header.pixel_spacing = {spacing[1], spacing[0]};
-  }
-  return header;
-}
-
-std::vector<fs::path> files_below(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error)) {
-    if (it->is_regular_file(error)) {
-      files.push_back(it->path());
-    }
-  }
-  if (error) {
-    throw Error("{}: cannot be listed: {}", folder.string(), error.message());
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+/// A DICOM file of nothing but the picture. Debian's GDCM asserts, and so ends the program, on
+/// corrupt elements that have nothing to do with the pixels: it never gets to see them.
+std::string minimal_file(const DicomHeader& header, std::span<const std::uint8_t> fragments) {
+  std::string file(128, '\0');
+  file += "DICM";
+  append_element(file, 0x0002, 0x0010, "UI", header.transfer_syntax);
+  append_element(file, 0x0028, 0x0002, "US", us(1));
+  append_element(file, 0x0028, 0x0004, "CS", header.photometric);
+  append_element(file, 0x0028, 0x0010, "US", us(header.rows));
+  append_element(file, 0x0028, 0x0011, "US", us(header.columns));
+  append_element(file, 0x0028, 0x0100, "US", us(header.bits_allocated));
+  append_element(file, 0x0028, 0x0101, "US", us(header.bits_stored));
+  append_element(file, 0x0028, 0x0102, "US", us(header.bits_stored - 1));
+  append_element(file, 0x0028, 0x0103, "US", us(header.is_signed ? 1 : 0));
+  constexpr std::string_view kPixels("\xe0\x7f\x10\0OB\0\0\xff\xff\xff\xff", 12);
+  file += kPixels;
+  file.append(reinterpret_cast<const char*>(fragments.data()), fragments.size());
+  return file;
 }
 
 }  // namespace
@@ -271,47 +225,29 @@ StoredImage read_image_file(const fs::path& path) {
   return read_with(io, path);
 }
 
-bool is_dicom_file(const fs::path& path) {
-  std::array<char, 132> head{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), head.size());
-  return file && std::memcmp(&head[128], "DICM", 4) == 0;
-}
-
-std::vector<DicomHeader> scan_dicom(const fs::path& folder) {
-  silence_libraries();
-  const std::vector<fs::path> files = files_below(folder);
-  gdcm::Scanner scanner;
-  for (const gdcm::Tag& tag : {kModality, kSeriesUid, kSeriesNumber, kInstanceNumber, kPosition,
-                               kOrientation, kFrames, kRows, kColumns, kPixelSpacing}) {
-    scanner.AddTag(tag);
-  }
-  gdcm::Directory::FilenamesType names;
-  std::transform(files.begin(), files.end(), std::back_inserter(names),
-                 [](const fs::path& file) { return file.string(); });
-  if (!scanner.Scan(names)) {
-    throw Error("{}: its files cannot be read", folder.string());
-  }
-  std::vector<DicomHeader> headers;
-  for (const fs::path& file : files) {
-    if (!scanner.IsKey(file.c_str())) {
-      if (is_dicom_file(file)) {
-        throw Error("{}: truncated or corrupt DICOM file", file.string());
-      }
-      continue;
-    }
-    DicomHeader header = header_of(scanner, file);
-    if (header.rows > 0 && header.columns > 0) {
-      headers.push_back(std::move(header));
-    }
-  }
-  return headers;
-}
-
-StoredImage read_dicom_image(const fs::path& path) {
+StoredImage read_multi_frame(const fs::path& path) {
   silence_libraries();
   const auto io = itk::GDCMImageIO::New();
   return read_with(io, path);
+}
+
+std::vector<std::uint8_t> decode_dicom_pixels(const DicomHeader& header,
+                                              std::span<const std::uint8_t> fragments) {
+  silence_libraries();
+  std::istringstream file(minimal_file(header, fragments), std::ios::binary);
+  gdcm::ImageReader reader;
+  reader.SetStream(file);
+  if (!reader.Read()) {
+    throw Error("{}: its compressed pixels cannot be read", header.path.string());
+  }
+  const gdcm::Image& image = reader.GetImage();
+  const size_t expected = static_cast<size_t>(header.columns) * header.rows *
+                          static_cast<size_t>(header.bits_allocated / 8);
+  std::vector<std::uint8_t> pixels(image.GetBufferLength());
+  if (pixels.size() != expected || !image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) {
+    throw Error("{}: its compressed pixels are corrupt", header.path.string());
+  }
+  return pixels;
 }
 
 }  // namespace clipgs

@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
-#include <string>
+#include <span>
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/dicom_file.h"
 
 namespace clipgs {
 
@@ -27,32 +28,12 @@ constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31;
 /// Reads a NIfTI, NRRD or MetaImage file. Throws Error.
 StoredImage read_image_file(const std::filesystem::path& path);
 
-/// What the header of one DICOM image says; nothing that tells who the patient is.
-struct DicomHeader {
-  std::filesystem::path path;
-  std::string series_uid;
-  std::string modality;  ///< "CT", "MR", ...
-  int series_number = 0;
-  int instance = 0;
-  int columns = 0;
-  int rows = 0;
-  int frames = 1;
-  bool placed = false;             ///< it has a position and an orientation
-  glm::dvec3 position{0};          ///< LPS mm of the centre of the first pixel
-  glm::dvec3 row{1, 0, 0};         ///< LPS direction along a row (growing column index)
-  glm::dvec3 column{0, 1, 0};      ///< LPS direction along a column
-  glm::dvec2 pixel_spacing{1, 1};  ///< mm between columns, between rows
-};
+/// A DICOM file of many frames as a volume, slope and intercept applied. Throws Error.
+StoredImage read_multi_frame(const std::filesystem::path& path);
 
-/// True if the file starts like DICOM ("DICM" at byte 128).
-bool is_dicom_file(const std::filesystem::path& path);
-
-/// Headers of all DICOM images in the folder and its subfolders, in the order of their paths.
-/// Throws Error for DICOM files that cannot be parsed.
-std::vector<DicomHeader> scan_dicom(const std::filesystem::path& folder);
-
-/// Pixels of one DICOM file, slope and intercept applied; several frames come as a volume. Throws
-/// Error.
-StoredImage read_dicom_image(const std::filesystem::path& path);
+/// Decompresses the encapsulated pixels (JPEG, JPEG-LS, JPEG 2000, RLE) of a single-frame grey
+/// image to little-endian integers of header.bits_allocated, rows x columns. Throws Error.
+std::vector<std::uint8_t> decode_dicom_pixels(const DicomHeader& header,
+                                              std::span<const std::uint8_t> fragments);
 
 }  // namespace clipgs

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace clipgs {
+
+/// What the header of one DICOM image says; nothing that tells who the patient is.
+struct DicomHeader {
+  std::filesystem::path path;
+  std::string series_uid;
+  std::string modality;  ///< "CT", "MR", ...
+  int series_number = 0;
+  int instance = 0;
+  int columns = 0;
+  int rows = 0;
+  int frames = 1;
+  bool placed = false;             ///< it has a position and an orientation
+  glm::dvec3 position{0};          ///< LPS mm of the centre of the first pixel
+  glm::dvec3 row{1, 0, 0};         ///< LPS direction along a row (growing column index)
+  glm::dvec3 column{0, 1, 0};      ///< LPS direction along a column
+  glm::dvec2 pixel_spacing{1, 1};  ///< mm between columns, between rows
+  std::string transfer_syntax;     ///< UID
+  std::string photometric;         ///< "MONOCHROME2", "RGB", ...
+  int samples = 1;                 ///< numbers a pixel
+  int bits_allocated = 16;
+  int bits_stored = 16;
+  bool is_signed = false;
+  double slope = 1;  ///< value = slope * stored + intercept
+  double intercept = 0;
+};
+
+/// True if the file starts like DICOM ("DICM" at byte 128).
+bool is_dicom_file(const std::filesystem::path& path);
+
+/// Walks all data elements of a DICOM file (PS3.5: explicit and implicit VR, nested sequences,
+/// native and encapsulated pixels) and checks that every length lies inside the file, so that a
+/// decoder gets to see whole files only. Nothing for files that hold no image (reports, DICOMDIR).
+/// Throws Error for truncated and corrupt files.
+std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path);
+
+/// Pixels of a single-frame grey image, slope and intercept applied, row by row. Only the pixels
+/// and the few facts above ever reach the decoder of compressed pixels. Throws Error.
+std::vector<float> read_dicom_pixels(const DicomHeader& header);
+
+/// Headers of all DICOM images in the folder and its subfolders, in the order of their paths; other
+/// files are passed over. Throws Error.
+std::vector<DicomHeader> scan_dicom(const std::filesystem::path& folder);
+
+}  // namespace clipgs

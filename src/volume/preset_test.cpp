@@ -1,0 +1,137 @@
+#include "volume/preset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "core/image.h"
+#include "volume/phantom.h"
+#include "volume/test_folder.h"
+
+namespace clipgs {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kSmall = R"({
+  "title": "Small", "modality": "ct", "units": "hu", "surface_strength": 0.5, "exposure": 2,
+  "points": [{"value": 0, "color": "#000000", "extinction": 0},
+             {"value": 100, "color": [1, 0.5, 0], "extinction": 2, "specular": 0.2, "roughness": 0.3}],
+  "lights": {"sky": {"top": {"color": "#ffffff", "intensity": 0.5},
+                     "horizon": {"color": "#ffffff"}, "bottom": {"color": "#000000"}},
+             "keys": [{"direction": [0, 2, 0], "color": "#ffffff", "intensity": 3,
+                       "angular_radius_deg": 10}]}})";
+
+std::string with(std::string from, const std::string& to) {
+  std::string text = kSmall;
+  const size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+std::string parse_error(const std::string& json) {
+  return error_of([&] { parse_preset(json, "small", "small.json"); });
+}
+
+TEST(Preset, ReadsEveryKey) {
+  const Preset preset = parse_preset(kSmall, "small", "here");
+  EXPECT_EQ(preset.name, "small");
+  EXPECT_EQ(preset.title, "Small");
+  EXPECT_EQ(preset.modality, Modality::kCt);
+  EXPECT_EQ(preset.surface_strength, 0.5f);
+  EXPECT_EQ(preset.exposure, 2);
+  const Material& m = preset.transfer.at(100);
+  EXPECT_NEAR(m.albedo.g, linear_from_srgb(0.5f), 1e-6f);
+  EXPECT_EQ(m.extinction, 2);
+  EXPECT_EQ(m.specular, 0.2f);
+  EXPECT_EQ(m.roughness, 0.3f);
+  EXPECT_EQ(preset.rig.sky_top, Vec3(0.5f));
+  EXPECT_EQ(preset.rig.sky_horizon, Vec3(1));
+  ASSERT_EQ(preset.rig.keys.size(), 1);
+  EXPECT_EQ(preset.rig.keys[0].direction, Vec3(0, 1, 0));
+  EXPECT_EQ(preset.rig.keys[0].radiance, Vec3(3));
+  EXPECT_NEAR(preset.rig.keys[0].angular_radius, 0.174533f, 1e-5f);
+}
+
+TEST(Preset, ErrorsSayWhereAndWhat) {
+  EXPECT_THAT(parse_error("{"), HasSubstr("small.json: not JSON"));
+  EXPECT_THAT(parse_error("[]"), HasSubstr("expected an object"));
+  EXPECT_THAT(parse_error(with("\"extinction\": 2", "\"extinction\": -2")),
+              HasSubstr("extinction at value 100"));
+  EXPECT_THAT(parse_error(with("\"extinction\": 2", "\"extinctoin\": 2")),
+              HasSubstr("point 2: \"extinction\" is missing"));
+  EXPECT_THAT(parse_error(with("\"specular\"", "\"shine\"")), HasSubstr("unknown key \"shine\""));
+  EXPECT_THAT(parse_error(with("#000000", "black")), HasSubstr("point 1: \"color\""));
+  EXPECT_THAT(parse_error(with("[1, 0.5, 0]", "[1, 2, 0]")), HasSubstr("0..1"));
+  EXPECT_THAT(parse_error(with("[0, 2, 0]", "[0, 0, 0]")), HasSubstr("direction"));
+  EXPECT_THAT(parse_error(with("\"ct\"", "\"pet\"")), HasSubstr("modality"));
+  EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
+  EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
+}
+
+TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {
+  const std::vector<std::string> names = preset_names();
+  EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
+  for (const char* name : {"bone", "generic", "lung", "mr", "muscle", "photo", "skin-and-bone",
+                           "soft-tissue", "vessels"}) {
+    EXPECT_THAT(names, testing::Contains(name));
+  }
+  for (const std::string& name : names) {
+    const Preset preset = load_preset(name);
+    EXPECT_FALSE(preset.title.empty()) << name;
+    EXPECT_FALSE(preset.description.empty()) << name;
+    EXPECT_FALSE(preset.rig.keys.empty()) << name;
+    const float lowest = preset.transfer.min_value();
+    EXPECT_EQ(preset.transfer.at(lowest).extinction, 0) << name;
+    EXPECT_GT(preset.transfer.max_extinction(lowest, 1e9f), 0.1f) << name;
+  }
+}
+
+TEST(Preset, UnknownNameListsThePresets) {
+  const std::string error = error_of([] { load_preset("bones"); });
+  EXPECT_THAT(error, HasSubstr("bones"));
+  EXPECT_THAT(error, HasSubstr("skin-and-bone"));
+}
+
+TEST(Preset, LoadsAFileByPath) {
+  const TestFolder folder;
+  std::ofstream(folder / "mine.json") << kSmall;
+  EXPECT_EQ(load_preset((folder / "mine.json").string()).name, "mine");
+}
+
+Volume with_values(float scale, float offset, Modality modality) {
+  Volume volume = make_ball(24, 8, 1, 0);
+  for (float& value : volume.values) {
+    value = value * scale + offset;
+  }
+  volume.modality = modality;
+  return volume;
+}
+
+TEST(Preset, AutoFollowsTheModality) {
+  EXPECT_EQ(choose_preset(make_phantom(32)).name, "soft-tissue");
+  EXPECT_EQ(choose_preset(with_values(900, 0, Modality::kMr)).name, "mr");
+  EXPECT_EQ(choose_preset(with_values(200, 0, Modality::kUnknown)).name, "generic");
+  EXPECT_EQ(choose_preset(with_values(255, 0, Modality::kPhoto)).name, "photo");
+  EXPECT_EQ(choose_preset(with_values(1500, 0, Modality::kCt)).name, "vessels");
+  EXPECT_EQ(load_preset("auto", make_phantom(32)).name, "soft-tissue");
+}
+
+// The look must not depend on the unit that a scanner happened to store.
+TEST(Preset, PercentilesFollowTheScanner) {
+  const Volume small = with_values(200, 0, Modality::kMr);
+  const Volume large = with_values(20000, 300, Modality::kMr);
+  const Preset a = load_preset("mr", small);
+  const Preset b = load_preset("mr", large);
+  EXPECT_EQ(a.units, ValueUnits::kStored);
+  for (const float share : {0.1f, 0.6f, 0.9f, 1.0f}) {
+    EXPECT_NEAR(a.transfer.at(200 * share).extinction,
+                b.transfer.at(20000 * share + 300).extinction, 0.02f);
+  }
+  EXPECT_NEAR(a.surface_strength * 200, b.surface_strength * 20000, 0.1f);
+  EXPECT_EQ(a.transfer.at(0).extinction, 0);
+  EXPECT_EQ(b.transfer.at(300).extinction, 0);
+}
+
+}  // namespace
+}  // namespace clipgs
