@@ -6,6 +6,7 @@
 #include "asset/webp.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "splat/render.h"
 #include "splat/scene_file.h"
 #include "splat/similarity.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr const char* kMetaFile = "meta.json";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
+constexpr int kThumbnailSize = 256;
 constexpr size_t kMaxMeta = size_t{4} << 20;
 constexpr std::uintmax_t kMaxCase = std::uintmax_t{1} << 30;
 
@@ -81,6 +83,16 @@ Scene read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
 
 Scene read_case(const std::filesystem::path& path) {
   return read_case(read_file(path, kMaxCase), path.string());
+}
+
+Scene load_scene(const std::filesystem::path& path) {
+  return path.extension() == ".ply" ? read_scene(path) : read_case(path);
+}
+
+Image make_thumbnail(const Scene& scene) {
+  const View view{30, 10, 1};
+  const Camera camera = frame_sphere(scene.sphere, view, kThumbnailSize, kThumbnailSize);
+  return render(scene.gaussians, camera, std::nullopt, ClipOperator::kExact);
 }
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name) {

@@ -32,6 +32,12 @@ void write_case(const std::filesystem::path& path, const Scene& scene, const Ima
 Scene read_case(std::span<const std::uint8_t> bytes, const std::string& name);
 Scene read_case(const std::filesystem::path& path);
 
+/// A scene from either of its files: a case, or a .ply with its JSON beside it. Throws Error.
+Scene load_scene(const std::filesystem::path& path);
+
+/// A picture of the whole scene for a list of cases: 256 × 256, RGBA, straight alpha.
+Image make_thumbnail(const Scene& scene);
+
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name);
 CaseInfo read_case_info(const std::filesystem::path& path);
 

@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "splat/scene_file.h"
 #include "splat/sh.h"
 #include "splat/test_scene.h"
 
@@ -154,6 +155,22 @@ TEST(Case, InfoTellsWithoutDecoding) {
   const Texels picture = decode_webp(info.thumbnail, 32, 24, "thumbnail");
   EXPECT_NEAR(picture.rgba[4 * 31], 255, 24);
   EXPECT_NEAR(picture.rgba[4 * 23 * 32 + 1], 255, 24);
+}
+
+TEST(Case, ThumbnailShowsTheScene) {
+  const Image thumbnail = make_thumbnail(random_scene(2000, 0, 27));
+  EXPECT_EQ(thumbnail.width, 256);
+  EXPECT_EQ(thumbnail.channels, 4);
+  EXPECT_GT(thumbnail.at(128, 128)[3], 0.2f);
+  EXPECT_EQ(thumbnail.at(2, 2)[3], 0.0f);
+}
+
+TEST(Case, LoadSceneReadsBothFiles) {
+  const Scene scene = random_scene(30, 1, 28);
+  write_case(temporary("either.sog"), scene, nullptr);
+  write_scene(temporary("either.ply"), scene);
+  EXPECT_EQ(load_scene(temporary("either.sog")).gaussians.size(), 30u);
+  EXPECT_EQ(load_scene(temporary("either.ply")).title, scene.title);
 }
 
 TEST(Case, RefusesOtherFilesInOneLine) {

@@ -1,0 +1,41 @@
+#include <memory>
+#include <string>
+
+#include "asset/case.h"
+#include "cli/commands.h"
+#include "core/file.h"
+#include "splat/ply.h"
+#include "splat/similarity.h"
+
+namespace clipgs {
+
+namespace {
+
+struct ExportArguments {
+  std::string input;
+  std::string output;
+  std::string format = "ply";
+};
+
+void run_export(const ExportArguments& arguments) {
+  require_writable(arguments.output);
+  const Scene scene = load_scene(arguments.input);
+  write_ply(arguments.output, transform(scene.gaussians, scene_to_world().inverse()));
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("export", "Write a case's Gaussians, uncut, for other programs");
+  const auto arguments = std::make_shared<ExportArguments>();
+  command->add_option("case", arguments->input, "Case (.sog) or scene (.ply)")->required();
+  command->add_option("-o,--output", arguments->output, "File to write")->required();
+  command->add_option("--format", arguments->format, "ply: 3D Gaussian Splatting, metres, y down")
+      ->check(CLI::IsMember({"ply"}))
+      ->capture_default_str();
+  command->footer("Example: clipgs export case.sog -o splats.ply --format ply");
+  command->callback([arguments] { run_export(*arguments); });
+}
+
+}  // namespace clipgs

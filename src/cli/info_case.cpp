@@ -1,0 +1,57 @@
+#include "cli/info_case.h"
+
+#include <nlohmann/json.hpp>
+
+#include "asset/case.h"
+#include "splat/scene_file.h"
+
+namespace clipgs {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json list_of(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
+
+void describe(const Scene& scene, Json& json) {
+  json["title"] = scene.title;
+  json["preset"] = scene.preset;
+  json["created"] = scene.created;
+  json["axis"] = list_of(scene.axis);
+  json["extent_mm"] = {json_number(scene.extent.x), json_number(scene.extent.y)};
+  json["center_ras_mm"] = list_of(scene.sphere.center);
+  json["radius_mm"] = json_number(scene.sphere.radius);
+  json["bounds_ras_mm"] = {list_of(scene.bounds.min), list_of(scene.bounds.max)};
+}
+
+}  // namespace
+
+bool is_case(const std::filesystem::path& path) { return path.extension() == ".sog"; }
+
+Json describe_case(const std::filesystem::path& path) {
+  const CaseInfo info = read_case_info(path);
+  Json json;
+  json["kind"] = "case";
+  json["splats"] = info.splats;
+  json["sh_bands"] = info.sh_degree;
+  json["bytes"] = info.bytes;
+  json["thumbnail"] = !info.thumbnail.empty();
+  json["generator"] = info.generator;
+  describe(info.scene, json);
+  return json;
+}
+
+bool is_scene(const std::filesystem::path& path) { return path.extension() == ".ply"; }
+
+Json describe_scene(const std::filesystem::path& path) {
+  const Scene scene = read_scene(path);
+  Json json;
+  json["kind"] = "scene";
+  json["splats"] = scene.gaussians.size();
+  json["sh_bands"] = scene.gaussians.sh_degree();
+  json["bytes"] = std::filesystem::file_size(path);
+  describe(scene, json);
+  return json;
+}
+
+}  // namespace clipgs
