@@ -1,0 +1,328 @@
+#include "cinema/make_dataset.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "cinema/picture.h"
+#include "cinema/seed_points.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "core/random.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Raised whenever the tracer's pictures change, so that old ones are not taken for new.
+constexpr std::uint64_t kTracerVersion = 1;
+constexpr const char* kStateFile = "progress.json";
+constexpr const char* kIndexFile = "transforms.json";
+// The uncut pictures only tell where matter would be.
+constexpr int kUncutSpp = 16;
+// Aim a little above the promised noise floor: the estimate itself is noisy.
+constexpr float kNoiseMargin = 0.1f;
+
+/// A running 64-bit hash of everything that shapes a dataset.
+class Fingerprint {
+ public:
+  void add(const void* data, size_t size) {
+    const auto* bytes = static_cast<const std::uint8_t*>(data);
+    for (; size >= 8; bytes += 8, size -= 8) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, bytes, 8);
+      add(word);
+    }
+    std::uint64_t rest = 0;
+    std::memcpy(&rest, bytes, size);
+    add(rest ^ (static_cast<std::uint64_t>(size) << 56U));
+  }
+  void add(std::uint64_t word) { hash_ = Rng::mix(hash_ ^ word); }
+  void add(int value) { add(static_cast<std::uint64_t>(value)); }
+  void add(float value) { add(static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(value))); }
+  void add(const Vec3& v) {
+    add(v.x);
+    add(v.y);
+    add(v.z);
+  }
+  std::string text() const { return fmt::format("{:016x}", hash_); }
+
+ private:
+  std::uint64_t hash_ = kTracerVersion;
+};
+
+// Large arrays are hashed in pieces on all threads, then the pieces' hashes in order.
+template <typename T>
+void add_array(Fingerprint& fingerprint, const std::vector<T>& values) {
+  constexpr size_t kPiece = size_t{1} << 20;
+  std::vector<std::string> pieces((values.size() + kPiece - 1) / kPiece);
+  parallel_for(values.size(), kPiece, [&](size_t begin, size_t end) {
+    Fingerprint piece;
+    piece.add(&values[begin], (end - begin) * sizeof(T));
+    pieces[begin / kPiece] = piece.text();
+  });
+  for (const std::string& piece : pieces) {
+    fingerprint.add(piece.data(), piece.size());
+  }
+}
+
+std::string fingerprint_of(const Volume& volume, const Preset& preset,
+                           const DatasetOptions& options) {
+  Fingerprint f;
+  for (int k = 0; k < 3; ++k) {
+    f.add(volume.dims[k]);
+    f.add(volume.direction[k]);
+  }
+  f.add(volume.spacing);
+  f.add(volume.origin);
+  add_array(f, volume.values);
+  add_array(f, volume.rgb);
+  f.add(preset.name.data(), preset.name.size());
+  for (const TransferPoint& point : preset.transfer.points()) {
+    f.add(point.value);
+    f.add(point.material.albedo);
+    f.add(point.material.extinction);
+    f.add(point.material.specular);
+    f.add(point.material.roughness);
+  }
+  f.add(preset.surface_strength);
+  f.add(preset.phase_g);
+  f.add(preset.exposure);
+  f.add(preset.rig.sky_top);
+  f.add(preset.rig.sky_horizon);
+  f.add(preset.rig.sky_bottom);
+  for (const KeyLight& key : preset.rig.keys) {
+    f.add(key.direction);
+    f.add(key.radiance);
+    f.add(key.angular_radius);
+  }
+  f.add(options.size);
+  f.add(options.train_frames);
+  f.add(options.test_frames);
+  f.add(options.train_spp);
+  f.add(options.test_noise_db);
+  f.add(options.test_spp);
+  f.add(options.max_bounces);
+  f.add(static_cast<std::uint64_t>(options.seed_points));
+  f.add(options.seed);
+  f.add(options.axis);
+  return f.text();
+}
+
+std::string fingerprint_in(const fs::path& path) {
+  if (!fs::exists(path)) {
+    return "";
+  }
+  const Json json = Json::parse(read_text(path), nullptr, false);
+  const bool known =
+      json.is_object() && json.contains("fingerprint") && json["fingerprint"].is_string();
+  return known ? json["fingerprint"].get<std::string>() : "";
+}
+
+/// Which pictures are finished, and their noise floors; on disk, so that a killed run goes on.
+class State {
+ public:
+  State(const fs::path& folder, std::string fingerprint)
+      : path_(folder / kStateFile), fingerprint_(std::move(fingerprint)) {
+    if (fingerprint_in(path_) != fingerprint_) {
+      return;
+    }
+    const Json json = Json::parse(read_text(path_), nullptr, false);
+    const Json frames = json.value("frames", Json::object());
+    for (const auto& [file, noise] : frames.items()) {
+      if (noise.is_number() && fs::exists(folder / file)) {
+        noise_[file] = noise.get<float>();
+      }
+    }
+  }
+
+  bool has(const Frame& frame) const { return noise_.contains(frame.file); }
+  float noise(const Frame& frame) const { return noise_.at(frame.file); }
+
+  void finish(const Frame& frame, float noise) {
+    noise_[frame.file] = noise;
+    write_text(path_, Json{{"fingerprint", fingerprint_}, {"frames", noise_}}.dump());
+  }
+
+  void remove() const { fs::remove(path_); }
+
+ private:
+  fs::path path_;
+  std::string fingerprint_;
+  std::map<std::string, float> noise_;
+};
+
+Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json matrix_of(const Mat4& m) {
+  Json rows = Json::array();
+  for (int r = 0; r < 4; ++r) {
+    rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+  }
+  return rows;
+}
+
+Json frame_json(const Frame& frame) {
+  const Camera& c = frame.camera;
+  Json json = {{"file_path", frame.file},
+               {"fl_x", c.fx},
+               {"fl_y", c.fy},
+               {"cx", c.cx},
+               {"cy", c.cy},
+               {"w", c.width},
+               {"h", c.height},
+               {"transform_matrix", matrix_of(c.opengl_camera_to_world())},
+               {"clip_plane", nullptr},
+               {"split", split_name(frame.split)},
+               {"noise_db", frame.noise_db}};
+  if (frame.plane) {
+    const Plane& p = *frame.plane;
+    json["clip_plane"] = {p.normal.x, p.normal.y, p.normal.z, p.offset};
+  }
+  if (!frame.uncut_file.empty()) {
+    json["uncut_file_path"] = frame.uncut_file;
+  }
+  if (!frame.depth_file.empty()) {
+    json["depth_file_path"] = frame.depth_file;
+  }
+  return json;
+}
+
+// Depth as 16-bit grey: value · scale mm, 0 for background.
+void write_depth(const fs::path& path, Image depth, float scale) {
+  for (float& d : depth.data) {
+    d /= scale * 65535.0f;
+  }
+  write_png(path, depth, 16);
+}
+
+void check(const DatasetOptions& options) {
+  if (options.size < 16 || options.size > 4096) {
+    throw Error("dataset: pictures of {0}x{0} px are out of range; use 16 to 4096", options.size);
+  }
+  if (options.train_frames < 1 || options.test_frames < 0 || options.train_spp < 2 ||
+      options.test_spp < 2) {
+    throw Error("dataset: needs at least one training frame and two samples a pixel");
+  }
+  if (std::abs(glm::length(options.axis) - 1.0f) > 1e-4f) {
+    throw Error("dataset: the axis must be a unit vector");
+  }
+}
+
+/// Renders frames that are not there yet.
+class Maker {
+ public:
+  Maker(const Volume& volume, const Preset& preset, const fs::path& folder,
+        const DatasetOptions& options, const VisibleMatter& matter)
+      : scene_(volume, preset), folder_(folder), options_(options) {
+    depth_scale_ =
+        2.0f * (framing_distance(matter.sphere.radius) + matter.sphere.radius) / 65535.0f;
+  }
+
+  float depth_scale() const { return depth_scale_; }
+
+  // Rough cost of a frame, in training frames: for the time left.
+  static size_t cost(const Frame& frame) { return frame.split == Split::kTrain ? 1 : 16; }
+
+  /// Writes the frame's pictures, the one that State counts last, and returns its noise floor.
+  float make(const Frame& frame, std::uint64_t number) const {
+    const bool training = frame.split == Split::kTrain;
+    PictureOptions options;
+    options.max_bounces = options_.max_bounces;
+    options.seed = Rng::mix(options_.seed) + number;
+    if (!training) {
+      options.spp = kUncutSpp;
+      write_picture(frame.uncut_file, render_picture(scene_, frame.camera, std::nullopt, options));
+      write_depth(folder_ / frame.depth_file, render_depth(scene_, frame.camera, frame.plane),
+                  depth_scale_);
+      options.noise_db = options_.test_noise_db + kNoiseMargin;
+    }
+    options.spp = training ? options_.train_spp : options_.test_spp;
+    const Picture picture = render_picture(scene_, frame.camera, frame.plane, options);
+    write_picture(frame.file, picture);
+    return noise_floor(picture, scene_.preset().exposure);
+  }
+
+ private:
+  void write_picture(const std::string& file, const Picture& picture) const {
+    write_png(folder_ / file, display(picture.mean(), scene_.preset().exposure));
+  }
+
+  CinemaScene scene_;
+  fs::path folder_;
+  DatasetOptions options_;
+  float depth_scale_ = 0;
+};
+
+}  // namespace
+
+Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path& folder,
+                     const DatasetOptions& options) {
+  check(options);
+  create_folder(folder);
+  require_writable(folder / kIndexFile);
+  const std::string fingerprint = fingerprint_of(volume, preset, options);
+  if (fingerprint_in(folder / kIndexFile) == fingerprint) {
+    return load_dataset(folder);
+  }
+  fs::remove(folder / kIndexFile);  // pictures of another dataset are about to be replaced
+  for (const char* name : {"images", "uncut", "depth"}) {
+    create_folder(folder / name);
+  }
+  const VisibleMatter matter = visible_matter(volume, preset.transfer);
+  std::vector<Frame> frames = plan_frames(matter, options);
+  const Maker maker(volume, preset, folder, options, matter);
+  save_seed_points(folder / "points.ply",
+                   sample_seed_points(volume, preset, options.seed_points, options.seed));
+
+  State state(folder, fingerprint);
+  size_t total = 0;
+  size_t done = 0;
+  for (const Frame& frame : frames) {
+    total += Maker::cost(frame);
+    done += state.has(frame) ? Maker::cost(frame) : 0;
+  }
+  Progress progress("dataset", total);
+  progress.update(done);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    Frame& frame = frames[i];
+    if (!state.has(frame)) {
+      state.finish(frame, maker.make(frame, i));
+      done += Maker::cost(frame);
+      progress.update(done);
+    }
+    frame.noise_db = state.noise(frame);
+  }
+
+  const Vec2 extent = matter.extent(options.axis);
+  Json json = {
+      {"camera_model", "OPENCV"},
+      {"ply_file_path", "points.ply"},
+      {"fingerprint", fingerprint},
+      {"preset", preset.name},
+      {"axis", list_of(options.axis)},
+      {"extent", {extent.x, extent.y}},
+      {"sphere", {{"center", list_of(matter.sphere.center)}, {"radius", matter.sphere.radius}}},
+      {"bounds", {{"min", list_of(matter.bounds.min)}, {"max", list_of(matter.bounds.max)}}},
+      {"volume",
+       {{"dims", {volume.dims.x, volume.dims.y, volume.dims.z}},
+        {"spacing", list_of(volume.spacing)}}},
+      {"depth_scale", maker.depth_scale()},
+      {"frames", Json::array()}};
+  for (const Frame& frame : frames) {
+    json["frames"].push_back(frame_json(frame));
+  }
+  write_text(folder / kIndexFile, json.dump(1));
+  state.remove();
+  return load_dataset(folder);
+}
+
+}  // namespace clipgs

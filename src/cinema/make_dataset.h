@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "cinema/dataset.h"
+#include "cinema/visible_matter.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+struct DatasetOptions {
+  int size = 256;            ///< pictures are size × size px
+  int train_frames = 600;    ///< about 40 % axis planes, 45 % oblique, 15 % uncut
+  int test_frames = 30;      ///< of each test split
+  int train_spp = 24;        ///< samples a pixel of a training picture, mean over matter
+  float test_noise_db = 40;  ///< noise floor that every test picture reaches …
+  int test_spp = 8192;       ///< … unless this many samples a pixel are not enough
+  int max_bounces = 6;       ///< vertices of a path
+  size_t seed_points = 150000;
+  std::uint64_t seed = 1;
+  Vec3 axis{0, 0, 1};  ///< unit RAS direction of the axis planes
+};
+
+/// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at
+/// three distances (training) or the nominal one (tests); planes go through the visible matter, and
+/// three times in four leave the side that the camera does not stand on, so that it sees the face.
+/// No test plane or test camera is one of training.
+std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options);
+
+/// Makes the dataset in `folder`: pictures, seed points and, last, transforms.json. Pictures that
+/// an interrupted call with the same inputs left are kept, and a whole dataset of the same inputs
+/// is not touched. Throws Error.
+Dataset make_dataset(const Volume& volume, const Preset& preset,
+                     const std::filesystem::path& folder, const DatasetOptions& options);
+
+}  // namespace clipgs

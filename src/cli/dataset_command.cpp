@@ -1,0 +1,111 @@
+#include <filesystem>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cinema/make_dataset.h"
+#include "cli/arguments.h"
+#include "cli/commands.h"
+#include "cli/volume_options.h"
+
+namespace clipgs {
+namespace {
+
+struct DatasetArguments {
+  std::filesystem::path volume;
+  std::filesystem::path folder;
+  LoadOptions load;
+  std::string preset = "auto";
+  std::string axis = "0,0,1";
+  DatasetOptions options;
+  bool json = false;
+};
+
+float lowest_noise_floor(const std::vector<const Frame*>& frames) {
+  float lowest = std::numeric_limits<float>::max();
+  for (const Frame* frame : frames) {
+    lowest = std::min(lowest, frame->noise_db);
+  }
+  return lowest;
+}
+
+void run_dataset(const DatasetArguments& arguments) {
+  DatasetOptions options = arguments.options;
+  const std::vector<float> axis = parse_numbers(arguments.axis, 3, 3, "--axis");
+  options.axis = Vec3(axis[0], axis[1], axis[2]);
+  if (!(glm::length(options.axis) > 0)) {
+    throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
+  }
+  options.axis = glm::normalize(options.axis);
+  const Volume volume = load_volume(arguments.volume, arguments.load);
+  const Preset preset = load_preset(arguments.preset, volume);
+  const Dataset dataset = make_dataset(volume, preset, arguments.folder, options);
+
+  nlohmann::ordered_json json = {{"dataset", arguments.folder.string()},
+                                 {"preset", preset.name},
+                                 {"frames", dataset.frames.size()}};
+  std::string text = fmt::format("{}: preset {}", arguments.folder.string(), preset.name);
+  for (const Split split : {Split::kTrain, Split::kTestAxis, Split::kTestOblique}) {
+    const std::vector<const Frame*> frames = dataset.split(split);
+    if (!frames.empty()) {
+      const float noise = lowest_noise_floor(frames);
+      json["lowest_noise_db"][split_name(split)] = noise;
+      text += fmt::format(", {} {} (noise floor >= {:.1f} dB)", frames.size(), split_name(split),
+                          noise);
+    }
+  }
+  fmt::print("{}\n", arguments.json ? json.dump(2) : text);
+}
+
+}  // namespace
+
+void add_dataset_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("dataset", "Path-trace the training and test pictures of a volume");
+  command->footer("Example: clipgs dataset ct.nii.gz -o dataset/ --train-frames 400 --size 256");
+  const auto arguments = std::make_shared<DatasetArguments>();
+  DatasetOptions& options = arguments->options;
+  command->add_option("VOLUME", arguments->volume, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->folder,
+                   "Folder to fill; an interrupted run goes on where it stopped")
+      ->required();
+  command->add_option("--preset", arguments->preset, "Look: a preset's name, a JSON file, or auto")
+      ->capture_default_str();
+  command->add_option("--size", options.size, "Pixels a side")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  command->add_option("--train-frames", options.train_frames, "Training pictures")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--test-frames", options.test_frames, "Pictures of each test split")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_option("--train-spp", options.train_spp, "Samples a pixel of training pictures")
+      ->check(CLI::Range(2, 65536))
+      ->capture_default_str();
+  command->add_option("--test-noise-db", options.test_noise_db, "Noise floor of test pictures, dB")
+      ->check(CLI::Range(10.0, 80.0))
+      ->capture_default_str();
+  command
+      ->add_option("--test-spp", options.test_spp,
+                   "Most samples a pixel, on average, that a test picture may take to get there")
+      ->check(CLI::Range(2, 1 << 20))
+      ->capture_default_str();
+  command->add_option("--bounces", options.max_bounces, "Most vertices of a path")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--points", options.seed_points, "Seed points for training")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  command->add_option("--axis", arguments->axis, "Normal of the axis planes, RAS")
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  add_volume_options(*command, arguments->load);
+  command->callback([arguments] { run_dataset(*arguments); });
+}
+
+}  // namespace clipgs
