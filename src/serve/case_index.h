@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "asset/case.h"
+
+namespace clipgs {
+
+/// One *.sog of the folder, at the moment it was looked at.
+struct CaseEntry {
+  std::string name;  ///< the file's name without .sog; what addresses call the case
+  std::filesystem::path path;
+  std::string version;  ///< changes whenever the file does
+  std::uintmax_t bytes = 0;
+  CaseInfo info;      ///< empty where error is not
+  std::string error;  ///< one line saying why this is no case, or empty
+};
+
+using CaseEntries = std::vector<std::shared_ptr<const CaseEntry>>;
+
+/// The cases of one folder, by name. Files that come, change or go are seen at the next call; one
+/// that did not change is not read again. Safe to use from several threads.
+class CaseIndex {
+ public:
+  /// Throws Error if `folder` is not a folder that can be read.
+  explicit CaseIndex(std::filesystem::path folder);
+
+  /// Every *.sog directly in the folder, sorted by name; broken ones with their error.
+  CaseEntries list();
+  /// The case of that name, or null. Only what `list` gives can be found, whatever `name` holds.
+  std::shared_ptr<const CaseEntry> find(const std::string& name);
+
+ private:
+  std::filesystem::path folder_;
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const CaseEntry>> entries_;
+};
+
+/// {"cases": [{name, title, preset, created, bytes, splats, sh_degree, file, thumbnail}, …]}:
+/// `file` and `thumbnail` are addresses, the latter null if there is none; a broken case has name,
+/// bytes and error alone.
+nlohmann::json case_index_json(const CaseEntries& entries);
+
+}  // namespace clipgs

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace clipgs {
+
+struct ServerOptions {
+  std::filesystem::path folder;    ///< its *.sog are the cases
+  std::string host = "127.0.0.1";  ///< address to listen on
+  int port = 8080;                 ///< 0: any free one
+};
+
+/// Gives the viewer and the cases of one folder to browsers, and nothing else:
+///
+///   /                       the viewer
+///   /api/cases              the cases as JSON, see case_index_json
+///   /cases/NAME.sog         a case, whole or in ranges
+///   /cases/NAME/thumbnail   its picture
+///
+/// Listening on a loopback address, it answers only requests that call it by one, so that a web
+/// page elsewhere cannot reach the cases through a name of its own (DNS rebinding).
+class Server {
+ public:
+  /// Takes the port; from here on connections wait to be answered. Throws Error if the port is
+  /// taken or the folder is not there.
+  explicit Server(const ServerOptions& options);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  int port() const;
+  /// "http://127.0.0.1:8080/".
+  std::string url() const;
+  /// Cases that can be shown, and files of the folder that cannot.
+  size_t case_count() const;
+  size_t broken_count() const;
+
+  /// Answers requests until `stop`. Throws Error if listening fails.
+  void run();
+  /// Ends `run`; from any thread.
+  void stop();
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace clipgs

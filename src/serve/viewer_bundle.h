@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace clipgs {
+
+/// One file of the viewer that web/ builds.
+struct ViewerFile {
+  std::string_view path;  ///< relative to the bundle: "index.html", "assets/…"
+  std::string_view bytes;
+};
+
+/// The viewer, held by the program itself; empty if it was built without (CLIPGS_WEB).
+std::span<const ViewerFile> viewer_files();
+
+}  // namespace clipgs

@@ -1,0 +1,94 @@
+import { Vector3 } from "three";
+
+import { type ClipOperator, kClipOperators } from "../worker/protocol";
+import type { Plane } from "./geometry";
+import { type View, viewFrom } from "./view";
+
+/** What a link to the viewer may hold, as the options of `clipgs render` write it; all of it optional. */
+export interface Link {
+  case?: string;
+  view?: View;
+  plane?: Plane | null; // null: "off"
+  clip?: ClipOperator;
+  /** Fixed size of the picture, px. */
+  size?: { width: number; height: number };
+}
+
+/** `count` finite numbers separated by commas. */
+function numbers(text: string | null, least: number, most: number): number[] | null {
+  const values = text?.split(",").map((part) => (part.trim() === "" ? NaN : Number(part))) ?? [];
+  return values.length >= least && values.length <= most && values.every(Number.isFinite) ? values : null;
+}
+
+/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&size=WxH`; what is not valid is left out. */
+export function parseLink(hash: string): Link {
+  const parameters = new URLSearchParams(hash.replace(/^#/, ""));
+  const link: Link = {};
+  const name = parameters.get("case");
+  if (name) {
+    link.case = name;
+  }
+  const view = numbers(parameters.get("view"), 2, 3);
+  if (view && (view[2] === undefined || view[2] > 0)) {
+    link.view = viewFrom(view[0]!, view[1]!, view[2]);
+    const pan = numbers(parameters.get("pan"), 3, 3);
+    if (pan) {
+      link.view.pan.fromArray(pan);
+    }
+  }
+  const plane = numbers(parameters.get("plane"), 4, 4);
+  if (plane) {
+    const normal = new Vector3().fromArray(plane);
+    const length = normal.length();
+    if (length > 0) {
+      link.plane = { normal: normal.divideScalar(length), offset: plane[3]! / length };
+    }
+  } else if (parameters.get("plane") === "off") {
+    link.plane = null;
+  }
+  const clip = parameters.get("clip");
+  if (clip && clip !== "none" && clip in kClipOperators) {
+    link.clip = clip as ClipOperator;
+  }
+  const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
+  if (size) {
+    const width = Number(size[1]);
+    const height = Number(size[2] ?? size[1]);
+    if (width >= 16 && height >= 16) {
+      link.size = { width, height };
+    }
+  }
+  return link;
+}
+
+function rounded(value: number, digits: number): string {
+  return String(Number(value.toFixed(digits)));
+}
+
+/** The link's hash, which parseLink reads back to the precision that a picture shows. */
+export function formatLink(link: Link): string {
+  const parts: string[] = [];
+  if (link.case) {
+    parts.push(`case=${encodeURIComponent(link.case)}`);
+  }
+  if (link.view) {
+    const { azimuth, elevation, zoom, pan } = link.view;
+    parts.push(`view=${rounded(azimuth, 2)},${rounded(elevation, 2)},${rounded(zoom, 3)}`);
+    if (pan.lengthSq() > 0) {
+      parts.push(`pan=${pan.toArray().map((v) => rounded(v, 2)).join(",")}`);
+    }
+  }
+  if (link.plane) {
+    const { normal, offset } = link.plane;
+    parts.push(`plane=${normal.toArray().map((v) => rounded(v, 5)).join(",")},${rounded(offset, 2)}`);
+  } else if (link.plane === null) {
+    parts.push("plane=off");
+  }
+  if (link.clip) {
+    parts.push(`clip=${link.clip}`);
+  }
+  if (link.size) {
+    parts.push(`size=${link.size.width}x${link.size.height}`);
+  }
+  return `#${parts.join("&")}`;
+}

@@ -1,0 +1,34 @@
+import { Vector3 } from "three";
+
+import { type Box, type Plane, projectBox } from "./geometry";
+
+export const kOrientations = ["axial", "coronal", "sagittal"] as const;
+export type Orientation = (typeof kOrientations)[number];
+
+const kAxes: Record<Orientation, Vector3> = {
+  axial: new Vector3(0, 0, 1),
+  coronal: new Vector3(0, 1, 0),
+  sagittal: new Vector3(1, 0, 0),
+};
+
+/** The body plane through the middle of `bounds` that removes what lies towards `viewer` (unit vector, RAS). */
+export function bodyPlane(orientation: Orientation, bounds: Box, viewer: Vector3): Plane {
+  const axis = kAxes[orientation];
+  const normal = axis.clone().multiplyScalar(viewer.dot(axis) >= 0 ? -1 : 1);
+  const [min, max] = projectBox(bounds, normal);
+  return { normal, offset: 0.5 * (min + max) };
+}
+
+/** Which body plane this is parallel to, if any. */
+export function orientationOf(plane: Plane): Orientation | null {
+  return kOrientations.find((name) => Math.abs(plane.normal.dot(kAxes[name])) > 0.99999) ?? null;
+}
+
+/** The direction that a plane removes, in words: "superior" for one that keeps what lies below. */
+export function removedSide(plane: Plane): string {
+  const n = plane.normal;
+  const sizes = n.toArray().map(Math.abs);
+  const axis = sizes.indexOf(Math.max(...sizes));
+  const names = [["right", "left"], ["anterior", "posterior"], ["superior", "inferior"]][axis]!;
+  return n.getComponent(axis) < 0 ? names[0]! : names[1]!;
+}

@@ -1,0 +1,70 @@
+import { Matrix4, type PerspectiveCamera, Vector3 } from "three";
+
+import { kWorldFromPatient, type Sphere } from "./geometry";
+
+// The framing of the project, as src/core/camera.h has it: the same numbers give the same picture.
+
+/** Field of view across the shorter side, radians. */
+export const kFieldOfView = 0.6981317;
+/** Share of the shorter side that the bounding sphere fills at zoom 1. */
+export const kFrameFill = 0.9;
+
+/**
+ * Where the camera stands. Azimuth 0° looks at the patient from the front, 90° from the patient's left;
+ * elevation 90° from above the head. `pan` moves what is looked at away from the sphere's centre, mm.
+ */
+export interface View {
+  azimuth: number;
+  elevation: number;
+  zoom: number;
+  pan: Vector3;
+}
+
+export function viewFrom(azimuth: number, elevation: number, zoom = 1): View {
+  return { azimuth, elevation, zoom, pan: new Vector3() };
+}
+
+/** Unit vector from the target towards the camera, RAS. */
+export function viewDirection(azimuth: number, elevation: number): Vector3 {
+  const az = (azimuth * Math.PI) / 180;
+  const el = (elevation * Math.PI) / 180;
+  return new Vector3(-Math.sin(az) * Math.cos(el), Math.cos(az) * Math.cos(el), Math.sin(el));
+}
+
+/** Distance from a sphere's centre at which it fills kFrameFill of the shorter side. */
+export function framingDistance(radius: number): number {
+  return radius / Math.sin(Math.atan(kFrameFill * Math.tan(0.5 * kFieldOfView)));
+}
+
+/** Axes of a camera that looks along `forward` with the patient's head up, RAS. */
+export function cameraAxes(forward: Vector3): { right: Vector3; down: Vector3 } {
+  let right = new Vector3().crossVectors(forward, new Vector3(0, 0, 1));
+  if (right.length() < 1e-4) {
+    right = new Vector3(-1, 0, 0); // looking along the body: the patient's left is to the right
+  }
+  right.normalize();
+  return { right, down: new Vector3().crossVectors(forward, right) };
+}
+
+/** Points a three.js camera, in the viewer's world, at `sphere` for a picture of width × height px. */
+export function applyView(camera: PerspectiveCamera, view: View, sphere: Sphere, width: number, height: number): void {
+  const direction = viewDirection(view.azimuth, view.elevation);
+  const distance = framingDistance(sphere.radius);
+  const position = sphere.center.clone().add(view.pan).addScaledVector(direction, distance);
+  const { right, down } = cameraAxes(direction.clone().negate());
+  const basis = new Matrix4().makeBasis(right, down.negate(), direction).setPosition(position);
+  const metres = new Matrix4().multiplyMatrices(kWorldFromPatient, basis);
+  metres.decompose(camera.position, camera.quaternion, new Vector3());
+  const focal = focalLength(view.zoom, width, height);
+  camera.fov = (2 * Math.atan((0.5 * height) / focal) * 180) / Math.PI;
+  camera.aspect = width / height;
+  camera.near = 0.001 * Math.max(1, distance - 3 * sphere.radius);
+  camera.far = 0.001 * (distance + 5 * sphere.radius + view.pan.length());
+  camera.updateProjectionMatrix();
+  camera.updateMatrixWorld();
+}
+
+/** px. */
+export function focalLength(zoom: number, width: number, height: number): number {
+  return ((0.5 * Math.min(width, height)) / Math.tan(0.5 * kFieldOfView)) * zoom;
+}

@@ -1,0 +1,59 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  Camera,
+  GLSL3,
+  type IUniform,
+  Mesh,
+  NoBlending,
+  RawShaderMaterial,
+  Scene,
+  type WebGLRenderer,
+  type WebGLRenderTarget,
+} from "three";
+
+import { shader } from "./shaders";
+
+/** One triangle that covers everything: clip space from its corners. */
+export function fullScreenTriangle(): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
+  return geometry;
+}
+
+/** Runs a fragment shader once for every pixel of a target. */
+export class FullScreenPass {
+  readonly uniforms: Record<string, IUniform>;
+  readonly #scene = new Scene();
+  readonly #camera = new Camera();
+  readonly #mesh: Mesh<BufferGeometry, RawShaderMaterial>;
+
+  constructor(fragment: string, uniforms: Record<string, IUniform>, defines: Record<string, number> = {}) {
+    this.uniforms = uniforms;
+    const material = new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: shader("full_screen.vert.glsl"),
+      fragmentShader: shader(fragment),
+      uniforms,
+      defines,
+      depthTest: false,
+      depthWrite: false,
+      blending: NoBlending,
+    });
+    this.#mesh = new Mesh(fullScreenTriangle(), material);
+    this.#mesh.frustumCulled = false;
+    this.#scene.add(this.#mesh);
+  }
+
+  render(renderer: WebGLRenderer, target: WebGLRenderTarget): void {
+    const before = renderer.getRenderTarget();
+    renderer.setRenderTarget(target);
+    renderer.render(this.#scene, this.#camera);
+    renderer.setRenderTarget(before);
+  }
+
+  dispose(): void {
+    this.#mesh.geometry.dispose();
+    this.#mesh.material.dispose();
+  }
+}

@@ -1,0 +1,95 @@
+import {
+  DataTexture,
+  FloatType,
+  HalfFloatType,
+  NearestFilter,
+  type PixelFormat,
+  RedFormat,
+  RedIntegerFormat,
+  RGBAIntegerFormat,
+  type TextureDataType,
+  UnsignedByteType,
+  UnsignedIntType,
+  WebGLRenderTarget,
+} from "three";
+
+import type { PackedScene } from "../sog/sog";
+
+const kWidth = 2048;
+
+function dataTexture(
+  data: Uint8Array | Uint32Array | Float32Array,
+  width: number,
+  height: number,
+  format: PixelFormat,
+  type: TextureDataType,
+  internalFormat: "RGBA32UI" | "R32UI" | "RGBA8UI" | "R32F",
+): DataTexture {
+  const texture = new DataTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, format, type);
+  texture.internalFormat = internalFormat;
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function codebook(values: Float32Array): DataTexture {
+  return dataTexture(values, values.length, 1, RedFormat, FloatType, "R32F");
+}
+
+/** `data` with zeros to a length of `length`. */
+function padded<T extends Uint8Array | Uint32Array>(data: T, length: number): T {
+  const result = new (data.constructor as new (length: number) => T)(length);
+  result.set(data);
+  return result;
+}
+
+/** The textures of a scene: 20 bytes a splat and the palette, 8 for the colours of one view, 4 for the order. */
+export class GpuScene {
+  readonly count: number;
+  /** Splats that the textures have room for. */
+  readonly capacity: number;
+  readonly shCoefficients: number;
+  readonly meanMin: number[];
+  readonly meanSize: number[];
+  readonly packed: DataTexture;
+  readonly sh0: DataTexture;
+  readonly centroids: DataTexture;
+  readonly scaleCodebook: DataTexture;
+  readonly sh0Codebook: DataTexture;
+  readonly shNCodebook: DataTexture;
+  readonly order: DataTexture;
+  readonly colors: WebGLRenderTarget;
+
+  constructor(scene: PackedScene) {
+    const height = Math.ceil(scene.count / kWidth);
+    this.count = scene.count;
+    this.capacity = kWidth * height;
+    this.meanMin = scene.meanMin;
+    this.meanSize = scene.meanMax.map((max, i) => max - scene.meanMin[i]!);
+    const rgba = 4 * this.capacity;
+    this.packed = dataTexture(padded(scene.packed, rgba), kWidth, height, RGBAIntegerFormat, UnsignedIntType, "RGBA32UI");
+    this.sh0 = dataTexture(padded(scene.sh0, rgba), kWidth, height, RGBAIntegerFormat, UnsignedByteType, "RGBA8UI");
+    const palette = scene.shN?.centroids ?? { width: 1, height: 1, rgba: new Uint8Array(4) };
+    this.centroids = dataTexture(
+      palette.rgba, palette.width, palette.height, RGBAIntegerFormat, UnsignedByteType, "RGBA8UI",
+    );
+    this.shCoefficients = scene.shN?.coefficients ?? 0;
+    this.scaleCodebook = codebook(scene.scaleCodebook);
+    this.sh0Codebook = codebook(scene.sh0Codebook);
+    this.shNCodebook = codebook(scene.shN?.codebook ?? new Float32Array(1));
+    this.order = dataTexture(new Uint32Array(this.capacity), kWidth, height, RedIntegerFormat, UnsignedIntType, "R32UI");
+    this.colors = new WebGLRenderTarget(kWidth, height, {
+      type: HalfFloatType, // colours pass 1, which 8 bits would cut off
+      minFilter: NearestFilter,
+      magFilter: NearestFilter,
+      depthBuffer: false,
+    });
+  }
+
+  dispose(): void {
+    for (const resource of [this.packed, this.sh0, this.centroids, this.scaleCodebook, this.sh0Codebook,
+                            this.shNCodebook, this.order, this.colors]) {
+      resource.dispose();
+    }
+  }
+}

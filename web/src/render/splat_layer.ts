@@ -1,0 +1,124 @@
+import {
+  CustomBlending,
+  GLSL3,
+  HalfFloatType,
+  LinearFilter,
+  Mesh,
+  OneFactor,
+  OneMinusSrcAlphaFactor,
+  type PerspectiveCamera,
+  RawShaderMaterial,
+  Scene,
+  UnsignedByteType,
+  Vector2,
+  type WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+
+import { FullScreenPass, fullScreenTriangle } from "./full_screen";
+import { shader } from "./shaders";
+import type { SplatMesh } from "./splat_mesh";
+
+/** 8-bit RGBA, display sRGB, straight alpha, row by row from the top left. */
+export interface Picture {
+  width: number;
+  height: number;
+  data: Uint8ClampedArray;
+}
+
+/**
+ * The splats' picture: drawn into a texture of half floats, where hundreds of faint layers add up exactly, and
+ * shown as an object that covers the canvas. It is drawn again only when something changes.
+ */
+export class SplatLayer {
+  /** Put this into the scene of the canvas. */
+  readonly object: Mesh;
+  readonly #renderer: WebGLRenderer;
+  readonly #scene = new Scene();
+  readonly #target: WebGLRenderTarget;
+  readonly #uniforms = { uPicture: { value: null as unknown }, uTexelsPerPixel: { value: new Vector2() } };
+
+  constructor(renderer: WebGLRenderer) {
+    this.#renderer = renderer;
+    // Without the extension 8 bits must do.
+    const type = renderer.extensions.has("EXT_color_buffer_float") ? HalfFloatType : UnsignedByteType;
+    this.#target = new WebGLRenderTarget(1, 1, { type, depthBuffer: false });
+    this.#target.texture.minFilter = this.#target.texture.magFilter = LinearFilter;
+    this.#uniforms.uPicture.value = this.#target.texture;
+    this.object = new Mesh(
+      fullScreenTriangle(),
+      new RawShaderMaterial({
+        glslVersion: GLSL3,
+        vertexShader: shader("full_screen.vert.glsl"),
+        fragmentShader: shader("composite.frag.glsl"),
+        uniforms: this.#uniforms,
+        defines: { kStraight: 0 },
+        transparent: true,
+        depthTest: false,
+        depthWrite: false,
+        blending: CustomBlending,
+        blendSrc: OneFactor,
+        blendDst: OneMinusSrcAlphaFactor,
+      }),
+    );
+    this.object.frustumCulled = false;
+  }
+
+  /** Draws `mesh` at `scale` times the canvas's resolution. */
+  draw(mesh: SplatMesh, camera: PerspectiveCamera, scale: number): void {
+    const canvas = this.#renderer.getDrawingBufferSize(new Vector2());
+    const width = Math.max(1, Math.round(canvas.x * scale));
+    const height = Math.max(1, Math.round(canvas.y * scale));
+    this.#draw(mesh, camera, width, height);
+    this.#uniforms.uTexelsPerPixel.value.set(1 / canvas.x, 1 / canvas.y);
+  }
+
+  /** The picture of exactly width × height px, as `clipgs render` writes it. */
+  async read(mesh: SplatMesh, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+    this.#draw(mesh, camera, width, height);
+    const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
+    const straight = new FullScreenPass(
+      "composite.frag.glsl",
+      { uPicture: { value: this.#target.texture }, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
+      { kStraight: 1 },
+    );
+    straight.render(this.#renderer, bytes);
+    const rows = new Uint8Array(width * height * 4);
+    await this.#renderer.readRenderTargetPixelsAsync(bytes, 0, 0, width, height, rows);
+    straight.dispose();
+    bytes.dispose();
+    const data = new Uint8ClampedArray(rows.length);
+    for (let y = 0; y < height; ++y) {
+      data.set(rows.subarray((height - 1 - y) * width * 4, (height - y) * width * 4), y * width * 4);
+    }
+    return { width, height, data };
+  }
+
+  clear(): void {
+    this.#clear();
+  }
+
+  dispose(): void {
+    this.#target.dispose();
+    this.object.geometry.dispose();
+    (this.object.material as RawShaderMaterial).dispose();
+  }
+
+  #draw(mesh: SplatMesh, camera: PerspectiveCamera, width: number, height: number): void {
+    const renderer = this.#renderer;
+    mesh.updateColors(renderer, mesh.sceneCamera(camera, width, height).position);
+    this.#target.setSize(width, height);
+    this.#scene.add(mesh);
+    this.#clear();
+    renderer.setRenderTarget(this.#target);
+    renderer.render(this.#scene, camera);
+    renderer.setRenderTarget(null);
+    this.#scene.remove(mesh);
+  }
+
+  #clear(): void {
+    this.#renderer.setRenderTarget(this.#target);
+    this.#renderer.clear();
+    this.#renderer.setRenderTarget(null);
+  }
+}

@@ -1,0 +1,49 @@
+// One quad a Gaussian, kQuadsPerInstance of them an instance, far to near.
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+precision highp sampler2D;
+
+#include "gaussian.glsl"
+#include "packed.glsl"
+
+in vec3 position;  // corner (±1, ±1) and the number of the quad within its instance
+
+uniform usampler2D uScene;
+uniform usampler2D uOrder;
+uniform sampler2D uColors;
+uniform sampler2D uScaleCodebook;
+uniform uint uCount;
+uniform PackedScene uPackedScene;
+uniform Camera uCamera;
+uniform vec2 uDepthToClip;  // clip z = x·depth + y, clip w = depth
+uniform vec4 uPlane;
+uniform int uClip;
+
+out vec3 vPosition;  // pixel offset in sigma along the splat's axes, and the standardised plane distance
+flat out vec4 vColor;
+
+void main() {
+  gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside: nothing is drawn
+  vPosition = vec3(0.0);
+  vColor = vec4(0.0);
+  uint index = uint(gl_InstanceID) * uint(kQuadsPerInstance) + uint(position.z);
+  if (index >= uCount) {
+    return;
+  }
+  ivec2 orderSize = textureSize(uOrder, 0);
+  uint id = texelFetch(uOrder, ivec2(int(index) % orderSize.x, int(index) / orderSize.x), 0).r;
+  int width = textureSize(uScene, 0).x;
+  ivec2 texel = ivec2(int(id) % width, int(id) / width);
+  Gaussian g = unpackGaussian(texelFetch(uScene, texel, 0), uPackedScene, uScaleCodebook);
+  Splat s = project(g, uCamera, uPlane, uClip);
+  if (!s.visible) {
+    return;
+  }
+  vec2 corner = position.xy * s.reach;
+  vec2 offset = corner.x * s.sigma.x * s.axis + corner.y * s.sigma.y * vec2(-s.axis.y, s.axis.x);
+  vPosition = vec3(corner, s.z + dot(s.slope, offset));
+  vColor = vec4(texelFetch(uColors, texel, 0).rgb, s.opacity);
+  vec2 ndc = 2.0 * (s.center + offset) / uCamera.size - 1.0;
+  gl_Position = vec4(ndc.x, -ndc.y, (uDepthToClip.x * s.depth + uDepthToClip.y) / s.depth, 1.0);
+}

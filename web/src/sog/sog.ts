@@ -1,0 +1,218 @@
+import { CaseError } from "./zip";
+
+/** Splats that a case may hold: its textures stay within what every WebGL 2 device can make. */
+export const kMaxSplats = 4 << 20;
+const kCodebookSize = 256;
+const kPaletteRow = 64;
+const kShCoefficients = [0, 3, 8, 15] as const;
+
+/** What meta.json says, checked: every list has its length, every number is finite, every file is there. */
+export interface SogMeta {
+  count: number;
+  means: { mins: number[]; maxs: number[]; files: string[] };
+  scales: { codebook: number[]; files: string[] };
+  quats: { files: string[] };
+  sh0: { codebook: number[]; files: string[] };
+  shN: { entries: number; coefficients: number; codebook: number[]; files: string[] } | null;
+  /** The block that clipgs adds, as it stands: see case_info.ts. */
+  clipgs: unknown;
+}
+
+/** An image of data texels: RGBA bytes, row-major from the top left. */
+export interface Texels {
+  width: number;
+  height: number;
+  rgba: Uint8Array;
+}
+
+/** The images of a SOG, decoded. */
+export interface SogImages {
+  meansLow: Texels;
+  meansHigh: Texels;
+  scales: Texels;
+  quats: Texels;
+  sh0: Texels;
+  shN: { centroids: Texels; labels: Texels } | null;
+}
+
+/**
+ * A scene ready for textures and for the WASM module: one RGBA32UI texel of 16 bytes a splat
+ * (laid out as in shaders/packed.glsl), SOG's own numbers unchanged.
+ */
+export interface PackedScene {
+  count: number;
+  packed: Uint32Array; // [count, 4]
+  sh0: Uint8Array; // [count, 4], codebook indices and 255
+  meanMin: number[]; // in SOG's logarithmic domain
+  meanMax: number[];
+  scaleCodebook: Float32Array; // 256 standard deviations, scene units
+  sh0Codebook: Float32Array; // 256
+  shN: { coefficients: number; codebook: Float32Array; centroids: Texels } | null;
+}
+
+type Json = Record<string, unknown>;
+
+function isObject(value: unknown): value is Json {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function object(parent: Json, key: string): Json {
+  const value = parent[key];
+  if (!isObject(value)) {
+    throw new CaseError(`meta.json has no "${key}"; this is not a SOG scene`);
+  }
+  return value;
+}
+
+function numbers(parent: Json, key: string, length: number, where: string): number[] {
+  const value = parent[key];
+  if (!Array.isArray(value) || value.length !== length || !value.every((v) => Number.isFinite(v))) {
+    throw new CaseError(`meta.json: ${where}.${key} is not a list of ${length} numbers`);
+  }
+  return value as number[];
+}
+
+function integer(parent: Json, key: string, min: number, max: number, where: string): number {
+  const value = parent[key];
+  if (!Number.isInteger(value) || (value as number) < min || (value as number) > max) {
+    throw new CaseError(`meta.json: ${where}${key} is not a whole number from ${min} to ${max}`);
+  }
+  return value as number;
+}
+
+function files(parent: Json, length: number, where: string, archive: ReadonlyMap<string, unknown>): string[] {
+  const value = parent["files"];
+  if (!Array.isArray(value) || value.length !== length || !value.every((v) => typeof v === "string")) {
+    throw new CaseError(`meta.json: ${where}.files is not a list of ${length} file names`);
+  }
+  for (const name of value as string[]) {
+    if (!archive.has(name)) {
+      throw new CaseError(`${name} is missing from the case; build or copy it again`);
+    }
+  }
+  return value as string[];
+}
+
+/** Checks meta.json of an archive. Throws CaseError. */
+export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta {
+  const text = archive.get("meta.json");
+  if (!text) {
+    throw new CaseError("there is no meta.json in the archive; this is not a SOG scene");
+  }
+  let meta: unknown;
+  try {
+    meta = JSON.parse(new TextDecoder().decode(text));
+  } catch {
+    throw new CaseError("meta.json cannot be read as JSON; build the case again");
+  }
+  if (!isObject(meta)) {
+    throw new CaseError("meta.json is not an object; build the case again");
+  }
+  if (meta["version"] !== 2) {
+    throw new CaseError(`SOG version ${String(meta["version"])} is not supported; convert the scene to version 2`);
+  }
+  const means = object(meta, "means");
+  const scales = object(meta, "scales");
+  const sh0 = object(meta, "sh0");
+  const quats = object(meta, "quats");
+  let shN: SogMeta["shN"] = null;
+  if (meta["shN"] !== undefined) {
+    const block = object(meta, "shN");
+    shN = {
+      entries: integer(block, "count", 1, 65536, "shN."),
+      coefficients: kShCoefficients[integer(block, "bands", 1, 3, "shN.") as 1 | 2 | 3],
+      codebook: numbers(block, "codebook", kCodebookSize, "shN"),
+      files: files(block, 2, "shN", archive),
+    };
+  }
+  return {
+    count: integer(meta, "count", 1, kMaxSplats, ""),
+    means: {
+      mins: numbers(means, "mins", 3, "means"),
+      maxs: numbers(means, "maxs", 3, "means"),
+      files: files(means, 2, "means", archive),
+    },
+    scales: { codebook: numbers(scales, "codebook", kCodebookSize, "scales"), files: files(scales, 1, "scales", archive) },
+    quats: { files: files(quats, 1, "quats", archive) },
+    sh0: { codebook: numbers(sh0, "codebook", kCodebookSize, "sh0"), files: files(sh0, 1, "sh0", archive) },
+    shN,
+    clipgs: meta["clipgs"],
+  };
+}
+
+function requireTexels(image: Texels, count: number, name: string): void {
+  if (image.width * image.height < count || image.rgba.length !== image.width * image.height * 4) {
+    throw new CaseError(`${name} is ${image.width}×${image.height}, too small for ${count} splats; build the case again`);
+  }
+}
+
+/** Gathers the images' bytes into one texel a splat. Throws CaseError where an image does not fit. */
+export function packScene(meta: SogMeta, images: SogImages): PackedScene {
+  const { count } = meta;
+  requireTexels(images.meansLow, count, meta.means.files[0]!);
+  requireTexels(images.meansHigh, count, meta.means.files[1]!);
+  requireTexels(images.scales, count, meta.scales.files[0]!);
+  requireTexels(images.quats, count, meta.quats.files[0]!);
+  requireTexels(images.sh0, count, meta.sh0.files[0]!);
+  const low = images.meansLow.rgba;
+  const high = images.meansHigh.rgba;
+  const scales = images.scales.rgba;
+  const quats = images.quats.rgba;
+  const sh0 = images.sh0.rgba;
+  const labels = packLabels(meta, images);
+  const packed = new Uint32Array(count * 4);
+  const colors = new Uint8Array(count * 4);
+  for (let i = 0, b = 0; i < count; ++i, b += 4) {
+    const largest = quats[b + 3]! - 252;
+    if (largest < 0) {
+      throw new CaseError(`${meta.quats.files[0]!}: splat ${i} has no valid rotation; build the case again`);
+    }
+    packed[b] = (low[b]! | (high[b]! << 8) | (low[b + 1]! << 16) | (high[b + 1]! << 24)) >>> 0;
+    packed[b + 1] = (low[b + 2]! | (high[b + 2]! << 8) | ((labels ? labels[i]! : 0) << 16)) >>> 0;
+    packed[b + 2] = (quats[b]! | (quats[b + 1]! << 8) | (quats[b + 2]! << 16) | (largest << 24)) >>> 0;
+    packed[b + 3] = (scales[b]! | (scales[b + 1]! << 8) | (scales[b + 2]! << 16) | (sh0[b + 3]! << 24)) >>> 0;
+    colors[b] = sh0[b]!;
+    colors[b + 1] = sh0[b + 1]!;
+    colors[b + 2] = sh0[b + 2]!;
+    colors[b + 3] = 255;
+  }
+  return {
+    count,
+    packed,
+    sh0: colors,
+    meanMin: meta.means.mins,
+    meanMax: meta.means.maxs,
+    scaleCodebook: Float32Array.from(meta.scales.codebook, Math.exp),
+    sh0Codebook: Float32Array.from(meta.sh0.codebook),
+    shN:
+      meta.shN && images.shN
+        ? {
+            coefficients: meta.shN.coefficients,
+            codebook: Float32Array.from(meta.shN.codebook),
+            centroids: images.shN.centroids,
+          }
+        : null,
+  };
+}
+
+/** Palette entry of every splat, checked to exist; null without higher harmonics. */
+function packLabels(meta: SogMeta, images: SogImages): Uint16Array | null {
+  if (!meta.shN || !images.shN) {
+    return null;
+  }
+  const { centroids, labels } = images.shN;
+  requireTexels(labels, meta.count, meta.shN.files[1]!);
+  const rows = Math.ceil(meta.shN.entries / kPaletteRow);
+  if (centroids.width !== kPaletteRow * meta.shN.coefficients || centroids.height < rows) {
+    throw new CaseError(`${meta.shN.files[0]!} does not hold ${meta.shN.entries} palette entries; build the case again`);
+  }
+  const result = new Uint16Array(meta.count);
+  for (let i = 0; i < meta.count; ++i) {
+    const label = labels.rgba[4 * i]! | (labels.rgba[4 * i + 1]! << 8);
+    if (label >= meta.shN.entries) {
+      throw new CaseError(`${meta.shN.files[1]!}: splat ${i} names palette entry ${label} of ${meta.shN.entries}`);
+    }
+    result[i] = label;
+  }
+  return result;
+}

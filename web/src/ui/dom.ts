@@ -1,0 +1,48 @@
+type Child = Node | string | null;
+type Attributes = Record<string, string | boolean | ((event: Event) => void)>;
+
+/** An element: attributes by name, listeners as onclick and the like, false leaves an attribute out. */
+export function h<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === "function") {
+      element.addEventListener(name.slice(2), value);
+    } else if (value !== false) {
+      element.setAttribute(name, value === true ? "" : value);
+    }
+  }
+  element.append(...children.filter((child) => child !== null));
+  return element;
+}
+
+/** A drawing of the icon set: paths in a 24 × 24 box, stroked in the text's colour. */
+export function icon(paths: string): SVGSVGElement {
+  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  svg.setAttribute("viewBox", "0 0 24 24");
+  svg.setAttribute("aria-hidden", "true");
+  svg.classList.add("icon");
+  for (const d of paths.split("|")) {
+    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
+    path.setAttribute("d", d);
+    svg.append(path);
+  }
+  return svg;
+}
+
+export const kIcons = {
+  axial: "M4 12h16|M12 4c4 0 6 3.6 6 8s-2 8-6 8-6-3.6-6-8 2-8 6-8z",
+  coronal: "M12 4c4 0 6 3.6 6 8s-2 8-6 8-6-3.6-6-8 2-8 6-8z|M7 6.500l10 11|M17 6.500l-10 11",
+  sagittal: "M12 4c4 0 6 3.6 6 8s-2 8-6 8-6-3.600-6-8 2-8 6-8z|M12 2.500v19",
+  flip: "M4 12h16|M8 8l4-4 4 4|M8 16l4 4 4-4",
+  reset: "M4.500 12a7.500 7.500 0 1 0 2.300-5.400|M4.500 4.500v3.500h3.500",
+  eye: "M2.500 12s3.500-6.500 9.500-6.500 9.500 6.500 9.500 6.500-3.500 6.500-9.500 6.500-9.500-6.500-9.500-6.500z|M12 9.200a2.800 2.800 0 1 0 0 5.600 2.800 2.800 0 0 0 0-5.600z",
+  power: "M12 3.500v8|M6.800 6.800a7.500 7.500 0 1 0 10.400 0",
+  chevron: "M7 10l5 5 5-5",
+  link: "M10 14a4 4 0 0 0 5.700 0l3-3a4 4 0 0 0-5.700-5.700l-1 1|M14 10a4 4 0 0 0-5.700 0l-3 3a4 4 0 0 0 5.700 5.700l1-1",
+  help: "M9.200 9.300a2.800 2.800 0 1 1 4.200 2.500c-.9.500-1.400 1-1.400 2|M12 17v.2",
+  warning: "M12 4l9 16h-18z|M12 10v4.500|M12 17.200v.2",
+} as const;

@@ -1,0 +1,91 @@
+import type { PackedScene } from "../sog/sog";
+import { CaseError } from "../sog/zip";
+import type { Reply, Request } from "./protocol";
+
+export interface LoadedCase {
+  ticket: number;
+  scene: PackedScene;
+  /** The `clipgs` block of meta.json, unchecked. */
+  clipgs: unknown;
+  bytes: number;
+}
+
+export interface Sorted {
+  order: Uint32Array;
+  /** −1: the scene is no longer the worker's. */
+  count: number;
+  milliseconds: number;
+}
+
+/** The main thread's end of case_worker.ts. */
+export class CaseClient {
+  readonly #worker: Worker;
+  readonly #loads = new Map<
+    number,
+    { resolve: (value: LoadedCase) => void; reject: (error: CaseError) => void; progress: (share: number) => void }
+  >();
+  #sorted: ((value: Sorted) => void) | null = null;
+  #tickets = 0;
+
+  constructor() {
+    this.#worker = new Worker(new URL("./case_worker.ts", import.meta.url), { type: "module" });
+    this.#worker.onmessage = (event: MessageEvent<Reply>) => this.#receive(event.data);
+    this.#worker.onerror = () => this.#fail("the viewer's worker stopped; reload the page");
+  }
+
+  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */
+  load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+    const ticket = this.#tickets++;
+    return new Promise((resolve, reject) => {
+      this.#loads.set(ticket, { resolve, reject, progress });
+      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
+    });
+  }
+
+  get sorting(): boolean {
+    return this.#sorted !== null;
+  }
+
+  /** One at a time. `order` is given away until the answer brings it back. */
+  sort(scene: number, view: Float32Array, clip: number, order: Uint32Array): Promise<Sorted> {
+    return new Promise((resolve) => {
+      this.#sorted = resolve;
+      this.#post({ kind: "sort", scene, view, clip, order }, [order.buffer]);
+    });
+  }
+
+  dispose(): void {
+    this.#worker.terminate();
+  }
+
+  #post(message: Request, transfer: Transferable[] = []): void {
+    this.#worker.postMessage(message, transfer);
+  }
+
+  #fail(message: string): void {
+    for (const load of this.#loads.values()) {
+      load.reject(new CaseError(message));
+    }
+    this.#loads.clear();
+  }
+
+  #receive(reply: Reply): void {
+    if (reply.kind === "sorted") {
+      const resolve = this.#sorted;
+      this.#sorted = null;
+      resolve?.(reply);
+      return;
+    }
+    const load = this.#loads.get(reply.ticket);
+    if (reply.kind === "progress") {
+      load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
+      return;
+    }
+    this.#loads.delete(reply.ticket);
+    if (reply.kind === "failed") {
+      load?.reject(new CaseError(reply.message));
+    } else {
+      load?.resolve(reply);
+    }
+  }
+}

@@ -1,0 +1,122 @@
+/// <reference lib="webworker" />
+// Fetches and decodes cases, and culls and sorts their splats, off the main thread.
+
+import wasmUrl from "@wasm/splat_order.wasm?url";
+
+import { ImageDecoder } from "../sog/images";
+import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
+import { CaseError, readZip } from "../sog/zip";
+import type { Reply, Request } from "./protocol";
+import { SplatOrder } from "./splat_order";
+
+declare const self: DedicatedWorkerGlobalScope;
+
+let module: Promise<WebAssembly.Module> | null = null;
+let current: { ticket: number; order: SplatOrder } | null = null;
+let newestLoad = -1;
+
+function reply(message: Reply, transfer: Transferable[] = []): void {
+  self.postMessage(message, transfer);
+}
+
+async function compile(): Promise<WebAssembly.Module> {
+  module ??= WebAssembly.compileStreaming(fetch(wasmUrl));
+  return module;
+}
+
+/** The whole body, with progress. Throws CaseError. */
+async function download(url: string, ticket: number): Promise<Uint8Array> {
+  let response: Response;
+  try {
+    response = await fetch(url);
+  } catch {
+    throw new CaseError("the server does not answer; is clipgs serve still running?");
+  }
+  if (!response.ok || !response.body) {
+    const text = await response.text();
+    throw new CaseError(
+      response.headers.get("content-type")?.startsWith("text/plain") && text
+        ? text.trim()
+        : `the server has no such case (status ${response.status}); choose another from the menu`,
+    );
+  }
+  const total = Number(response.headers.get("content-length") ?? 0);
+  let bytes = new Uint8Array(total || 1 << 20);
+  let loaded = 0;
+  try {
+    const reader = response.body.getReader();
+    for (let part = await reader.read(); !part.done; part = await reader.read()) {
+      if (loaded + part.value.length > bytes.length) {
+        const larger = new Uint8Array(2 * (loaded + part.value.length));
+        larger.set(bytes.subarray(0, loaded));
+        bytes = larger;
+      }
+      bytes.set(part.value, loaded);
+      loaded += part.value.length;
+      reply({ kind: "progress", ticket, loaded, total });
+    }
+  } catch {
+    throw new CaseError("the connection broke while the case was loading; try again");
+  }
+  return bytes.subarray(0, loaded);
+}
+
+async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<SogImages> {
+  const decoder = new ImageDecoder();
+  const decode = (name: string) => decoder.decode(archive.get(name)!, name);
+  try {
+    return {
+      meansLow: await decode(meta.means.files[0]!),
+      meansHigh: await decode(meta.means.files[1]!),
+      scales: await decode(meta.scales.files[0]!),
+      quats: await decode(meta.quats.files[0]!),
+      sh0: await decode(meta.sh0.files[0]!),
+      shN: meta.shN && {
+        centroids: await decode(meta.shN.files[0]!),
+        labels: await decode(meta.shN.files[1]!),
+      },
+    };
+  } finally {
+    decoder.dispose();
+  }
+}
+
+async function load(ticket: number, url: string): Promise<void> {
+  newestLoad = ticket;
+  try {
+    const [bytes, wasm] = await Promise.all([download(url, ticket), compile()]);
+    const archive = await readZip(bytes);
+    const meta = parseSogMeta(archive);
+    const scene = packScene(meta, await decodeImages(meta, archive));
+    if (ticket !== newestLoad) {
+      throw new CaseError("another case was chosen meanwhile");
+    }
+    const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
+    order.load(scene);
+    current = { ticket, order };
+    const transfer = [scene.packed.buffer, scene.sh0.buffer];
+    if (scene.shN) {
+      transfer.push(scene.shN.centroids.rgba.buffer);
+    }
+    reply({ kind: "loaded", ticket, scene, clipgs: meta.clipgs, bytes: bytes.length }, transfer);
+  } catch (error) {
+    const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
+    reply({ kind: "failed", ticket, message });
+  }
+}
+
+function sort(request: Extract<Request, { kind: "sort" }>): void {
+  const start = performance.now();
+  const { scene, order } = request;
+  const count = current?.ticket === scene ? current.order.sort(request.view, request.clip, order) : -1;
+  reply({ kind: "sorted", scene, order, count, milliseconds: performance.now() - start }, [order.buffer]);
+}
+
+self.onmessage = (event: MessageEvent<Request>) => {
+  const request = event.data;
+  if (request.kind === "load") {
+    void load(request.ticket, request.url);
+  } else {
+    sort(request);
+  }
+};

@@ -1,0 +1,21 @@
+import type { PackedScene } from "../sog/sog";
+
+/** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. */
+export const kClipOperators = { none: 0, hard: 1, soft: 2, exact: 3 } as const;
+export type ClipOperator = Exclude<keyof typeof kClipOperators, "none">;
+
+/** What culling and sorting look at, in scene space: the floats of `View` in wasm/splat_order.cpp. */
+export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 4;
+
+/** To the worker. */
+export type Request =
+  | { kind: "load"; ticket: number; url: string }
+  /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */
+  | { kind: "sort"; scene: number; view: Float32Array; clip: number; order: Uint32Array };
+
+/** From the worker. A ticket is that of the request that is answered; `count` is −1 if the scene is gone. */
+export type Reply =
+  | { kind: "progress"; ticket: number; loaded: number; total: number }
+  | { kind: "loaded"; ticket: number; scene: PackedScene; clipgs: unknown; bytes: number }
+  | { kind: "failed"; ticket: number; message: string }
+  | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };

@@ -1,0 +1,33 @@
+import { resolve } from "node:path";
+import { defineConfig } from "vitest/config";
+
+// CLIPGS_WEB_OUT: where the WASM module is and the bundle goes; the build of the C++ program sets it.
+const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "build");
+
+export default defineConfig({
+  base: "./",
+  resolve: { alias: { "@wasm": out } },
+  build: { outDir: resolve(out, "dist"), emptyOutDir: true, target: "es2022", assetsInlineLimit: 0 },
+  worker: { format: "es" },
+  server: {
+    fs: { allow: [".", out] },
+    // `npm run dev` shows the cases of a running `clipgs serve`.
+    proxy: { "/api": "http://127.0.0.1:8080", "/cases": "http://127.0.0.1:8080" },
+    headers: { "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Embedder-Policy": "require-corp" },
+  },
+  test: {
+    projects: [
+      { extends: true, test: { name: "unit", include: ["test/unit/**/*.test.ts"] } },
+      {
+        extends: true,
+        test: {
+          name: "browser",
+          include: ["test/browser/**/*.test.ts"],
+          testTimeout: 120_000,
+          hookTimeout: 120_000,
+          poolOptions: { forks: { singleFork: true } },
+        },
+      },
+    ],
+  },
+});
