@@ -1,0 +1,88 @@
+#include "cli/arguments.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace clipgs {
+
+std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,
+                                 const std::string& option) {
+  std::vector<float> numbers;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  bool valid = !text.empty();
+  while (valid && at <= end) {
+    float value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    valid = error == std::errc() && std::isfinite(value) && (next == end || *next == ',');
+    numbers.push_back(value);
+    at = next + 1;
+  }
+  if (!valid || numbers.size() < least || numbers.size() > most) {
+    throw CLI::ValidationError(option,
+                               fmt::format("\"{}\" is not {} numbers separated by commas", text,
+                                           least == most ? fmt::format("{}", least)
+                                                         : fmt::format("{} to {}", least, most)));
+  }
+  return numbers;
+}
+
+IVec3 parse_size(const std::string& text) {
+  const auto fail = [&] {
+    throw CLI::ValidationError(
+        "--size", fmt::format("\"{}\" is not a size like 512x512 (16 to 8192 a side)", text));
+  };
+  const size_t x = text.find('x');
+  const std::string parts[2] = {text.substr(0, x),
+                                x == std::string::npos ? text : text.substr(x + 1)};
+  IVec3 size(0);
+  for (int i = 0; i < 2; ++i) {
+    const char* end = parts[i].data() + parts[i].size();
+    const auto [next, error] = std::from_chars(parts[i].data(), end, size[i]);
+    if (error != std::errc() || next != end || size[i] < 16 || size[i] > 8192) {
+      fail();
+    }
+  }
+  return size;
+}
+
+View parse_view(const std::string& text) {
+  const std::vector<float> n = parse_numbers(text, 2, 3, "--view");
+  View view{n[0], n[1], n.size() > 2 ? n[2] : 1.0f};
+  if (view.zoom <= 0) {
+    throw CLI::ValidationError("--view", "the zoom must be greater than 0");
+  }
+  return view;
+}
+
+std::optional<Plane> parse_plane(const std::string& text) {
+  if (text.empty()) {
+    return std::nullopt;
+  }
+  const std::vector<float> n = parse_numbers(text, 4, 4, "--plane");
+  const Vec3 normal(n[0], n[1], n[2]);
+  const float length = glm::length(normal);
+  if (!(length > 0)) {
+    throw CLI::ValidationError("--plane", "the normal must not be 0,0,0");
+  }
+  return Plane{normal / length, n[3] / length};
+}
+
+void warn_if_plane_misses(const std::optional<Plane>& plane, const Box& bounds) {
+  if (!plane || bounds.empty()) {
+    return;
+  }
+  const Vec2 extent = project_box(bounds, plane->normal);
+  if (plane->offset <= extent.x || plane->offset >= extent.y) {
+    warn(
+        fmt::format("the plane misses what is visible, which spans {:.1f} to {:.1f} mm along its "
+                    "normal: {} is cut away",
+                    extent.x, extent.y, plane->offset <= extent.x ? "nothing" : "everything"));
+  }
+}
+
+}  // namespace clipgs

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera.h"
+#include "core/geometry.h"
+
+namespace clipgs {
+
+// Values that several commands take. Each parser throws CLI::ValidationError, which is bad usage.
+
+/// "512x384" (or "512": a square), both sides 16…8192.
+IVec3 parse_size(const std::string& text);  // x, y; z is 0
+
+/// "azimuth,elevation[,zoom]" in degrees.
+View parse_view(const std::string& text);
+
+/// "nx,ny,nz,c": the kept side is n·x ≥ c in RAS mm; n is normalised, c scaled alike. Empty: none.
+std::optional<Plane> parse_plane(const std::string& text);
+
+/// "a,b,c…": `count` finite numbers; `option` names the flag in the error.
+std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,
+                                 const std::string& option);
+
+/// Warns if the plane misses the box: nothing is cut, or everything.
+void warn_if_plane_misses(const std::optional<Plane>& plane, const Box& bounds);
+
+}  // namespace clipgs

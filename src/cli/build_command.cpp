@@ -1,0 +1,263 @@
+#include <array>
+#include <cstdlib>
+#include <ctime>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "asset/case.h"
+#include "cinema/make_dataset.h"
+#include "cli/commands.h"
+#include "cli/volume_options.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/random.h"
+#include "splat/render.h"
+#include "splat/scene_file.h"
+#include "train/trainer.h"
+#include "volume/load.h"
+#include "volume/preset.h"
+
+namespace clipgs {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// How much work a build puts in.
+struct Quality {
+  const char* name;
+  int size;  // px, training and test pictures
+  int train_frames;
+  int test_frames;  // per test split
+  int train_spp;
+  size_t budget;
+  size_t steps;
+  int sh_degree;
+};
+
+constexpr std::array kQualities = {
+    Quality{"draft", 192, 160, 6, 12, 40000, 4000, 0},
+    Quality{"standard", 256, 480, 20, 16, 110000, 24000, 1},
+    Quality{"high", 512, 800, 32, 16, 250000, 40000, 2},
+};
+
+const Quality& find_quality(const std::string& name) {
+  for (const Quality& quality : kQualities) {
+    if (name == quality.name) {
+      return quality;
+    }
+  }
+  throw CLI::ValidationError("--quality",
+                             fmt::format("\"{}\" is not draft, standard or high", name));
+}
+
+/// Numbers of the quality that the user wants otherwise; 0 or −1: as the quality says.
+struct Overrides {
+  int size = 0;
+  int train_frames = 0;
+  int test_frames = 0;
+  size_t budget = 0;
+  size_t steps = 0;
+  int sh_degree = -1;
+};
+
+struct BuildArguments {
+  std::string volume;
+  std::string output;
+  std::string preset = "auto";
+  std::string quality = "standard";
+  std::string work;
+  std::string title;
+  std::uint64_t seed = 1;
+  LoadOptions loading;
+  Overrides overrides;
+};
+
+Quality chosen_quality(const BuildArguments& arguments) {
+  Quality quality = find_quality(arguments.quality);
+  const Overrides& o = arguments.overrides;
+  quality.size = o.size > 0 ? o.size : quality.size;
+  quality.train_frames = o.train_frames > 0 ? o.train_frames : quality.train_frames;
+  quality.test_frames = o.test_frames > 0 ? o.test_frames : quality.test_frames;
+  quality.budget = o.budget > 0 ? o.budget : quality.budget;
+  quality.steps = o.steps > 0 ? o.steps : quality.steps;
+  quality.sh_degree = o.sh_degree >= 0 ? o.sh_degree : quality.sh_degree;
+  return quality;
+}
+
+fs::path work_folder(const BuildArguments& arguments) {
+  if (!arguments.work.empty()) {
+    return arguments.work;
+  }
+  return fs::path(arguments.output).replace_extension(".clipgs-work");
+}
+
+/// Names, sizes and times of the input's files, so that a changed input is noticed.
+std::uint64_t fingerprint(const fs::path& path) {
+  const auto of_file = [](const fs::path& file) {
+    const auto time = fs::last_write_time(file).time_since_epoch().count();
+    return Rng::mix(std::hash<std::string>()(file.filename().string()) ^
+                    Rng::mix(fs::file_size(file) ^ Rng::mix(static_cast<std::uint64_t>(time))));
+  };
+  if (!fs::is_directory(path)) {
+    return fs::exists(path) ? of_file(path) : 0;
+  }
+  std::uint64_t sum = 0;  // order of a folder's entries is not defined
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file()) {
+      sum += of_file(entry.path());
+    }
+  }
+  return sum;
+}
+
+/// Makes sure that a work folder with results of another build is not mixed with this one's.
+void claim_work_folder(const fs::path& work, const BuildArguments& arguments,
+                       const Quality& quality) {
+  const std::optional<Rescale>& hu = arguments.loading.hu;
+  const nlohmann::json claim = {
+      {"input", fingerprint(arguments.volume)},
+      {"preset", arguments.preset},
+      {"size", quality.size},
+      {"train_frames", quality.train_frames},
+      {"test_frames", quality.test_frames},
+      {"train_spp", quality.train_spp},
+      {"budget", quality.budget},
+      {"steps", quality.steps},
+      {"sh_degree", quality.sh_degree},
+      {"seed", arguments.seed},
+      {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
+      {"series", arguments.loading.series}};
+  create_folder(work);
+  const fs::path file = work / "build.json";
+  if (!fs::exists(file)) {
+    write_text(file, claim.dump(1));
+    return;
+  }
+  if (nlohmann::json::parse(read_text(file), nullptr, false) != claim) {
+    throw Error(
+        "{}: holds the work of a build with another input or other options; delete it, or "
+        "give this build its own with --work",
+        work.string());
+  }
+}
+
+/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte.
+std::string today() {
+  const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
+  const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(time));
+}
+
+void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
+
+Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
+                      const fs::path& folder) {
+  if (fs::exists(folder / "transforms.json")) {
+    say_step(2, "pictures: done before");
+    return load_dataset(folder);
+  }
+  const Volume volume = load_volume(arguments.volume, arguments.loading);
+  const Preset preset = load_preset(arguments.preset, volume);
+  say_step(2, fmt::format("pictures: {} training, {} test, {}x{}, preset {}", quality.train_frames,
+                          2 * quality.test_frames, quality.size, quality.size, preset.name));
+  DatasetOptions options;
+  options.size = quality.size;
+  options.train_frames = quality.train_frames;
+  options.test_frames = quality.test_frames;
+  options.train_spp = quality.train_spp;
+  options.seed = arguments.seed;
+  return make_dataset(volume, preset, folder, options);
+}
+
+Scene build_scene(const BuildArguments& arguments, const Quality& quality, const Dataset& dataset,
+                  const fs::path& path) {
+  if (fs::exists(path)) {
+    say_step(3, "training: done before");
+    return read_scene(path);
+  }
+  say_step(3, fmt::format("training: {} Gaussians, {} steps", quality.budget, quality.steps));
+  TrainOptions options;
+  options.budget = options.start = quality.budget;
+  options.steps = quality.steps;
+  options.sh_degree = quality.sh_degree;
+  options.seed = arguments.seed;
+  fs::path checkpoint = path;
+  checkpoint.replace_extension(".checkpoint");
+  const Scene scene = train(dataset, options, checkpoint);
+  write_scene(path, scene);
+  fs::remove(checkpoint);
+  return scene;
+}
+
+void run_build(const BuildArguments& arguments) {
+  const Quality quality = chosen_quality(arguments);
+  require_writable(arguments.output);
+  const fs::path work = work_folder(arguments);
+  say_step(1, fmt::format("{}: work is kept in {}", arguments.volume, work.string()));
+  if (!fs::exists(arguments.volume)) {
+    throw Error("{}: does not exist; give a DICOM folder or a NIfTI, NRRD or MetaImage file",
+                arguments.volume);
+  }
+  claim_work_folder(work, arguments, quality);
+  const Dataset dataset = build_dataset(arguments, quality, work / "dataset");
+  Scene scene = build_scene(arguments, quality, dataset, work / "scene.ply");
+  say_step(4, "case");
+  scene.title = arguments.title.empty() ? scene.preset : arguments.title;
+  scene.created = today();
+  const Image thumbnail = make_thumbnail(scene);
+  write_case(arguments.output, scene, &thumbnail);
+  fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, scene.gaussians.size(),
+             static_cast<double>(fs::file_size(arguments.output)) / 1e6);
+}
+
+}  // namespace
+
+void add_build_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("build", "From a volume to a case: pictures, training, packing");
+  const auto arguments = std::make_shared<BuildArguments>();
+  command->add_option("volume", arguments->volume, "DICOM folder, NIfTI, NRRD or MetaImage file")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
+  command->add_option("--preset", arguments->preset, "Look: a preset's name or file, or auto")
+      ->capture_default_str();
+  command->add_option("--quality", arguments->quality, "draft, standard or high")
+      ->capture_default_str();
+  command->add_option("--work", arguments->work,
+                      "Folder for the work in progress (default: OUTPUT.clipgs-work)");
+  command->add_option("--title", arguments->title,
+                      "Title of the case (default: the preset's name)");
+  command->add_option("--seed", arguments->seed, "Seed of everything random")
+      ->capture_default_str();
+  add_volume_options(*command, arguments->loading);
+  Overrides& overrides = arguments->overrides;
+  command->add_option("--size", overrides.size, "Side of the pictures, px")
+      ->check(CLI::Range(32, 4096))
+      ->group("Instead of what the quality says");
+  command->add_option("--train-frames", overrides.train_frames, "Training pictures")
+      ->check(CLI::Range(1, 100000))
+      ->group("Instead of what the quality says");
+  command->add_option("--test-frames", overrides.test_frames, "Test pictures of each split")
+      ->check(CLI::Range(1, 10000))
+      ->group("Instead of what the quality says");
+  command->add_option("--budget", overrides.budget, "Gaussians at most")
+      ->check(CLI::Range(100, 5000000))
+      ->group("Instead of what the quality says");
+  command->add_option("--steps", overrides.steps, "Training steps")
+      ->check(CLI::Range(1, 10000000))
+      ->group("Instead of what the quality says");
+  command->add_option("--sh-degree", overrides.sh_degree, "Degree of the colours' view dependence")
+      ->check(CLI::Range(0, kMaxShDegree))
+      ->group("Instead of what the quality says");
+  command->footer(
+      "An interrupted build resumes when it is run again. The work folder keeps the pictures for\n"
+      "clipgs eval; delete it when you do not need them.\n"
+      "Example: clipgs build dicom/ -o case.sog");
+  command->callback([arguments] { run_build(*arguments); });
+}
+
+}  // namespace clipgs
