@@ -59,7 +59,7 @@ Scores compare(const Truth& truth, const Image& picture, const Frame& frame, flo
   scores.psnr = psnr(truth.picture, picture);
   scores.psnr_masked = masked_psnr(truth.picture, picture);
   scores.ssim = mean(map);
-  if (truth.depth) {
+  if (frame.plane && truth.depth) {
     scores.band_ssim = band_ssim(map, *truth.depth, frame.camera, *frame.plane, band);
   }
   if (truth.uncut) {

@@ -1,13 +1,9 @@
 #include "measure/html.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <memory>
-#include <vector>
-#include <webp/encode.h>
 
-#include "core/error.h"
+#include "asset/webp.h"
 
 namespace clipgs {
 
@@ -61,19 +57,9 @@ std::string escape_html(std::string_view text) {
 }
 
 std::string data_uri(const Image& rgb) {
-  std::vector<std::uint8_t> bytes(rgb.data.size());
-  std::ranges::transform(rgb.data, bytes.begin(), [](float v) {
-    return static_cast<std::uint8_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
-  });
-  std::uint8_t* encoded = nullptr;
-  const size_t size =
-      WebPEncodeLosslessRGB(bytes.data(), rgb.width, rgb.height, rgb.width * 3, &encoded);
-  const std::unique_ptr<std::uint8_t, void (*)(void*)> owner(encoded, WebPFree);
-  if (size == 0) {
-    throw Error("a picture of {}×{} pixels cannot be encoded as WebP; use smaller test pictures",
-                rgb.width, rgb.height);
-  }
-  return "data:image/webp;base64," + base64(encoded, size);
+  constexpr float kQuality = 95;
+  const Bytes webp = encode_webp(rgb, kQuality);
+  return "data:image/webp;base64," + base64(webp.data(), webp.size());
 }
 
 Image heat_map(const Image& grey) {

@@ -172,7 +172,7 @@ struct PlotFrame {
   static constexpr double kLeft = 36, kRight = 500, kTop = 12, kBottom = 200;
   double low = 0, high = 1;
 
-  double x(size_t rank, size_t count) const {
+  static double x(size_t rank, size_t count) {
     return kLeft +
            (kRight - kLeft) *
                (count > 1 ? static_cast<double>(rank) / static_cast<double>(count - 1) : 0.5);
@@ -187,9 +187,9 @@ std::string curve_svg(const PlotFrame& plot, const std::vector<double>& values, 
     const double x = plot.x(i, values.size());
     const double y = plot.y(values[i]);
     points += fmt::format("{:.1f},{:.1f} ", x, y);
-    dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", x, y);
+    dots += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="2.5"/>)", x, y);
   }
-  return fmt::format("<g class=\"{}\"><polyline points=\"{}\"/>{}</g>\n", name, points, dots);
+  return fmt::format(R"(<g class="{}"><polyline points="{}"/>{}</g>)", name, points, dots);
 }
 
 std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Split split,
@@ -213,19 +213,23 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
   plot.high = std::ceil(plot.high / step) * step;
   for (const auto& [name, values] : series) {
     curves += curve_svg(plot, values, name);
-    legend += fmt::format(" <span class=\"{0}\">● {0}</span>", name);
+    legend += fmt::format(R"( <span class="{0}">● {0}</span>)", name);
   }
   std::string grid;
-  for (double db = plot.low; db <= plot.high; db += step) {
-    grid += fmt::format(
-        "<line class=\"grid\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
-        "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.0f}</text>\n",
-        PlotFrame::kLeft, PlotFrame::kRight, plot.y(db), PlotFrame::kLeft - 6, plot.y(db) + 4, db);
+  const int lines = static_cast<int>(std::lround((plot.high - plot.low) / step));
+  for (int i = 0; i <= lines; ++i) {
+    const double db = plot.low + i * step;
+    grid += fmt::format(R"(<line class="grid" x1="{0}" x2="{1}" y1="{2:.1f}" y2="{2:.1f}"/>)"
+                        R"(<text x="{3}" y="{4:.1f}" text-anchor="end">{5:.0f}</text>)"
+                        "\n",
+                        PlotFrame::kLeft, PlotFrame::kRight, plot.y(db), PlotFrame::kLeft - 6,
+                        plot.y(db) + 4, db);
   }
-  grid += fmt::format(
-      "<line class=\"floor\" x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\"/>"
-      "<text x=\"{3}\" y=\"{4:.1f}\">noise floor</text>\n",
-      PlotFrame::kLeft, PlotFrame::kRight, plot.y(noise), PlotFrame::kLeft + 6, plot.y(noise) + 15);
+  grid += fmt::format(R"(<line class="floor" x1="{0}" x2="{1}" y1="{2:.1f}" y2="{2:.1f}"/>)"
+                      R"(<text x="{3}" y="{4:.1f}">noise floor</text>)"
+                      "\n",
+                      PlotFrame::kLeft, PlotFrame::kRight, plot.y(noise), PlotFrame::kLeft + 6,
+                      plot.y(noise) + 15);
   return fmt::format(
       "<figure><figcaption><b>{}</b> · masked PSNR of every picture, dB, worst to best ·{}"
       "</figcaption>\n<svg viewBox=\"0 0 510 215\" role=\"img\" aria-label=\"Sorted masked PSNR\">"
