@@ -6,7 +6,17 @@ namespace clipgs {
 
 // Each adds one subcommand; its callback does the work and throws Error on failure.
 // One file per command: src/cli/<name>_command.cpp.
+void add_build_command(CLI::App& app);
+void add_cinema_command(CLI::App& app);
+void add_dataset_command(CLI::App& app);
+void add_eval_command(CLI::App& app);
+void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
+void add_pack_command(CLI::App& app);
 void add_phantom_command(CLI::App& app);
+void add_render_command(CLI::App& app);
+void add_serve_command(CLI::App& app);
+void add_train_command(CLI::App& app);
+void add_unpack_command(CLI::App& app);
 
 }  // namespace clipgs

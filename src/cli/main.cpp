@@ -31,8 +31,18 @@ int run(int argc, char** argv) {
     clipgs::Progress::set_enabled(!quiet);
   });
 
+  clipgs::add_build_command(app);
+  clipgs::add_cinema_command(app);
+  clipgs::add_dataset_command(app);
+  clipgs::add_eval_command(app);
+  clipgs::add_export_command(app);
   clipgs::add_info_command(app);
+  clipgs::add_pack_command(app);
   clipgs::add_phantom_command(app);
+  clipgs::add_render_command(app);
+  clipgs::add_serve_command(app);
+  clipgs::add_train_command(app);
+  clipgs::add_unpack_command(app);
 
   try {
     app.parse(argc, argv);

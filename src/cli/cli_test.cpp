@@ -1,0 +1,226 @@
+// The program as a user runs it: real processes, real files.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "cli/process.h"
+#include "core/file.h"
+#include "core/image.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::Finished;
+using testing_support::run_clipgs;
+using testing_support::run_clipgs_and_kill;
+
+class CliTest : public testing::Test {
+ protected:
+  CliTest() : folder_(fs::path(testing::TempDir()) / ("clipgs-cli-" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    ::setenv("SOURCE_DATE_EPOCH", "1700000000", 1);
+  }
+  ~CliTest() override { fs::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+  std::string phantom() const {
+    const std::string path = at("phantom.nrrd");
+    if (!fs::exists(path)) {
+      EXPECT_EQ(run_clipgs({"phantom", path, "--size", "40"}).status, 0);
+    }
+    return path;
+  }
+
+  /// A build small enough for a test, but with every step of a real one.
+  std::vector<std::string> small_build(const std::string& output) const {
+    return {
+        "build",    phantom(),        "-o",     at(output),      "--quality", "draft",   "--size",
+        "48",       "--train-frames", "8",      "--test-frames", "1",         "--steps", "120",
+        "--budget", "1500",           "--quiet"};
+  }
+
+  /// Fails in one line on standard error, with exit status 1, and leaves no file at `output`.
+  void expect_failure(const std::vector<std::string>& arguments, const std::string& says,
+                      const std::string& output = "") {
+    const Finished finished = run_clipgs(arguments);
+    EXPECT_EQ(finished.status, 1) << finished.err;
+    const size_t start = finished.err.find("clipgs: ");
+    ASSERT_NE(start, std::string::npos) << finished.err;
+    const std::string line = finished.err.substr(start);
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << finished.err;
+    EXPECT_THAT(line, HasSubstr(says));
+    if (!output.empty()) {
+      EXPECT_FALSE(fs::exists(output));
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".part"))) << "left behind";
+    }
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(CliTest, UsageErrorsExitWithTwo) {
+  EXPECT_EQ(run_clipgs({}).status, 2);
+  EXPECT_EQ(run_clipgs({"nonsense"}).status, 2);
+  EXPECT_EQ(run_clipgs({"phantom"}).status, 2);
+  EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--plane", "0,0,1"}).status, 2);
+  EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--plane", "0,0,0,1"}).status, 2);
+  EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--view", "a,b"}).status, 2);
+  EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--size", "0x4"}).status, 2);
+  EXPECT_EQ(run_clipgs({"build", phantom(), "-o", at("x.sog"), "--quality", "best"}).status, 2);
+}
+
+TEST_F(CliTest, EveryCommandHasHelpWithAnExample) {
+  const Finished top = run_clipgs({"--help"});
+  EXPECT_EQ(top.status, 0);
+  for (const char* command : {"build", "phantom", "info", "cinema", "dataset", "train", "pack",
+                              "unpack", "export", "render", "eval", "serve"}) {
+    EXPECT_THAT(top.out, HasSubstr(command));
+    const Finished help = run_clipgs({command, "--help"});
+    EXPECT_EQ(help.status, 0) << command;
+    EXPECT_THAT(help.out, HasSubstr("clipgs " + std::string(command))) << command;
+  }
+}
+
+TEST_F(CliTest, BadVolumesFailInOneLine) {
+  const std::string out = at("out.png");
+  expect_failure({"cinema", at("missing.nrrd"), "-o", out}, "missing.nrrd", out);
+
+  const std::string whole = read_text(phantom());
+  write_text(at("cut.nrrd"), std::string_view(whole).substr(0, whole.size() / 2));
+  expect_failure({"cinema", at("cut.nrrd"), "-o", out}, "cut.nrrd", out);
+  write_text(at("noise.nii"), "this is no volume");
+  expect_failure({"cinema", at("noise.nii"), "-o", out}, "noise.nii", out);
+
+  fs::create_directories(at("empty"));
+  expect_failure({"cinema", at("empty"), "-o", out}, "empty", out);
+  write_text(at("empty/readme.txt"), "no image here");
+  expect_failure({"cinema", at("empty"), "-o", out}, "empty", out);
+}
+
+TEST_F(CliTest, EmptyNanAndConstantVolumesFailInOneLine) {
+  const std::string out = at("out.png");
+  const auto write_nrrd = [&](const std::string& name, int side, float value) {
+    std::string text =
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: " + std::to_string(side) + " " +
+        std::to_string(side) + " " + std::to_string(side) +
+        "\nspace: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+        "endian: little\nencoding: raw\nspace origin: (0,0,0)\n\n";
+    const std::vector<float> values(static_cast<size_t>(side) * side * side, value);
+    text.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
+    write_text(at(name), text);
+  };
+  write_nrrd("zero.nrrd", 0, 0);
+  write_nrrd("nan.nrrd", 8, std::numeric_limits<float>::quiet_NaN());
+  write_nrrd("constant.nrrd", 8, 42);
+  for (const char* name : {"zero.nrrd", "nan.nrrd", "constant.nrrd"}) {
+    expect_failure({"cinema", at(name), "-o", out}, name, out);
+  }
+}
+
+TEST_F(CliTest, UnknownPresetListsTheOnesThereAre) {
+  expect_failure({"cinema", phantom(), "-o", at("x.png"), "--preset", "nonesuch"}, "soft-tissue",
+                 at("x.png"));
+}
+
+TEST_F(CliTest, UnwritableOutputFailsBeforeAnyWork) {
+  expect_failure({"build", phantom(), "-o", "/proc/case.sog"}, "/proc/case.sog");
+  expect_failure({"cinema", phantom(), "-o", at("no/such/folder/x.png")}, "no/such/folder");
+}
+
+TEST_F(CliTest, FullDiskFailsAndLeavesNothing) {
+  // A file system of 16 KiB, where the tests may mount one.
+  const std::string disk = at("disk");
+  fs::create_directories(disk);
+  if (std::system(("mount -t tmpfs -o size=16k tmpfs " + disk + " 2>/dev/null").c_str()) != 0) {
+    GTEST_SKIP()
+        << "cannot mount a small file system here; FileTest.FullDiskThrows covers the rest";
+  }
+  expect_failure({"phantom", disk + "/phantom.nrrd", "--size", "64"}, "phantom.nrrd");
+  EXPECT_TRUE(fs::is_empty(disk));
+  EXPECT_EQ(std::system(("umount " + disk).c_str()), 0);
+}
+
+TEST_F(CliTest, PlaneThatMissesWarns) {
+  const std::string out = at("x.png");
+  const Finished finished = run_clipgs(
+      {"cinema", phantom(), "-o", out, "--plane", "0,0,1,-9999", "--spp", "1", "--size", "32x32"});
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_THAT(finished.err, HasSubstr("nothing is cut"));
+  const Finished all = run_clipgs(
+      {"cinema", phantom(), "-o", out, "--plane", "0,0,1,9999", "--spp", "1", "--size", "32x32"});
+  EXPECT_EQ(all.status, 0);
+  EXPECT_THAT(all.err, HasSubstr("everything is cut"));
+}
+
+TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
+  const Finished built = run_clipgs(small_build("case.sog"));
+  ASSERT_EQ(built.status, 0) << built.err;
+  const Finished info = run_clipgs({"info", at("case.sog"), "--json"});
+  ASSERT_EQ(info.status, 0) << info.err;
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("splats"), 1500);
+
+  ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("whole.png"), "--size", "64"}).status,
+            0);
+  ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("cut.png"), "--size", "64", "--plane",
+                        "0,1,0,0"})
+                .status,
+            0);
+  const Image whole = read_png(at("whole.png"));
+  EXPECT_GT(*std::max_element(whole.data.begin(), whole.data.end()), 0.5f);
+  EXPECT_NE(whole.data, read_png(at("cut.png")).data);
+
+  const Finished evaluated =
+      run_clipgs({"eval", at("case.sog"), "--dataset", at("case.clipgs-work/dataset"), "--json",
+                  at("eval.json"), "--report", at("report.html")});
+  ASSERT_EQ(evaluated.status, 0) << evaluated.err;
+  const auto json = nlohmann::json::parse(read_text(at("eval.json")));
+  EXPECT_EQ(json.at("rows").size(), 6U);  // two splits, three operators
+  EXPECT_THAT(read_text(at("report.html")), HasSubstr("ot for diagnosis"));
+
+  // A case cut short is refused.
+  const std::string bytes = read_text(at("case.sog"));
+  write_text(at("cut.sog"), std::string_view(bytes).substr(0, bytes.size() * 2 / 3));
+  expect_failure({"info", at("cut.sog")}, "cut.sog");
+  expect_failure({"render", at("cut.sog"), "-o", at("none.png")}, "cut.sog", at("none.png"));
+}
+
+TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
+  std::vector<std::string> reference = small_build("reference.sog");
+  reference.insert(reference.end(), {"--threads", "1"});
+  ASSERT_EQ(run_clipgs(reference).status, 0);
+
+  // Killed again and again, a little later each time, wherever it may be.
+  const std::vector<std::string> interrupted = small_build("interrupted.sog");
+  int kills = 0;
+  double seconds = 0.05;
+  while (run_clipgs_and_kill(interrupted, seconds)) {
+    ++kills;
+    seconds *= 1.3;
+    ASSERT_LT(kills, 60);
+    EXPECT_FALSE(fs::exists(at("interrupted.sog")));
+  }
+  EXPECT_GT(kills, 0);
+  EXPECT_EQ(read_text(at("interrupted.sog")), read_text(at("reference.sog")));
+}
+
+TEST_F(CliTest, BuildRefusesAWorkFolderOfAnotherBuild) {
+  ASSERT_EQ(run_clipgs(small_build("case.sog")).status, 0);
+  std::vector<std::string> other = small_build("case.sog");
+  other.insert(other.end(), {"--seed", "2"});
+  const Finished finished = run_clipgs(other);
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.err, HasSubstr("--work"));
+}
+
+}  // namespace
+}  // namespace clipgs
