@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "asset/case.h"
 #include "cinema/dataset.h"
 #include "cli/commands.h"
+#include "core/error.h"
 #include "core/file.h"
 #include "measure/evaluation.h"
 #include "measure/report.h"
@@ -17,6 +19,8 @@
 namespace clipgs {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 struct EvalArguments {
   std::string scene;
@@ -38,18 +42,32 @@ EvaluationOptions evaluation_options(const EvalArguments& arguments) {
   return options;
 }
 
+/// The outputs can be written and are not the scene itself (a PLY's description is a JSON file).
+void check_outputs(const EvalArguments& arguments) {
+  const fs::path scene = arguments.scene;
+  for (const fs::path output : {arguments.json, arguments.report}) {
+    if (output.empty()) {
+      continue;
+    }
+    std::error_code error;  // a file that does not exist is no other file
+    for (const fs::path& input : {scene, fs::path(scene).replace_extension(".json")}) {
+      if (fs::equivalent(input, output, error)) {
+        throw Error("{}: belongs to the scene and would be overwritten; choose another name",
+                    output.string());
+      }
+    }
+    require_writable(output);
+  }
+}
+
 void run_eval(const EvalArguments& arguments) {
   const EvaluationOptions options = evaluation_options(arguments);
-  for (const std::string& output : {arguments.json, arguments.report}) {
-    if (!output.empty()) {
-      require_writable(output);
-    }
-  }
-  const bool is_ply = std::filesystem::path(arguments.scene).extension() == ".ply";
+  check_outputs(arguments);
+  const bool is_ply = fs::path(arguments.scene).extension() == ".ply";
   const Scene scene = is_ply ? read_scene(arguments.scene) : read_case(arguments.scene);
   const Dataset dataset = load_dataset(arguments.dataset);
   Evaluation evaluation = evaluate(scene, dataset, options);
-  evaluation.bytes = std::filesystem::file_size(arguments.scene);
+  evaluation.bytes = fs::file_size(arguments.scene);
   if (!arguments.json.empty()) {
     write_text(arguments.json, evaluation_json(evaluation));
   }
@@ -73,6 +91,7 @@ void add_eval_command(CLI::App& app) {
                       "HTML page to write: figures, and truth and ours side by side");
   command->add_option("--clip", arguments->clips, "Clip operators: hard, soft, exact")
       ->delimiter(',')
+      ->check(CLI::IsMember({"hard", "soft", "exact"}))
       ->capture_default_str();
   command->footer(
       "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html");

@@ -49,7 +49,7 @@ figure { margin: 0; }
 .frame { margin: 0 0 1.6rem; }
 .frame > figcaption { margin-bottom: .5rem; }
 .row { display: grid; gap: .5rem; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); }
-.row img { width: 100%; display: block; background: #000; border-radius: 8px; }
+.row img { width: 100%; height: auto; display: block; background: #000; border-radius: 8px; }
 .row figcaption { font-size: .85rem; padding: .3rem .1rem; }
 .scale { display: inline-block; vertical-align: middle; width: 7rem; height: .7rem;
   border-radius: 4px; background: linear-gradient(90deg, #000, #f00, #ff0, #fff);
@@ -169,7 +169,7 @@ std::vector<double> sorted_psnr(const Dataset& dataset, const Evaluation& evalua
 
 /// Maps ranks and decibels to the plot's coordinates.
 struct PlotFrame {
-  static constexpr double kLeft = 36, kRight = 500, kTop = 12, kBottom = 200;
+  static constexpr double kLeft = 36, kRight = 500, kTop = 18, kBottom = 200;
   double low = 0, high = 1;
 
   static double x(size_t rank, size_t count) {
@@ -229,7 +229,7 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
                       R"(<text x="{3}" y="{4:.1f}">noise floor</text>)"
                       "\n",
                       PlotFrame::kLeft, PlotFrame::kRight, plot.y(noise), PlotFrame::kLeft + 6,
-                      plot.y(noise) + 15);
+                      plot.y(noise) - 5);
   return fmt::format(
       "<figure><figcaption><b>{}</b> · masked PSNR of every picture, dB, worst to best ·{}"
       "</figcaption>\n<svg viewBox=\"0 0 510 215\" role=\"img\" aria-label=\"Sorted masked PSNR\">"
@@ -269,9 +269,13 @@ ClipOperator leading_clip(const Evaluation& evaluation) {
 }
 
 std::string plane_text(const std::optional<Plane>& plane) {
-  return plane ? fmt::format("plane {:.2f}, {:.2f}, {:.2f} at {:.1f} mm", plane->normal.x,
-                             plane->normal.y, plane->normal.z, plane->offset)
-               : "uncut";
+  if (!plane) {
+    return "uncut";
+  }
+  const auto tidy = [](float v) { return std::round(v * 100) / 100 + 0.0f; };  // no "-0.00"
+  const Vec3& n = plane->normal;
+  return fmt::format("plane {:.2f}, {:.2f}, {:.2f} at {:.1f} mm", tidy(n.x), tidy(n.y), tidy(n.z),
+                     tidy(plane->offset));
 }
 
 /// Truth, ours under every operator (the leading one first) and the error of one test picture.
