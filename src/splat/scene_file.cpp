@@ -179,7 +179,8 @@ void write_scene(const std::filesystem::path& path, const Scene& scene) {
 
 Scene read_scene(const std::filesystem::path& path) {
   const std::filesystem::path sidecar = sidecar_path(path);
-  if (!std::filesystem::exists(sidecar) && std::filesystem::exists(path)) {
+  const Gaussians stored = read_ply(path);
+  if (!std::filesystem::exists(sidecar)) {
     throw Error("{}: has no {} beside it, which says how the scene lies in the patient",
                 path.string(), sidecar.filename().string());
   }
@@ -187,7 +188,7 @@ Scene read_scene(const std::filesystem::path& path) {
   const json metadata = json::parse(text.begin(), text.end(), nullptr, false);
   Scene scene;
   const Similarity world = scene_from_json(metadata, sidecar.string(), scene);
-  scene.gaussians = transform(read_ply(path), world);
+  scene.gaussians = transform(stored, world);
   return scene;
 }
 
