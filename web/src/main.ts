@@ -1,6 +1,9 @@
-import { Viewer } from "./viewer";
-const canvas = document.createElement("canvas");
-canvas.style.cssText = "position:fixed;inset:0;width:100%;height:100%";
-document.body.append(canvas);
-const viewer = new Viewer(canvas);
-void viewer.open("x", "cases/x.sog");
+import "./ui/style.css";
+
+import { makeApi } from "./api";
+import { App } from "./app";
+
+const app = new App(document.getElementById("app")!);
+const ready = app.start();
+ready.catch(() => {}); // said on the page; who waits for it hears it too
+window.clipgs = makeApi(app, ready);

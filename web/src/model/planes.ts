@@ -5,15 +5,17 @@ import { type Box, type Plane, projectBox } from "./geometry";
 export const kOrientations = ["axial", "coronal", "sagittal"] as const;
 export type Orientation = (typeof kOrientations)[number];
 
-const kAxes: Record<Orientation, Vector3> = {
+export const kAxes: Readonly<Record<Orientation, Vector3>> = {
   axial: new Vector3(0, 0, 1),
   coronal: new Vector3(0, 1, 0),
   sagittal: new Vector3(1, 0, 0),
 };
 
-/** The body plane through the middle of `bounds` that removes what lies towards `viewer` (unit vector, RAS). */
-export function bodyPlane(orientation: Orientation, bounds: Box, viewer: Vector3): Plane {
-  const axis = kAxes[orientation];
+/**
+ * The plane across `axis` through the middle of `bounds` that removes what lies towards `viewer`
+ * (unit vector, RAS), so that the cut is seen.
+ */
+export function planeAcross(axis: Vector3, bounds: Box, viewer: Vector3): Plane {
   const normal = axis.clone().multiplyScalar(viewer.dot(axis) >= 0 ? -1 : 1);
   const [min, max] = projectBox(bounds, normal);
   return { normal, offset: 0.5 * (min + max) };
@@ -24,7 +26,7 @@ export function orientationOf(plane: Plane): Orientation | null {
   return kOrientations.find((name) => Math.abs(plane.normal.dot(kAxes[name])) > 0.99999) ?? null;
 }
 
-/** The direction that a plane removes, in words: "superior" for one that keeps what lies below. */
+/** The side that a plane removes, in words: "superior" for one that keeps what lies below. */
 export function removedSide(plane: Plane): string {
   const n = plane.normal;
   const sizes = n.toArray().map(Math.abs);

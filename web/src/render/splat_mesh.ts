@@ -30,7 +30,7 @@ function quads(): InstancedBufferGeometry {
   const indices = new Uint16Array(kQuadsPerInstance * 6);
   for (let i = 0; i < kQuadsPerInstance; ++i) {
     corners.set([-1, -1, i, 1, -1, i, 1, 1, i, -1, 1, i], 12 * i);
-    indices.set([0, 1, 2, 0, 2, 3].map((k) => 4 * i + k), 6 * i);
+    indices.set([0, 2, 1, 0, 3, 2].map((k) => 4 * i + k), 6 * i); // front faces where y points down
   }
   const geometry = new InstancedBufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(corners, 3));

@@ -1,4 +1,3 @@
-/// <reference lib="webworker" />
 // Fetches and decodes cases, and culls and sorts their splats, off the main thread.
 
 import wasmUrl from "@wasm/splat_order.wasm?url";
@@ -9,14 +8,18 @@ import { CaseError, readZip } from "../sog/zip";
 import type { Reply, Request } from "./protocol";
 import { SplatOrder } from "./splat_order";
 
-declare const self: DedicatedWorkerGlobalScope;
+// What a worker's global object has of DedicatedWorkerGlobalScope, whose types clash with the page's.
+const worker = self as unknown as {
+  postMessage(message: Reply, transfer: Transferable[]): void;
+  onmessage: (event: MessageEvent<Request>) => void;
+};
 
 let module: Promise<WebAssembly.Module> | null = null;
 let current: { ticket: number; order: SplatOrder } | null = null;
 let newestLoad = -1;
 
 function reply(message: Reply, transfer: Transferable[] = []): void {
-  self.postMessage(message, transfer);
+  worker.postMessage(message, transfer);
 }
 
 async function compile(): Promise<WebAssembly.Module> {
@@ -112,7 +115,7 @@ function sort(request: Extract<Request, { kind: "sort" }>): void {
   reply({ kind: "sorted", scene, order, count, milliseconds: performance.now() - start }, [order.buffer]);
 }
 
-self.onmessage = (event: MessageEvent<Request>) => {
+worker.onmessage = (event) => {
   const request = event.data;
   if (request.kind === "load") {
     void load(request.ticket, request.url);

@@ -1,0 +1,226 @@
+import { type CaseSummary, fetchCases, formatCount } from "./model/case_list";
+import { formatLink, parseLink } from "./model/link";
+import { CaseError } from "./sog/zip";
+import { CaseMenu } from "./ui/case_menu";
+import { h, icon, kIcons } from "./ui/dom";
+import { helpDialog } from "./ui/help";
+import { OrientationCube } from "./ui/orientation_cube";
+import { PlanePanel } from "./ui/plane_panel";
+import { PointerControls } from "./ui/pointer";
+import { Viewer } from "./viewer";
+
+const kLinkDelayMs = 300;
+
+/** The page: the viewer's canvas, the panels around it, and the address that says what is shown. */
+export class App {
+  readonly viewer: Viewer;
+  readonly #panel: PlanePanel;
+  readonly #cube: OrientationCube;
+  readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
+  readonly #help = helpDialog();
+  readonly #title = h("span", { class: "title" }, "No case");
+  readonly #stats = h("output", { class: "stats", "aria-label": "Statistics" });
+  readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
+  readonly #message = h("div", { class: "message", role: "alert", hidden: true });
+  #cases: CaseSummary[] = [];
+  #opening = 0;
+  #linkTimer = 0;
+  #fixedSize: { width: number; height: number } | undefined;
+
+  constructor(root: HTMLElement) {
+    const canvas = h("canvas", { class: "stage", tabindex: "0", "aria-label": "The case in three dimensions" });
+    const link = h("button", { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) }, icon(kIcons.link));
+    root.append(canvas);
+    this.viewer = new Viewer(canvas);
+    this.#panel = new PlanePanel(this.viewer);
+    this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
+    root.append(
+      h(
+        "header",
+        { class: "bar" },
+        h("button", { class: "case-button", title: "Cases (M)", onclick: () => void this.#showMenu() },
+          h("span", { class: "brand" }, "clipgs"), this.#title, icon(kIcons.chevron)),
+        h("span", { class: "buttons" }, link,
+          h("button", { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() }, icon(kIcons.help))),
+      ),
+      this.#panel.element,
+      this.#cube.element,
+      h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#stats),
+      this.#progress,
+      this.#message,
+      this.#menu.element,
+      this.#help,
+    );
+    new PointerControls(this.viewer, (mm) => this.#panel.step(mm));
+    this.viewer.changed = () => this.#update();
+    this.viewer.drawnFrame = () => this.#updateStats();
+    new ResizeObserver(() => this.viewer.resize()).observe(canvas);
+    addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("hashchange", () => void this.#follow().catch(() => {}));
+    this.#update();
+  }
+
+  /** Shows what the address names, or else the first case. Rejects with CaseError. */
+  async start(): Promise<void> {
+    try {
+      this.#cases = await fetchCases();
+    } catch (error) {
+      this.#fail((error as CaseError).message, () => location.reload());
+      throw error;
+    }
+    await this.#follow();
+  }
+
+  /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
+  async open(name: string): Promise<void> {
+    const opening = ++this.#opening;
+    this.#message.hidden = true;
+    this.#setProgress(0.02);
+    try {
+      const known = this.#cases.find((one) => one.name === name);
+      if (known?.error) {
+        throw new CaseError(known.error);
+      }
+      const first = this.viewer.info === null && parseLink(location.hash).view === undefined;
+      const file = known?.file ?? `cases/${encodeURIComponent(name)}.sog`;
+      await this.viewer.open(name, file, (share) => opening === this.#opening && this.#setProgress(0.9 * share));
+      if (first) {
+        this.#panel.reset();
+      }
+    } catch (error) {
+      if (opening === this.#opening) {
+        const text = error instanceof Error ? error.message : String(error);
+        this.#fail(`${name}: ${text}`, () => void this.open(name).catch(() => {}));
+      }
+      throw error;
+    } finally {
+      if (opening === this.#opening) {
+        this.#setProgress(null);
+      }
+    }
+    const title = this.viewer.info?.title || name;
+    this.#title.textContent = title;
+    document.title = `${title} · clipgs`;
+    this.#update();
+  }
+
+  /** Takes over what the address says. */
+  async #follow(): Promise<void> {
+    const link = parseLink(location.hash);
+    this.#setSize(link.size);
+    const name = link.case ?? this.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
+    if (name === undefined) {
+      await this.#showMenu();
+      return;
+    }
+    if (name !== this.viewer.caseName) {
+      await this.open(name);
+    }
+    if (link.view) {
+      this.viewer.setView(link.view);
+    }
+    if (link.plane !== undefined) {
+      this.viewer.setPlane(link.plane);
+    }
+    if (link.clip) {
+      this.viewer.setClip(link.clip);
+    }
+  }
+
+  /** A fixed size leaves the picture alone on the page. */
+  #setSize(size: { width: number; height: number } | undefined): void {
+    this.#fixedSize = size;
+    document.body.classList.toggle("picture-only", size !== undefined);
+    this.viewer.canvas.style.width = size ? `${size.width}px` : "";
+    this.viewer.canvas.style.height = size ? `${size.height}px` : "";
+    this.viewer.resize();
+  }
+
+  #update(): void {
+    this.#panel.update();
+    this.#cube.update(this.viewer.state.view);
+    clearTimeout(this.#linkTimer);
+    this.#linkTimer = window.setTimeout(() => this.#writeLink(), kLinkDelayMs);
+  }
+
+  #updateStats(): void {
+    const { frameMs, sortMs, drawn, total, scale } = this.viewer.stats;
+    if (total === 0) {
+      return;
+    }
+    const frame = frameMs > 0 ? `${frameMs.toFixed(1)} ms a frame · ` : "";
+    const reduced = scale < 0.99 ? ` · ${Math.round(100 * scale)} % resolution` : "";
+    this.#stats.textContent = `${frame}sort ${sortMs.toFixed(1)} ms · ${formatCount(drawn)} of ${formatCount(total)} splats${reduced}`;
+  }
+
+  #link(): string {
+    const { view, plane, clip } = this.viewer.state;
+    return formatLink({ case: this.viewer.caseName ?? undefined, view, plane, clip, size: this.#fixedSize });
+  }
+
+  #writeLink(): void {
+    if (this.viewer.caseName !== null) {
+      history.replaceState(null, "", this.#link());
+    }
+  }
+
+  async #copyLink(button: HTMLElement): Promise<void> {
+    await navigator.clipboard.writeText(new URL(this.#link(), location.href).href);
+    button.classList.add("done");
+    setTimeout(() => button.classList.remove("done"), 900);
+  }
+
+  async #showMenu(): Promise<void> {
+    try {
+      this.#cases = await fetchCases();
+      this.#menu.show(this.#cases, this.viewer.caseName);
+    } catch (error) {
+      this.#fail((error as CaseError).message, () => void this.#showMenu());
+    }
+  }
+
+  #setProgress(share: number | null): void {
+    this.#progress.classList.toggle("shown", share !== null);
+    this.#progress.style.setProperty("--share", String(share ?? 1));
+    this.#progress.setAttribute("aria-valuenow", String(Math.round(100 * (share ?? 1))));
+  }
+
+  #fail(text: string, again: () => void): void {
+    this.#message.replaceChildren(
+      icon(kIcons.warning),
+      h("p", {}, text),
+      h("div", { class: "row" },
+        h("button", { class: "solid", onclick: () => void this.#showMenu() }, "Choose a case"),
+        h("button", { class: "solid quiet", onclick: () => { this.#message.hidden = true; again(); } }, "Try again")),
+    );
+    this.#message.hidden = false;
+  }
+
+  #key(event: KeyboardEvent): void {
+    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
+      return;
+    }
+    const inSlider = event.target instanceof HTMLInputElement;
+    const step = event.shiftKey ? 10 : 1;
+    const keys: Record<string, () => void> = {
+      a: () => this.#panel.orient("axial"),
+      c: () => this.#panel.orient("coronal"),
+      s: () => this.#panel.orient("sagittal"),
+      f: () => this.#panel.flip(),
+      p: () => this.#panel.toggle(),
+      h: () => this.viewer.setHandle(!this.viewer.state.handle),
+      r: () => this.#panel.reset(),
+      m: () => void this.#showMenu(),
+      "?": () => this.#help.showModal(),
+      "1": () => this.viewer.setClip("hard"),
+      "2": () => this.viewer.setClip("soft"),
+      "3": () => this.viewer.setClip("exact"),
+      ...(inSlider ? {} : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
+    };
+    const action = keys[event.key.toLowerCase()];
+    if (action) {
+      event.preventDefault();
+      action();
+    }
+  }
+}

@@ -1,0 +1,47 @@
+import { CaseError } from "../sog/zip";
+
+/** One case of the server's index; a broken one has an error instead of a file. */
+export interface CaseSummary {
+  name: string;
+  bytes: number;
+  title: string;
+  preset: string;
+  splats: number;
+  file: string;
+  thumbnail: string | null;
+  error: string | null;
+}
+
+/** Asks the server what cases there are. Throws CaseError. */
+export async function fetchCases(): Promise<CaseSummary[]> {
+  let index: { cases: Partial<CaseSummary>[] };
+  try {
+    const response = await fetch("api/cases");
+    if (!response.ok) {
+      throw new Error(String(response.status));
+    }
+    index = (await response.json()) as typeof index;
+  } catch {
+    throw new CaseError("the server does not answer; is clipgs serve still running?");
+  }
+  return index.cases.map((one) => ({
+    name: one.name ?? "",
+    bytes: one.bytes ?? 0,
+    title: one.title || one.name || "",
+    preset: one.preset ?? "",
+    splats: one.splats ?? 0,
+    file: one.file ?? `cases/${encodeURIComponent(one.name ?? "")}.sog`,
+    thumbnail: one.thumbnail ?? null,
+    error: one.error ?? null,
+  }));
+}
+
+/** 4.2 MB. */
+export function formatBytes(bytes: number): string {
+  return bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}
+
+/** 83 412: thousands apart. */
+export function formatCount(count: number): string {
+  return String(count).replace(/\B(?=(\d{3})+$)/g, "\u202f");
+}

@@ -1,0 +1,30 @@
+import { closeButton, closeOnBackdrop } from "./case_menu";
+import { h } from "./dom";
+
+const kHelp: [string, string][] = [
+  ["Drag", "turn"],
+  ["Right drag, Shift drag, two fingers", "move"],
+  ["Wheel, pinch", "zoom"],
+  ["Drag the arrow", "slide the plane"],
+  ["Drag the rim (Shift: snap)", "tilt the plane"],
+  ["Ctrl or Alt + wheel, ↑ ↓", "slide the plane (Shift: faster)"],
+  ["A  C  S", "axial, coronal, sagittal plane"],
+  ["F", "flip the plane"],
+  ["P", "plane on or off"],
+  ["H", "show or hide the handle"],
+  ["1  2  3", "hard, soft, exact cut"],
+  ["R", "reset"],
+  ["M", "cases"],
+  ["?", "this help"],
+];
+
+export function helpDialog(): HTMLDialogElement {
+  const dialog = h(
+    "dialog",
+    { class: "sheet help", "aria-label": "Help" },
+    h("header", {}, h("h2", {}, "Controls"), closeButton(() => dialog.close())),
+    h("dl", {}, ...kHelp.flatMap(([key, meaning]) => [h("dt", {}, key), h("dd", {}, meaning)])),
+  );
+  closeOnBackdrop(dialog);
+  return dialog;
+}
