@@ -1,0 +1,78 @@
+#!/usr/bin/env bash
+# Makes the pictures of docs/gallery: the upper row path traced, the lower row clipgs; uncut, cut across
+# the axis, and cut obliquely. The phantom always; the real volumes if CLIPGS_DATA names their folder.
+#
+#   scripts/gallery.sh [FOLDER]    FOLDER keeps the cases (default build/gallery); those that are there
+#                                  already are not built again
+#
+# QUALITY (default standard) and SPP (default 512, of the path tracer) trade time for looks.
+# Needs ImageMagick besides what scripts/setup.sh installs.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+folder="${1:-build/gallery}"
+readonly clipgs=build/release/src/cli/clipgs
+readonly size=400
+readonly background='0.07,0.08,0.10'
+readonly out=docs/gallery
+
+if ! command -v convert >/dev/null; then
+  echo "gallery: ImageMagick is missing; install the package imagemagick" >&2
+  exit 1
+fi
+if [ ! -x "$clipgs" ]; then
+  bash scripts/build.sh
+fi
+mkdir -p "$folder" "$out"
+
+# from_case CASE EXPRESSION: a value computed from what `clipgs info` says of the case.
+from_case() {
+  "$clipgs" info "$1" --json |
+    node -e 'const c = JSON.parse(require("fs").readFileSync(0)); console.log(eval(process.argv[1]))' "$2"
+}
+
+# pair CASE VOLUME NAME VIEW PLANE [LOADING...]: one column, truth above ours.
+pair() {
+  local case="$1" volume="$2" name="$3" view="$4" plane="$5"
+  shift 5
+  local cut=()
+  if [ -n "$plane" ]; then
+    cut=(--plane "$plane")
+  fi
+  "$clipgs" --quiet cinema "$volume" -o "$folder/$name-truth.png" --preset "$(from_case "$case" c.preset)" \
+    --view "$view" --size "$size" --spp "${SPP:-512}" --background "$background" "${cut[@]}" "$@" >/dev/null
+  "$clipgs" --quiet render "$case" -o "$folder/$name-ours.png" --view "$view" --size "$size" "${cut[@]}"
+  convert "$folder/$name-ours.png" -background 'rgb(18,20,26)' -flatten "$folder/$name-ours.png"
+}
+
+# picture NAME VOLUME TITLE VIEW [LOADING...]
+picture() {
+  local name="$1" volume="$2" title="$3" view="$4"
+  shift 4
+  local case="$folder/$name.sog"
+  if [ ! -f "$case" ]; then
+    echo "gallery: building $case"
+    "$clipgs" build "$volume" -o "$case" --quality "${QUALITY:-standard}" --title "$title" "$@"
+  fi
+  echo "gallery: drawing $name"
+  local plane='((n) => [...n, n.reduce((s, v, i) => s + v * c.center_ras_mm[i], 0)].join(","))'
+  pair "$case" "$volume" "$name-whole" "$view" "" "$@"
+  pair "$case" "$volume" "$name-axis" "$view" "$(from_case "$case" "$plane([0, 0, -1])")" "$@"
+  pair "$case" "$volume" "$name-oblique" "$view" "$(from_case "$case" "$plane([0.36, -0.8, -0.48])")" "$@"
+  convert \
+    \( "$folder/$name-"{whole,axis,oblique}-truth.png +append \) \
+    \( "$folder/$name-"{whole,axis,oblique}-ours.png +append \) \
+    -append -quality 80 "$out/$name.webp"
+  echo "gallery: $out/$name.webp, $(($(stat -c %s "$out/$name.webp") / 1024)) KB"
+}
+
+if [ ! -f "$folder/phantom.nii.gz" ]; then
+  "$clipgs" phantom "$folder/phantom.nii.gz"
+fi
+picture phantom "$folder/phantom.nii.gz" "Phantom torso" 30,25
+
+if [ -n "${CLIPGS_DATA:-}" ]; then
+  picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
+  picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
+  picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
+fi
