@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# The figures of docs/benchmarks.md: builds cases of the volumes in CLIPGS_DATA from scratch, measures
+# them against their test pictures, times a training step, and prints it all as Markdown.
+#
+#   CLIPGS_DATA=... scripts/bench.sh [FOLDER]    FOLDER (default build/bench) keeps cases, figures and
+#                                                reports; a case that is there already is only printed
+#
+# Takes hours. Needs the package `time` for the peak memory.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if [ -z "${CLIPGS_DATA:-}" ]; then
+  echo "bench: set CLIPGS_DATA to the folder with head.nrrd, chest.nrrd and abdomen_pelvis_3mm.nii.gz" >&2
+  exit 2
+fi
+folder="${1:-build/bench}"
+readonly clipgs=build/release/src/cli/clipgs
+bash scripts/build.sh >&2
+mkdir -p "$folder"
+
+# bench NAME VOLUME QUALITY [LOADING...]: builds and measures one case.
+bench() {
+  local name="$1" volume="$2" quality="$3" case="$folder/$1.sog"
+  shift 3
+  local command=(build "$CLIPGS_DATA/$volume" -o "$case" --quality "$quality" "$@")
+  if [ ! -f "$case" ]; then
+    echo "bench: building $case" >&2
+    /usr/bin/time -f '{"seconds": %e, "kilobytes": %M}' -o "$folder/$name.time" "$clipgs" "${command[@]}" >&2
+    "$clipgs" eval "$case" --dataset "$folder/$name.clipgs-work/dataset" \
+      --json "$folder/$name.figures" --report "$folder/$name.html" >&2
+  fi
+  node - "$folder/$name" "clipgs ${command[*]/$CLIPGS_DATA\//}" <<'JS'
+const fs = require("node:fs");
+const [prefix, command] = process.argv.slice(2);
+const figures = JSON.parse(fs.readFileSync(`${prefix}.figures`, "utf8"));
+const time = JSON.parse(fs.readFileSync(`${prefix}.time`, "utf8"));
+const show = (value, digits) => (value === null ? "–" : value.toFixed(digits));
+const name = prefix.split("/").pop();
+console.log(`### ${name}\n\n\`${command.replaceAll(prefix, name)}\`\n`);
+console.log(
+  `${(time.seconds / 60).toFixed(1)} min, peak memory ${(time.kilobytes / 1048576).toFixed(2)} GiB; ` +
+    `${figures.splats} Gaussians, ${(figures.bytes / 1e6).toFixed(2)} MB. Noise floor of the truth: ` +
+    Object.entries(figures.noise_floor_db).map(([split, db]) => `${split} ${db.toFixed(1)} dB`).join(", ") + ".\n");
+console.log("| split | clip | masked PSNR, dB | PSNR, dB | SSIM | band SSIM | leak, 10⁻² | pictures |");
+console.log("|---|---|---|---|---|---|---|---|");
+for (const row of figures.rows) {
+  console.log(
+    `| ${row.split} | ${row.clip} | ${show(row.psnr_masked, 2)} | ${show(row.psnr, 2)} | ${show(row.ssim, 4)} | ` +
+      `${show(row.band_ssim, 4)} | ${show(row.leak, 3)} | ${row.images} |`);
+}
+console.log();
+JS
+}
+
+cat <<EOF2
+# Benchmarks
+
+Made by \`CLIPGS_DATA=... scripts/bench.sh > docs/benchmarks.md\` on $(nproc) cores of
+$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1) and no graphics card. Test pictures have
+views and planes that training never saw. [method.md](method.md#7-metrics) defines the columns; masked
+PSNR is the one to compare.
+
+## Cases
+
+EOF2
+bench head head.nrrd standard --hu 16,-1024
+bench chest chest.nrrd standard
+bench abdomen abdomen_pelvis_3mm.nii.gz standard
+bench abdomen-draft abdomen_pelvis_3mm.nii.gz draft
+
+cat <<'EOF2'
+## One training step
+
+Forward, loss, backward and Adam, `build/release/src/train/train_bench`: size of the picture in pixels,
+number of Gaussians, SH degree, and whether a plane cuts (exact).
+
+```
+EOF2
+cmake --build --preset release --target train_bench >&2
+build/release/src/train/train_bench --benchmark_min_time=5 2>/dev/null
+echo '```'
