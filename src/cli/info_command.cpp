@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
+#include "cli/info_case.h"
 #include "cli/volume_options.h"
 #include "volume/load.h"
 #include "volume/preset.h"
@@ -66,7 +67,12 @@ bool is_volume(const fs::path& /*path*/) {
   return true;
 }  // the last: load_volume says what is wrong
 
-constexpr std::array kKinds{InfoKind{is_volume, describe_volume}};
+Json describe_case_at(const InfoOptions& options) { return describe_case(options.path); }
+Json describe_scene_at(const InfoOptions& options) { return describe_scene(options.path); }
+
+constexpr std::array kKinds{InfoKind{is_case, describe_case_at},
+                            InfoKind{is_scene, describe_scene_at},
+                            InfoKind{is_volume, describe_volume}};
 
 std::string as_text(const Json& value) {
   if (value.is_string()) {
@@ -106,7 +112,9 @@ void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info", "Say what a file or folder is");
   command->footer("Example: clipgs info ct-folder/ --json");
-  command->add_option("FILE", options->path, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
+  command
+      ->add_option("FILE", options->path,
+                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), case (.sog) or scene (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
   add_volume_options(*command, options->load);
