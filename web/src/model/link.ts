@@ -47,7 +47,7 @@ export function parseLink(hash: string): Link {
     link.plane = null;
   }
   const clip = parameters.get("clip");
-  if (clip && clip !== "none" && clip in kClipOperators) {
+  if (clip && clip !== "none" && Object.hasOwn(kClipOperators, clip)) {
     link.clip = clip as ClipOperator;
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");

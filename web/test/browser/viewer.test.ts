@@ -1,0 +1,248 @@
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+import type { Triple } from "../../src/model/geometry";
+import type { ClipOperator } from "../../src/worker/protocol";
+import { coverage, pagePicture, psnr, readPng } from "./picture";
+import { clipgs, missing, Session } from "./session";
+
+const kMinPsnr = 35;
+
+interface Shot {
+  view: [number, number, number];
+  plane: [number, number, number, number] | null;
+  clip: ClipOperator;
+}
+
+const kViews: Shot["view"][] = [[0, 0, 1], [35, 20, 1], [-110, -30, 1.6], [0, 90, 1]];
+const kPlanes: Shot["plane"][] = [[0, -1, 0, 0], [0.5, 0.3, -0.6, 10]];
+const kShots: Shot[] = [
+  ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
+  ...kPlanes.flatMap((plane) =>
+    (["hard", "soft", "exact"] as const).map((clip, i): Shot => ({ view: kViews[i]!, plane, clip })),
+  ),
+  { view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" },
+];
+
+describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is missing)` : ""}`, () => {
+  const session = new Session();
+  const errors: string[] = [];
+  let page: Page;
+
+  beforeAll(async () => {
+    await session.start();
+    page = await session.open("", errors);
+    await page.evaluate(() => window.clipgs.ready);
+  });
+
+  afterAll(async () => {
+    expect(await session.stop(), "exit status of clipgs serve").toBe(0);
+  });
+
+  async function show({ view, plane, clip }: Shot): Promise<void> {
+    await page.evaluate(
+      ([[azimuth, elevation, zoom], cut, operator]) => {
+        window.clipgs.setView({ azimuth, elevation, zoom });
+        window.clipgs.setPlane(cut && { normal: cut.slice(0, 3) as Triple, offset: cut[3] });
+        window.clipgs.setClip(operator);
+      },
+      [view, plane, clip] as const,
+    );
+  }
+
+  for (const shot of kShots) {
+    const plane = shot.plane?.join() ?? "none";
+    it(`equals clipgs render: view ${shot.view.join()}, plane ${plane}, ${shot.clip}`, async () => {
+      const path = join(session.folder, "render.png");
+      const cut = shot.plane ? ["--plane", plane] : [];
+      clipgs("render", join(session.cases, "phantom.sog"), "-o", path, "--view", shot.view.join(), "--clip", shot.clip,
+             "--size", "300x220", ...cut);
+      const truth = await readPng(page, path);
+      await show(shot);
+      const got = await pagePicture(page, truth.width, truth.height);
+      expect(coverage(truth)).toBeGreaterThan(0.03);
+      const { color, alpha } = psnr(got, truth);
+      expect(color).toBeGreaterThan(kMinPsnr);
+      expect(alpha).toBeGreaterThan(kMinPsnr);
+    });
+  }
+
+  it("shows on the page what it gives to scripts", async () => {
+    const framed = await session.open("#view=35,20&plane=0,-1,0,0&clip=soft&size=256x256", errors);
+    await framed.evaluate(() => window.clipgs.ready);
+    const picture = await pagePicture(framed, 256, 256);
+    const path = join(session.folder, "page.png");
+    // Without the handle and the label, on black.
+    await framed.addStyleTag({ content: "body { background: #000 !important } footer { display: none }" });
+    await framed.keyboard.press("h");
+    await framed.waitForTimeout(600);
+    await framed.screenshot({ path, clip: { x: 0, y: 0, width: 256, height: 256 } });
+    const shown = await readPng(framed, path);
+    expect(psnr(shown, { ...picture, data: onBlack(picture.data) }).color).toBeGreaterThan(kMinPsnr);
+    expect(await framed.evaluate(() => window.clipgs.state.clip)).toBe("soft");
+    await framed.close();
+  });
+
+  it("cuts more or less as the plane moves", async () => {
+    const at = async (offset: number) => {
+      await show({ view: [0, 0, 1], plane: [0, 0, -1, offset], clip: "exact" });
+      return pagePicture(page, 160, 160);
+    };
+    const most = await at(-120);
+    const half = await at(0);
+    const little = await at(120);
+    expect(coverage(most)).toBeGreaterThan(1.3 * coverage(half));
+    expect(coverage(half)).toBeGreaterThan(1.3 * coverage(little));
+    expect(psnr(most, half).color).toBeLessThan(20);
+  });
+
+  it("tells the three operators apart", async () => {
+    const pictures = [];
+    for (const clip of ["hard", "soft", "exact"] as const) {
+      await show({ view: [0, 0, 1], plane: [0, -1, 0, 0], clip });
+      pictures.push(await pagePicture(page, 160, 160));
+    }
+    for (const [a, b] of [[0, 1], [1, 2], [0, 2]] as const) {
+      const { color } = psnr(pictures[a]!, pictures[b]!);
+      expect(color).toBeGreaterThan(20); // a cut of the same thing
+      expect(color).toBeLessThan(52); // equal pictures are at 60 dB
+    }
+  });
+
+  it("slides the plane by its arrow and tilts it by its rim, with the mouse", async () => {
+    await show({ view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const screen = (point: Triple) => page.evaluate((p) => window.clipgs.project(p)!, point);
+    const plane = () => page.evaluate(() => window.clipgs.state.plane!);
+    const view = () => page.evaluate(() => window.clipgs.state.view);
+    const drag = async (from: { x: number; y: number }, dx: number, dy: number) => {
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      await page.mouse.move(from.x + 0.5 * dx, from.y + 0.5 * dy);
+      await page.mouse.move(from.x + dx, from.y + dy);
+      await page.mouse.up();
+    };
+    const bounds = await readBounds(session.cases);
+    const center: Triple = [bounds.center[0], bounds.center[1], 0];
+    const before = await view();
+
+    const arrow = await screen([center[0], center[1], 0.2 * bounds.radius]);
+    await drag(arrow, 0, -60);
+    const slid = await plane();
+    expect(slid.normal[2]).toBeCloseTo(-1);
+    expect(-slid.offset).toBeGreaterThan(20); // upwards: less is removed
+    // The arrow is still under the mouse.
+    const followed = await screen([center[0], center[1], 0.2 * bounds.radius - slid.offset]);
+    expect(Math.hypot(followed.x - arrow.x, followed.y - (arrow.y - 60))).toBeLessThan(4);
+
+    const rim = await screen([center[0] + 0.98 * bounds.radius, center[1], -slid.offset]); // at the patient's right
+    await drag(rim, 0, 50);
+    const tilted = await plane();
+    expect(Math.abs(tilted.normal[0])).toBeGreaterThan(0.1);
+    expect(Math.hypot(...tilted.normal)).toBeCloseTo(1);
+    expect(await view()).toEqual(before); // the case did not turn meanwhile
+
+    await drag({ x: 120, y: 500 }, 80, 0); // beside the handle: turns the case
+    expect((await view()).azimuth).not.toBeCloseTo(before.azimuth, 0);
+    expect(await plane()).toEqual(tilted);
+  });
+
+  it("has buttons and keys for planes and operators", async () => {
+    const plane = () => page.evaluate(() => window.clipgs.state.plane);
+    await show({ view: [20, 15, 1], plane: null, clip: "exact" });
+    await page.getByRole("button", { name: "Coronal" }).click();
+    expect((await plane())!.normal.map((v) => v + 0)).toEqual([0, -1, 0]);
+    await page.getByRole("button", { name: "Flip" }).click();
+    expect((await plane())!.normal[1]).toBe(1);
+    await page.keyboard.press("s");
+    expect(Math.abs((await plane())!.normal[0])).toBe(1);
+    const offset = (await plane())!.offset;
+    await page.keyboard.press("ArrowUp");
+    expect((await plane())!.offset).toBeCloseTo(offset - 1);
+    await page.keyboard.press("p");
+    expect(await plane()).toBeNull();
+    await page.getByRole("button", { name: "Hard" }).click();
+    expect(await page.evaluate(() => window.clipgs.state.clip)).toBe("hard");
+    await page.keyboard.press("2");
+    expect(await page.evaluate(() => window.clipgs.state.clip)).toBe("soft");
+    await page.getByRole("button", { name: "Look from left" }).click();
+    expect((await page.evaluate(() => window.clipgs.state.view)).azimuth).toBe(90);
+    await page.keyboard.press("r");
+    expect(await plane()).not.toBeNull();
+  });
+
+  it("says what it is not for, and keeps the view in the address", async () => {
+    expect(await page.getByText("Not for diagnosis").isVisible()).toBe(true);
+    await show({ view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
+    await page.waitForFunction(() => location.hash.includes("view=12,34,1.5"));
+    expect(new URL(page.url()).hash).toBe("#case=phantom&view=12,34,1.5&plane=0,0,-1,5&clip=hard");
+  });
+
+  it("shows why a case cannot be opened, and goes on", async () => {
+    const whole = readFileSync(join(session.cases, "phantom.sog"));
+    writeFileSync(join(session.cases, "truncated.sog"), whole.subarray(0, whole.length / 2));
+    writeFileSync(join(session.cases, "page.sog"), "<html>not a case</html>");
+    copyFileSync(join(session.cases, "phantom.sog"), join(session.cases, "second.sog"));
+    const visitor = await session.open("#case=truncated", errors);
+    const alert = visitor.getByRole("alert");
+    await alert.waitFor();
+    expect(await alert.textContent()).toContain("truncated");
+    await expect(visitor.evaluate(() => window.clipgs.ready)).rejects.toThrow();
+
+    await alert.getByRole("button", { name: "Choose a case" }).click();
+    const menu = visitor.getByRole("dialog", { name: "Cases" });
+    expect(await menu.locator(".card").count()).toBe(4);
+    expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
+    await menu.locator('[data-case="page"]').click();
+    await alert.waitFor();
+    expect(await alert.textContent()).toContain("page");
+
+    await visitor.keyboard.press("m");
+    await menu.locator('[data-case="second"]').click();
+    await visitor.waitForFunction(() => window.clipgs.state.case === "second");
+    expect(await alert.isVisible()).toBe(false);
+    expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
+
+    await expect(visitor.evaluate(() => window.clipgs.open("nobody"))).rejects.toThrow(/no such case/);
+    expect(await alert.textContent()).toContain("nobody");
+    await visitor.close();
+  });
+
+  it("finds damage that the server's index does not look for", async () => {
+    const bytes = Uint8Array.from(readFileSync(join(session.cases, "phantom.sog")));
+    const visitor = await session.open("#case=phantom", errors);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const failure = async (body: Uint8Array): Promise<string> => {
+      await visitor.route("**/cases/phantom.sog*", (route) => route.fulfill({ body: Buffer.from(body) }));
+      const message = await visitor.evaluate(() => window.clipgs.open("phantom").then(() => "", (e: Error) => e.message));
+      await visitor.unroute("**/cases/phantom.sog*");
+      expect(await visitor.getByRole("alert").textContent()).toContain(message);
+      return message;
+    };
+    expect(await failure(bytes.slice(0, 5000))).toMatch(/too early/);
+    const flipped = bytes.slice();
+    flipped[300]! ^= 0x10;
+    expect(await failure(flipped)).toMatch(/damaged/);
+    expect(await failure(new TextEncoder().encode("<!doctype html>"))).toMatch(/not a SOG file/);
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    expect(await visitor.getByRole("alert").isVisible()).toBe(false);
+    await visitor.close();
+  });
+
+  it("leaves no error in the page", () => {
+    expect(errors).toEqual([]);
+  });
+});
+
+/** Straight RGBA over black, opaque. */
+function onBlack(data: Uint8Array): Uint8Array {
+  return data.map((v, i) => (i % 4 === 3 ? 255 : Math.round((v * data[i - (i % 4) + 3]!) / 255)));
+}
+
+/** Where the phantom lies: the middle and radius of its sphere, from the end of the case where meta.json is. */
+async function readBounds(cases: string): Promise<{ center: Triple; radius: number }> {
+  const text = readFileSync(join(cases, "phantom.sog")).toString("latin1");
+  const sphere = /"sphere":(\{.*?\})/.exec(text)!;
+  return JSON.parse(sphere[1]!) as { center: Triple; radius: number };
+}

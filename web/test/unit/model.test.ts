@@ -1,0 +1,196 @@
+import { readFileSync } from "node:fs";
+import { PerspectiveCamera, Ray, Vector3 } from "three";
+import { describe, expect, it } from "vitest";
+
+import { parseCaseInfo } from "../../src/model/case_info";
+import { flipped, kWorldFromPatient, planeThrough, projectBox, projectOnto, signedDistance } from "../../src/model/geometry";
+import { formatLink, parseLink } from "../../src/model/link";
+import { PlaneDrag, snapped } from "../../src/model/plane_drag";
+import { orientationOf, planeAcross, removedSide } from "../../src/model/planes";
+import { applyView, viewDirection, viewFrom } from "../../src/model/view";
+
+const box = { min: new Vector3(-100, -60, 0), max: new Vector3(100, 60, 300) };
+
+describe("planes", () => {
+  it("measure distances towards the kept side", () => {
+    const plane = planeThrough(new Vector3(0, 0, 2), new Vector3(5, 6, 7));
+    expect(plane.offset).toBeCloseTo(7);
+    expect(signedDistance(plane, new Vector3(0, 0, 10))).toBeCloseTo(3);
+    expect(signedDistance(flipped(plane), new Vector3(0, 0, 10))).toBeCloseTo(-3);
+    expect(projectOnto(plane, new Vector3(1, 2, 3)).toArray()).toEqual([1, 2, 7]);
+  });
+
+  it("cut where the box is", () => {
+    expect(projectBox(box, new Vector3(0, 0, -1))).toEqual([-300, 0]);
+    expect(projectBox(box, new Vector3(1, 1, 0))).toEqual([-160, 160]);
+  });
+
+  it("open the patient towards the viewer", () => {
+    const front = planeAcross(new Vector3(0, 1, 0), box, viewDirection(10, 0));
+    expect(front.normal.y).toBe(-1);
+    expect(orientationOf(front)).toBe("coronal");
+    expect(removedSide(front)).toBe("anterior");
+    const back = planeAcross(new Vector3(0, 1, 0), box, viewDirection(170, 0));
+    expect(removedSide(back)).toBe("posterior");
+    const above = planeAcross(new Vector3(0, 0, 1), box, viewDirection(0, 20));
+    expect([removedSide(above), above.offset]).toEqual(["superior", -150]);
+    expect(orientationOf(planeThrough(new Vector3(1, 1, 0), new Vector3()))).toBeNull();
+  });
+});
+
+describe("the camera", () => {
+  const sphere = { center: new Vector3(10, -20, 30), radius: 120 };
+
+  it("frames the sphere and keeps left and right", () => {
+    const camera = new PerspectiveCamera();
+    applyView(camera, viewFrom(0, 0), sphere, 400, 300);
+    const at = (offset: [number, number, number]) =>
+      sphere.center.clone().add(new Vector3(...offset)).applyMatrix4(kWorldFromPatient).project(camera);
+    expect(at([0, 0, 0]).x).toBeCloseTo(0, 6);
+    expect(at([-50, 0, 0]).x).toBeGreaterThan(0.1); // the patient's left is on the viewer's right
+    expect(at([0, 0, 50]).y).toBeGreaterThan(0.1);
+    expect(at([0, 50, 0]).z).toBeLessThan(at([0, -50, 0]).z);
+    // The sphere's outline is a cone: its points of contact project onto 90 % of the shorter side.
+    const distance = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert()).distanceTo(sphere.center);
+    const sine = sphere.radius / distance;
+    const contact = at([0, sphere.radius * sine, sphere.radius * Math.sqrt(1 - sine * sine)]);
+    expect(contact.y).toBeCloseTo(0.9, 4);
+  });
+
+  it("stands where the view says", () => {
+    expect(viewDirection(0, 0).toArray().map(Math.round)).toEqual([-0, 1, 0]);
+    expect(viewDirection(90, 0).x).toBeCloseTo(-1);
+    expect(viewDirection(0, 90).z).toBeCloseTo(1);
+    const camera = new PerspectiveCamera();
+    applyView(camera, viewFrom(33, 90), sphere, 300, 300);
+    const left = sphere.center.clone().add(new Vector3(-50, 0, 0)).applyMatrix4(kWorldFromPatient).project(camera);
+    expect(left.x).toBeGreaterThan(0.1);
+    expect(left.y).toBeCloseTo(0, 5);
+  });
+});
+
+describe("links", () => {
+  it("say again what they said", () => {
+    const text = "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&size=512x384";
+    expect(formatLink(parseLink(text))).toBe(text);
+    expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
+  });
+
+  it("normalise planes as clipgs render does", () => {
+    const { plane } = parseLink("#plane=0,0,-2,10");
+    expect([plane!.normal.z, plane!.offset]).toEqual([-1, 5]);
+  });
+
+  it("leave out what is not valid", () => {
+    for (const hash of ["", "#", "#view=1", "#view=a,b", "#view=1,2,0", "#view=1,2,3,4", "#plane=0,0,0,1", "#plane=1,2,3",
+                        "#plane=1,,3,4", "#clip=none", "#clip=other", "#clip=toString", "#size=x", "#size=4x4", "#size=1e3"]) {
+      expect(parseLink(hash), hash).toEqual({});
+    }
+  });
+});
+
+describe("dragging the plane", () => {
+  const plane = planeThrough(new Vector3(0, 0, -1), new Vector3(0, 0, 50));
+  const center = new Vector3(0, 0, 50);
+  const up = new Vector3(0, 0, 1);
+  const towards = (origin: Vector3, target: Vector3) => new Ray(origin, target.clone().sub(origin).normalize());
+  const eye = new Vector3(0, 500, 50);
+
+  it("slides with the pointer", () => {
+    const drag = new PlaneDrag("arrow", plane, center, 100, up, towards(eye, new Vector3(0, 0, 60)));
+    const moved = drag.move(towards(eye, new Vector3(0, 0, 85)));
+    expect(moved.normal.z).toBe(-1);
+    expect(moved.offset).toBeCloseTo(-75, 4);
+  });
+
+  it("slides by the pointer's height when seen from above", () => {
+    const above = new Vector3(0, 1, 500);
+    const drag = new PlaneDrag("arrow", plane, center, 100, new Vector3(0, -1, 0), towards(above, new Vector3(0, 0, 50)));
+    const moved = drag.move(towards(above, new Vector3(0, -20, 50)));
+    expect(moved.offset).toBeLessThan(-60); // nearer to the viewer
+    expect(moved.offset).toBeGreaterThan(-80);
+  });
+
+  it("tilts about its centre, following the rim", () => {
+    const grabbed = new Vector3(100, 0, 50);
+    const drag = new PlaneDrag("rim", plane, center, 100, up, towards(eye, grabbed));
+    expect(drag.move(towards(eye, grabbed)).normal.z).toBeCloseTo(-1);
+    const angle = Math.PI / 6;
+    const moved = drag.move(towards(eye, new Vector3(100 * Math.cos(angle), 0, 50 + 100 * Math.sin(angle))));
+    expect(moved.normal.length()).toBeCloseTo(1);
+    expect(signedDistance(moved, center)).toBeCloseTo(0, 3);
+    expect(Math.acos(-moved.normal.z)).toBeCloseTo(angle, 1);
+  });
+
+  it("takes the far half of the rim as well", () => {
+    const from = new Vector3(0, 400, 250); // from above and in front
+    const far = new Vector3(0, -100, 50);
+    const drag = new PlaneDrag("rim", plane, center, 100, up, towards(from, far));
+    expect(drag.move(towards(from, far)).normal.z).toBeCloseTo(-1, 5);
+    const lifted = drag.move(towards(from, new Vector3(0, -100, 70)));
+    expect(lifted.normal.y).toBeLessThan(0); // the back goes up
+  });
+
+  it("snaps near a body axis, when asked", () => {
+    expect(snapped(new Vector3(0.05, 0.02, -1).normalize()).toArray().map(Math.abs)).toEqual([0, 0, 1]);
+    const oblique = new Vector3(1, 0, 1).normalize();
+    expect(snapped(oblique)).toBe(oblique);
+  });
+});
+
+describe("parseCaseInfo", () => {
+  const block = () => ({
+    version: 1,
+    world: { scene_to_ras_mm: [[-1000, 0, 0, 1], [0, 0, -1000, 2], [0, -1000, 0, 3], [0, 0, 0, 1]], mm_per_unit: 1000 },
+    axis: [0, 0, 1],
+    extent: [-10, 20],
+    sphere: { center: [1, 2, 3], radius: 100 },
+    bounds: { min: [-1, -2, -3], max: [1, 2, 3] },
+    title: "A head",
+    preset: "bone",
+    created: "",
+  });
+
+  it("reads the frame", () => {
+    const info = parseCaseInfo(block());
+    expect(info.mmPerUnit).toBeCloseTo(1000);
+    expect(new Vector3(0.001, 0.002, 0.003).applyMatrix4(info.sceneToPatient).toArray()).toEqual([0, -1, 1]);
+    expect(info.title).toBe("A head");
+  });
+
+  it("refuses frames that bend or mirror, and whatever is missing", () => {
+    const bent = block();
+    bent.world.scene_to_ras_mm[0]![1] = 300;
+    const mirrored = block();
+    mirrored.world.scene_to_ras_mm[0]![0] = 1000;
+    for (const wrong of [undefined, null, 5, {}, { ...block(), version: 2 }, { ...block(), sphere: null }, { ...block(), title: 3 },
+                         { ...block(), extent: [1] }, { ...block(), sphere: { center: [0, 0, 0], radius: 0 } }, bent, mirrored]) {
+      expect(() => parseCaseInfo(wrong)).toThrow();
+    }
+  });
+});
+
+describe("the shaders", () => {
+  it("share their constants with the C++ program and the WASM module", () => {
+    const glsl = readFileSync("src/shaders/gaussian.glsl", "utf8");
+    const value = (text: string, name: string): number => {
+      const found = new RegExp(`\\b${name} = ([^;]+);`).exec(text);
+      expect(found, name).not.toBeNull();
+      return Function(`return ${found![1]!.replace(/(\d)f\b/g, "$1")}`)() as number;
+    };
+    const twin = [
+      ["../src/splat/clip.h", ["kClipSigma", "kCdfLinear", "kCdfCubic", "kMinConditionalVariance"]],
+      ["../src/splat/projection.h", ["kBlurVariance"]],
+      ["wasm/splat_order.cpp", ["kAlphaMin", "kClipSigma"]],
+    ] as const;
+    for (const [file, names] of twin) {
+      const text = readFileSync(file, "utf8");
+      for (const name of names) {
+        expect(value(text, name), `${name} of ${file}`).toBeCloseTo(value(glsl, name), 9);
+      }
+    }
+    const options = readFileSync("../src/splat/projection.h", "utf8");
+    expect(value(options, "alpha_max")).toBeCloseTo(value(glsl, "kAlphaMax"), 9);
+    expect(value(options, "alpha_min")).toBeCloseTo(value(glsl, "kAlphaMin"), 9);
+  });
+});
