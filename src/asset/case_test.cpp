@@ -1,5 +1,6 @@
 #include "asset/case.h"
 
+#include <cmath>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -163,6 +164,19 @@ TEST(Case, ThumbnailShowsTheScene) {
   EXPECT_EQ(thumbnail.channels, 4);
   EXPECT_GT(thumbnail.at(128, 128)[3], 0.2f);
   EXPECT_EQ(thumbnail.at(2, 2)[3], 0.0f);
+}
+
+TEST(Case, PictureOfTheCaseIsThatOfTheScene) {
+  const Scene written = random_scene(3000, 0, 29);
+  const Scene read = read_case(encode_case(written, nullptr), "test.sog");
+  const Image a = composite(make_thumbnail(written), 0, 0, 0);
+  const Image b = composite(make_thumbnail(read), 0, 0, 0);
+  double sum = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    sum += std::pow(a.data[i] - b.data[i], 2);
+  }
+  const double psnr = -10 * std::log10(sum / static_cast<double>(a.data.size()));
+  EXPECT_GT(psnr, 45);
 }
 
 TEST(Case, LoadSceneReadsBothFiles) {
