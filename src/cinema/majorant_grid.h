@@ -16,7 +16,7 @@ namespace clipgs {
 /// ray leaps over air in a few steps.
 class MajorantGrid {
  public:
-  static constexpr int kCell = 8;
+  static constexpr int kCell = 4;
 
   MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer);
 

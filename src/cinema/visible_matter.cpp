@@ -16,32 +16,21 @@ constexpr float kLeastDepth = 0.5f;    // … or of optical depth across the vol
 constexpr int kLeastVoxels = 6;        // in a cell, or it is a speck
 constexpr double kLeastIsland = 0.01;  // share of all visible voxels that a group of cells needs
 
-struct Cell {
-  int count = 0;
-  IVec3 min{std::numeric_limits<int>::max()};
-  IVec3 max{-1};
-};
-
 class CellGrid {
  public:
   CellGrid(const Volume& volume, const TransferFunction& transfer, float least)
       : dims_((volume.dims + kCell - 1) / kCell),
-        cells_(static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y) *
-               static_cast<size_t>(dims_.z)) {
+        counts_(static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y) *
+                static_cast<size_t>(dims_.z)) {
     const size_t slab = static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y);
     parallel_for(static_cast<size_t>(dims_.z), 1, [&](size_t cz, size_t) {
       const int z_end = std::min(volume.dims.z, (static_cast<int>(cz) + 1) * kCell);
       for (int z = static_cast<int>(cz) * kCell; z < z_end; ++z) {
         for (int y = 0; y < volume.dims.y; ++y) {
-          Cell* row = &cells_[cz * slab + static_cast<size_t>(y / kCell * dims_.x)];
+          int* row = &counts_[cz * slab + static_cast<size_t>(y / kCell * dims_.x)];
           const float* values = &volume.values[volume.offset(0, y, z)];
           for (int x = 0; x < volume.dims.x; ++x) {
-            if (transfer.at(values[x]).extinction >= least) {
-              Cell& cell = row[x / kCell];
-              ++cell.count;
-              cell.min = glm::min(cell.min, IVec3(x, y, z));
-              cell.max = glm::max(cell.max, IVec3(x, y, z));
-            }
+            row[x / kCell] += transfer.at(values[x]).extinction >= least ? 1 : 0;
           }
         }
       }
@@ -51,12 +40,12 @@ class CellGrid {
   // Groups of touching cells (26 neighbours) with enough matter; those that are too small are
   // emptied.
   void drop_islands() {
-    std::vector<int> group(cells_.size(), -1);
+    std::vector<int> group(counts_.size(), -1);
     std::vector<double> sizes;
     double total = 0;
     std::vector<size_t> stack;
-    for (size_t seed = 0; seed < cells_.size(); ++seed) {
-      if (group[seed] >= 0 || cells_[seed].count < kLeastVoxels) {
+    for (size_t seed = 0; seed < counts_.size(); ++seed) {
+      if (group[seed] >= 0 || counts_[seed] < kLeastVoxels) {
         continue;
       }
       const int name = static_cast<int>(sizes.size());
@@ -66,9 +55,9 @@ class CellGrid {
       while (!stack.empty()) {
         const size_t at = stack.back();
         stack.pop_back();
-        sizes.back() += cells_[at].count;
+        sizes.back() += counts_[at];
         for_neighbours(at, [&](size_t beside) {
-          if (group[beside] < 0 && cells_[beside].count >= kLeastVoxels) {
+          if (group[beside] < 0 && counts_[beside] >= kLeastVoxels) {
             group[beside] = name;
             stack.push_back(beside);
           }
@@ -76,23 +65,16 @@ class CellGrid {
       }
       total += sizes.back();
     }
-    for (size_t i = 0; i < cells_.size(); ++i) {
+    for (size_t i = 0; i < counts_.size(); ++i) {
       if (group[i] < 0 || sizes[static_cast<size_t>(group[i])] < kLeastIsland * total) {
-        cells_[i] = Cell();
+        counts_[i] = 0;
       }
     }
   }
 
-  // Calls visit(cell, inside): inside if all its neighbours hold matter too.
-  template <typename Visit>
-  void for_matter(const Visit& visit) const {
-    for (size_t i = 0; i < cells_.size(); ++i) {
-      if (cells_[i].count > 0) {
-        int full = 0;
-        for_neighbours(i, [&](size_t beside) { full += cells_[beside].count > 0 ? 1 : 0; });
-        visit(cells_[i], full == 26);
-      }
-    }
+  bool has_matter(int x, int y, int z) const {
+    return counts_[static_cast<size_t>((z / kCell * dims_.y + y / kCell) * dims_.x + x / kCell)] >
+           0;
   }
 
  private:
@@ -115,7 +97,7 @@ class CellGrid {
   }
 
   IVec3 dims_;
-  std::vector<Cell> cells_;
+  std::vector<int> counts_;  // visible voxels of each cell
 };
 
 // Smallest enclosing sphere, to a fraction of a percent (Bădoiu & Clarkson 2003): the centre steps
@@ -162,18 +144,28 @@ VisibleMatter visible_matter(const Volume& volume, const TransferFunction& trans
   if (least > 0) {
     CellGrid cells(volume, transfer, least);
     cells.drop_islands();
-    cells.for_matter([&](const Cell& cell, bool inside) {
-      if (inside) {
-        return;
+    // The ends of every row of voxels span all that lies between.
+    const auto visible = [&](int x, int y, int z) {
+      return cells.has_matter(x, y, z) && transfer.at(volume.at(x, y, z)).extinction >= least;
+    };
+    for (int z = 0; z < volume.dims.z; ++z) {
+      for (int y = 0; y < volume.dims.y; ++y) {
+        int first = 0;
+        int last = volume.dims.x - 1;
+        while (first <= last && !visible(first, y, z)) {
+          ++first;
+        }
+        while (last > first && !visible(last, y, z)) {
+          --last;
+        }
+        if (first <= last) {
+          for (const int x : {first, last}) {
+            matter.hull.push_back(volume.world_from_index(Vec3(x, y, z)));
+            matter.bounds.add(matter.hull.back());
+          }
+        }
       }
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 index((corner & 1) != 0 ? cell.max.x : cell.min.x,
-                         (corner & 2) != 0 ? cell.max.y : cell.min.y,
-                         (corner & 4) != 0 ? cell.max.z : cell.min.z);
-        matter.hull.push_back(volume.world_from_index(index));
-        matter.bounds.add(matter.hull.back());
-      }
-    });
+    }
   }
   if (matter.hull.empty()) {
     throw Error(

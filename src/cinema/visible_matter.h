@@ -10,7 +10,7 @@ namespace clipgs {
 struct VisibleMatter {
   Box bounds;
   Sphere sphere;           ///< what cameras frame
-  std::vector<Vec3> hull;  ///< points that span the matter (corners of its boundary cells)
+  std::vector<Vec3> hull;  ///< points whose convex hull is the matter's
 
   /// Interval of normal·x over the matter.
   Vec2 extent(const Vec3& normal) const;

@@ -1,0 +1,286 @@
+#include "cinema/dataset.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <unistd.h>
+
+#include "cinema/make_dataset.h"
+#include "cinema/seed_points.h"
+#include "cinema/test_scenes.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "volume/phantom.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::make_preset;
+using test::point;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder()
+      : path_(fs::temp_directory_path() / ("clipgs_dataset_test_" + std::to_string(getpid()) + "_" +
+                                           std::to_string(count_++))) {
+    fs::create_directories(path_);
+  }
+  ~TemporaryFolder() { fs::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  static inline int count_ = 0;
+  fs::path path_;
+};
+
+struct Fixture {
+  Volume volume = make_ball(32, 12, 1, 0);
+  Preset preset = make_preset({point(0.2f, 0, Vec3(0.7f)), point(0.8f, 2, Vec3(0.7f, 0.5f, 0.4f))},
+                              {Vec3(0.6f), Vec3(0.3f), Vec3(0.1f), {}}, 2);
+  DatasetOptions options;
+  Fixture() {
+    preset.name = "ball";
+    options.size = 24;
+    options.train_frames = 7;
+    options.test_frames = 2;
+    options.train_spp = 8;
+    options.test_noise_db = 36;
+    options.seed_points = 2000;
+  }
+  Dataset make(const fs::path& folder) const {
+    return make_dataset(volume, preset, folder, options);
+  }
+};
+
+TEST(PlanFrames, SharesAndHeldOutPlanes) {
+  const Fixture f;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  DatasetOptions options;
+  options.train_frames = 400;
+  options.test_frames = 25;
+  const std::vector<Frame> frames = plan_frames(matter, options);
+  ASSERT_EQ(frames.size(), 450U);
+  int axis = 0;
+  int oblique = 0;
+  int uncut = 0;
+  int seen = 0;
+  int up = 0;
+  Vec3 mean_direction(0);
+  std::set<std::string> files;
+  std::vector<float> offsets;
+  for (const Frame& frame : frames) {
+    files.insert(frame.file);
+    if (frame.plane) {
+      EXPECT_NEAR(glm::length(frame.plane->normal), 1, 1e-5);
+      const Vec2 extent = matter.extent(frame.plane->normal);
+      EXPECT_GT(frame.plane->offset, extent.x);
+      EXPECT_LT(frame.plane->offset, extent.y);
+    }
+    if (frame.split != Split::kTrain) {
+      EXPECT_TRUE(frame.plane);
+      EXPECT_EQ(std::abs(frame.plane->normal.z) > 0.9999f, frame.split == Split::kTestAxis);
+      EXPECT_FALSE(frame.uncut_file.empty());
+      EXPECT_FALSE(frame.depth_file.empty());
+      EXPECT_NEAR(glm::length(frame.camera.position - matter.sphere.center),
+                  framing_distance(matter.sphere.radius), 0.01);
+      continue;
+    }
+    mean_direction += glm::normalize(frame.camera.position - matter.sphere.center) / 400.0f;
+    if (!frame.plane) {
+      ++uncut;
+      continue;
+    }
+    seen += frame.plane->signed_distance(frame.camera.position) < 0 ? 1 : 0;
+    if (std::abs(frame.plane->normal.z) > 0.9999f) {
+      ++axis;
+      up += frame.plane->normal.z > 0 ? 1 : 0;
+      offsets.push_back(frame.plane->normal.z * frame.plane->offset);
+    } else {
+      ++oblique;
+    }
+  }
+  EXPECT_EQ(files.size(), frames.size());
+  EXPECT_NEAR(axis, 160, 8);
+  EXPECT_NEAR(oblique, 180, 8);
+  EXPECT_NEAR(uncut, 60, 8);
+  EXPECT_NEAR(seen, 0.75 * (axis + oblique), 35);
+  EXPECT_NEAR(up, axis / 2, axis / 5);
+  EXPECT_LT(glm::length(mean_direction), 0.01f);
+  // Axis planes cover the extent evenly, and no test plane is among them.
+  std::sort(offsets.begin(), offsets.end());
+  const Vec2 extent = matter.extent(options.axis);
+  for (size_t i = 1; i < offsets.size(); ++i) {
+    EXPECT_LT(offsets[i] - offsets[i - 1], 2.01f * (extent.y - extent.x) / axis);
+  }
+  for (const Frame& frame : frames) {
+    if (frame.split == Split::kTestAxis) {
+      for (const float offset : offsets) {
+        EXPECT_GT(std::abs(offset - frame.plane->normal.z * frame.plane->offset), 0);
+      }
+    }
+  }
+}
+
+TEST(Dataset, ComesBackFromDisk) {
+  const Fixture f;
+  const TemporaryFolder folder;
+  const Dataset dataset = f.make(folder.path());
+  EXPECT_EQ(dataset.split(Split::kTrain).size(), 7U);
+  EXPECT_EQ(dataset.split(Split::kTestAxis).size(), 2U);
+  EXPECT_EQ(dataset.split(Split::kTestOblique).size(), 2U);
+  EXPECT_EQ(dataset.preset, "ball");
+  EXPECT_NEAR(dataset.sphere.radius, 12, 1.5);
+  EXPECT_FLOAT_EQ(dataset.voxel_mm, 1);
+  const std::vector<Frame> planned =
+      plan_frames(visible_matter(f.volume, f.preset.transfer), f.options);
+  for (size_t i = 0; i < planned.size(); ++i) {
+    const Frame& frame = dataset.frames[i];
+    EXPECT_EQ(frame.file, planned[i].file);
+    EXPECT_EQ(frame.plane.has_value(), planned[i].plane.has_value());
+    EXPECT_LT(glm::length(frame.camera.position - planned[i].camera.position), 1e-3f);
+    EXPECT_LT(glm::length(frame.camera.forward() - planned[i].camera.forward()), 1e-5f);
+    EXPECT_EQ(dataset.load(frame).channels, 4);
+    if (frame.split != Split::kTrain) {
+      EXPECT_GE(frame.noise_db, f.options.test_noise_db);
+      const Image depth = read_png(folder.path() / frame.depth_file);
+      const float nearest = glm::length(frame.camera.position) - 13;
+      for (size_t p = 0; p < depth.pixels(); ++p) {
+        const float mm =
+            depth.data[p * static_cast<size_t>(depth.channels)] * 65535 * dataset.depth_scale;
+        EXPECT_TRUE(mm == 0 || (mm > nearest && mm < nearest + 28)) << mm;
+      }
+      EXPECT_EQ(read_png(folder.path() / frame.uncut_file).channels, 4);
+    }
+  }
+  for (const SeedPoint& seed : load_seed_points(folder.path())) {
+    ASSERT_LT(glm::length(seed.position), 13.5f);
+    ASSERT_GT(seed.spacing, 0);
+    ASSERT_GT(seed.color.r, seed.color.b);
+  }
+}
+
+std::map<std::string, std::vector<std::uint8_t>> contents(const fs::path& folder) {
+  std::map<std::string, std::vector<std::uint8_t>> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      files[fs::relative(entry.path(), folder).string()] = read_file(entry.path());
+    }
+  }
+  return files;
+}
+
+TEST(Dataset, GoesOnAfterAKill) {
+  const Fixture f;
+  const TemporaryFolder folder;
+  f.make(folder.path());
+  const auto whole = contents(folder.path());
+
+  // What a kill after three frames leaves behind.
+  const Json index = Json::parse(read_text(folder.path() / "transforms.json"));
+  Json state = {{"fingerprint", index["fingerprint"]}, {"frames", Json::object()}};
+  for (int i = 0; i < 3; ++i) {
+    state["frames"][index["frames"][i]["file_path"].get<std::string>()] =
+        index["frames"][i]["noise_db"];
+  }
+  fs::remove(folder.path() / "transforms.json");
+  for (size_t i = 3; i < index["frames"].size(); ++i) {
+    fs::remove(folder.path() / index["frames"][i]["file_path"].get<std::string>());
+  }
+  write_text(folder.path() / "progress.json", state.dump());
+  const fs::path kept = folder.path() / "images/train_0001.png";
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(kept, old);
+
+  f.make(folder.path());
+  EXPECT_EQ(contents(folder.path()), whole);
+  EXPECT_EQ(fs::last_write_time(kept), old);
+
+  // Whole now: nothing is written again. Other inputs: everything is.
+  const fs::path last = folder.path() / "images/test_oblique_0001.png";
+  fs::last_write_time(last, old);
+  f.make(folder.path());
+  EXPECT_EQ(fs::last_write_time(last), old);
+  Fixture other;
+  other.options.seed = 2;
+  other.make(folder.path());
+  EXPECT_NE(contents(folder.path()), whole);
+  EXPECT_NE(fs::last_write_time(last), old);
+}
+
+TEST(Dataset, RefusesWhatItCannotTrust) {
+  const Fixture f;
+  const TemporaryFolder folder;
+  EXPECT_THAT([&] { load_dataset(folder.path()); }, ThrowsMessage<Error>(HasSubstr("no dataset")));
+  f.make(folder.path());
+  const fs::path path = folder.path() / "transforms.json";
+  const Json good = Json::parse(read_text(path));
+  const auto expect_refused = [&](const char* pointer, const Json& value, const char* says) {
+    Json bad = good;
+    bad[Json::json_pointer(pointer)] = value;
+    write_text(path, bad.dump());
+    EXPECT_THAT([&] { load_dataset(folder.path()); }, ThrowsMessage<Error>(HasSubstr(says)))
+        << pointer;
+  };
+  expect_refused("/frames", Json::array(), "\"frames\"");
+  expect_refused("/axis", {0, 0, 2}, "unit vector");
+  expect_refused("/extent", {1}, "\"extent\"");
+  expect_refused("/sphere/radius", -1, "empty");
+  expect_refused("/frames/2/file_path", "../../etc/passwd", "inside the dataset");
+  expect_refused("/frames/2/file_path", "/etc/passwd", "inside the dataset");
+  expect_refused("/frames/2/w", 1e9, "\"w\"");
+  expect_refused("/frames/2/w", 12.5, "\"w\"");
+  expect_refused("/frames/2/split", "validation", "test_axis");
+  expect_refused("/frames/2/clip_plane", {1, 1, 1, 0}, "unit normal");
+  expect_refused("/frames/2/clip_plane", {1, 0, 0}, "clip_plane");
+  expect_refused("/frames/2/transform_matrix/1", {1, 2, 3, 4}, "rigid");
+  expect_refused("/frames/2/noise_db", "loud", "noise_db");
+  write_text(path, good.dump().substr(0, 500));
+  EXPECT_THAT([&] { load_dataset(folder.path()); }, ThrowsMessage<Error>(HasSubstr("JSON")));
+
+  write_text(path, good.dump());
+  const Dataset dataset = load_dataset(folder.path());
+  write_png(folder.path() / dataset.frames[0].file, Image(5, 5, 4));
+  EXPECT_THROW(dataset.load(dataset.frames[0]), Error);
+
+  std::vector<std::uint8_t> points = read_file(folder.path() / "points.ply");
+  write_file(folder.path() / "points.ply", points.data(), points.size() - 1);
+  EXPECT_THAT([&] { load_seed_points(folder.path()); },
+              ThrowsMessage<Error>(HasSubstr("seed points")));
+}
+
+TEST(SeedPoints, FillTheSolidAndCrowdAtBoundaries) {
+  const Volume ball = make_ball(64, 24, 1, 0);
+  const Preset preset = make_preset({point(0.2f, 0), point(0.8f, 2)}, test::white_sky());
+  const std::vector<SeedPoint> points = sample_seed_points(ball, preset, 30000, 1);
+  EXPECT_NEAR(static_cast<double>(points.size()), 30000, 600);
+  int inner = 0;
+  int shell = 0;
+  double inner_spacing = 0;
+  double shell_spacing = 0;
+  for (const SeedPoint& p : points) {
+    const float r = glm::length(p.position);
+    if (r < 12) {
+      ++inner;
+      inner_spacing += p.spacing;
+    } else if (r > 23) {
+      ++shell;
+      shell_spacing += p.spacing;
+    }
+  }
+  const double volume_of_inner = 4.19 * 12 * 12 * 12;
+  inner_spacing /= inner;
+  // Spacing is what it says: the cube root of the volume per point.
+  EXPECT_NEAR(std::cbrt(volume_of_inner / inner), inner_spacing, 0.05 * inner_spacing);
+  EXPECT_LT(shell_spacing / shell, 0.8 * inner_spacing);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,139 @@
+#include "cinema/majorant_grid.h"
+
+#include <gtest/gtest.h>
+
+#include "cinema/test_scenes.h"
+#include "core/random.h"
+
+namespace clipgs {
+namespace {
+
+using test::make_volume;
+using test::point;
+
+Vec3 random_point(Rng& rng, const Vec3& size) {
+  return Vec3(rng.uniform(), rng.uniform(), rng.uniform()) * size;
+}
+
+TEST(VoxelGrid, InterpolatesLikeTheVolume) {
+  Rng rng(1);
+  Volume volume = make_volume({9, 7, 5}, [&](const IVec3&) { return 3000 * rng.uniform() - 1000; });
+  const VoxelGrid grid(volume, -1000, 2000);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 voxel = random_point(rng, Vec3(volume.dims - 1));
+    EXPECT_NEAR(grid.value(grid.sample(voxel)), volume.sample(volume.world_from_index(voxel)), 0.1);
+  }
+  // Beyond the edge, where gradients look, the edge goes on.
+  EXPECT_FLOAT_EQ(grid.sample(-1, 3, 2), grid.sample(0, 3, 2));
+  EXPECT_FLOAT_EQ(grid.sample(9, 3, 2), grid.sample(8, 3, 2));
+}
+
+TEST(VoxelGrid, GradientOfAnInclinedPlane) {
+  const Volume volume = make_volume(
+      {12, 12, 12}, [](const IVec3& v) { return 3.0f * v.x - 2.0f * v.y + 5.0f * v.z; });
+  const VoxelGrid grid(volume, -40, 100);
+  const Vec3 gradient = grid.gradient(Vec3(5.3f, 6.1f, 4.7f)) * grid.step();
+  EXPECT_NEAR(gradient.x, 3, 0.01);
+  EXPECT_NEAR(gradient.y, -2, 0.01);
+  EXPECT_NEAR(gradient.z, 5, 0.01);
+}
+
+// Clumps of values in air, and a transfer function that shows two separate bands of them.
+struct Fixture {
+  Volume volume;
+  TransferFunction transfer{
+      {point(100, 0), point(150, 1), point(200, 0), point(500, 0), point(510, 3), point(520, 0)}};
+  explicit Fixture(std::uint64_t seed) {
+    Rng rng(seed);
+    std::vector<Vec4> clumps;
+    for (int i = 0; i < 5; ++i) {
+      clumps.emplace_back(random_point(rng, Vec3(50, 40, 60)), 2 + 5 * rng.uniform());
+    }
+    volume = make_volume({50, 40, 60}, [&](const IVec3& v) {
+      for (const Vec4& c : clumps) {
+        if (glm::length(Vec3(v) - Vec3(c)) < c.w) {
+          return 1000 * rng.uniform();
+        }
+      }
+      return 0.0f;
+    });
+  }
+};
+
+TEST(MajorantGrid, BoundsTheExtinctionEverywhere) {
+  const Fixture f(2);
+  const VoxelGrid grid(f.volume, 0, 1000);
+  const MajorantGrid majorants(grid, f.transfer);
+  Rng rng(5);
+  int visible = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const Vec3 voxel = random_point(rng, Vec3(f.volume.dims - 1));
+    const IVec3 cell = IVec3(voxel / static_cast<float>(MajorantGrid::kCell));
+    const float extinction = f.transfer.at(grid.value(grid.sample(voxel))).extinction;
+    visible += extinction > 0 ? 1 : 0;
+    ASSERT_LE(extinction, majorants.majorant(cell.x, cell.y, cell.z));
+  }
+  EXPECT_GT(visible, 500);
+}
+
+// The optical depth of the majorants along random rays, by the walk and by small steps.
+TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
+  Rng rng(9);
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const Fixture f(seed);
+    const VoxelGrid grid(f.volume, 0, 1000);
+    const MajorantGrid majorants(grid, f.transfer);
+    const Vec3 end = Vec3(f.volume.dims - 1);
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 a = random_point(rng, end);
+      const Vec3 b = i % 10 == 0 ? Vec3(a.x, a.y, end.z - a.z) : random_point(rng, end);
+      const float length = glm::length(b - a);
+      const Vec3 direction = (b - a) / length;
+      float walked = 0;
+      float last = 0;
+      majorants.walk(a, direction, 0, length, [&](float majorant, float t0, float t1) {
+        EXPECT_GE(t0, last);
+        EXPECT_GT(t1, t0);
+        EXPECT_LE(t1, length);
+        last = t1;
+        walked += majorant * (t1 - t0);
+        return false;
+      });
+      constexpr int kSteps = 4000;
+      double stepped = 0;
+      for (int s = 0; s < kSteps; ++s) {
+        const Vec3 p = glm::mix(a, b, (static_cast<float>(s) + 0.5f) / kSteps);
+        const IVec3 cell = IVec3(p / static_cast<float>(MajorantGrid::kCell));
+        stepped += static_cast<double>(majorants.majorant(cell.x, cell.y, cell.z));
+      }
+      stepped *= static_cast<double>(length) / kSteps;
+      ASSERT_NEAR(walked, stepped, 0.05 + 0.01 * stepped);
+    }
+  }
+}
+
+TEST(MajorantGrid, StopsWhenTold) {
+  const Volume volume = make_volume({40, 8, 8}, [](const IVec3&) { return 1.0f; });
+  const VoxelGrid grid(volume, 0, 1);
+  const MajorantGrid majorants(grid, TransferFunction({point(0, 0), point(1, 2)}));
+  int visits = 0;
+  EXPECT_TRUE(majorants.walk(Vec3(0, 3, 3), Vec3(1, 0, 0), 0, 39,
+                             [&](float, float, float) { return ++visits == 2; }));
+  EXPECT_EQ(visits, 2);
+}
+
+TEST(MajorantGrid, OccupiedBoxHoldsTheMatter) {
+  const Volume volume = make_volume(
+      {64, 32, 32}, [](const IVec3& v) { return v == IVec3(40, 10, 20) ? 1.0f : 0.0f; });
+  const VoxelGrid grid(volume, 0, 1);
+  const MajorantGrid majorants(grid, TransferFunction({point(0.2f, 0), point(1, 2)}));
+  const Box box = majorants.occupied();
+  EXPECT_LE(box.min.x, 39);
+  EXPECT_GE(box.max.x, 41);
+  EXPECT_LE(box.size().x, 2 * MajorantGrid::kCell);
+  const MajorantGrid nothing(grid, TransferFunction({point(2, 0), point(3, 2)}));
+  EXPECT_TRUE(nothing.occupied().empty());
+}
+
+}  // namespace
+}  // namespace clipgs

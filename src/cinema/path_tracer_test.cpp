@@ -1,0 +1,251 @@
+#include "cinema/path_tracer.h"
+
+#include <gtest/gtest.h>
+
+#include "cinema/reference_tracer.h"
+#include "cinema/test_scenes.h"
+#include "volume/phantom.h"
+
+namespace clipgs {
+namespace {
+
+using test::make_preset;
+using test::make_volume;
+using test::Mean;
+using test::point;
+
+constexpr int kManyBounces = 100000;
+
+Camera camera_from(const Vec3& position, const Vec3& target = Vec3(0)) {
+  return look_at(position, target, Vec3(0, 0, 1), 64, 64);
+}
+
+struct Means {
+  Mean radiance;  // of all paths, green
+  Mean alpha;
+};
+
+// Paths through the middle of the picture, or through a square of half width `spread` px.
+Means trace(const PathTracer& tracer, int count, float spread = 0, std::uint64_t seed = 7) {
+  PathDraws draws(seed, 0, 0);
+  Means means;
+  for (int i = 0; i < count; ++i) {
+    const float x = 32 + spread * (2 * draws.uniform() - 1);
+    const float y = 32 + spread * (2 * draws.uniform() - 1);
+    const PathSample sample = tracer.trace(x, y, draws);
+    means.radiance.add(sample.radiance.y);
+    means.alpha.add(sample.hit ? 1 : 0);
+    draws = PathDraws(seed, static_cast<std::uint64_t>(i) + 1, 0);  // independent samples
+  }
+  return means;
+}
+
+Means trace(const ReferenceTracer& tracer, int count, float spread = 0, std::uint64_t seed = 8) {
+  Rng rng(seed);
+  Means means;
+  for (int i = 0; i < count; ++i) {
+    const float x = 32 + spread * (2 * rng.uniform() - 1);
+    const float y = 32 + spread * (2 * rng.uniform() - 1);
+    const PathSample sample = tracer.trace(x, y, rng);
+    means.radiance.add(sample.radiance.y);
+    means.alpha.add(sample.hit ? 1 : 0);
+  }
+  return means;
+}
+
+void expect_same(const Mean& a, const Mean& b) {
+  EXPECT_NEAR(a.value(), b.value(), 4 * std::sqrt(a.variance() + b.variance()) + 1e-6);
+}
+
+TEST(PathTracer, SlabTransmits) {
+  Volume volume = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
+  volume.spacing = Vec3(0.5f, 1, 1);
+  volume.origin = -0.5f * Vec3(volume.dims - 1) * volume.spacing;
+  const Preset preset = make_preset({point(0, 0), point(1, 0.13f)}, test::white_sky());
+  const CinemaScene scene(volume, preset);
+  const Means means = trace(PathTracer(scene, camera_from({80, 0, 0}), std::nullopt, 1), 40000);
+  EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-0.13 * 11.5), means.alpha.tolerance());
+}
+
+TEST(PathTracer, RampTransmits) {
+  // Extinction s·x from one side to the other: optical depth s·L²/2.
+  const Volume volume =
+      make_volume({33, 16, 16}, [](const IVec3& v) { return static_cast<float>(v.x); });
+  const Preset preset = make_preset({point(0, 0), point(32, 0.08f)}, test::white_sky());
+  const CinemaScene scene(volume, preset);
+  for (const float side : {-90.0f, 90.0f}) {
+    const Means means = trace(PathTracer(scene, camera_from({side, 0, 0}), std::nullopt, 1), 40000);
+    EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-0.08 * 16), means.alpha.tolerance());
+  }
+}
+
+TEST(PathTracer, ClippedSlabTransmitsWhatIsKept) {
+  const Volume volume = make_volume({21, 21, 21}, [](const IVec3&) { return 1.0f; });
+  const Preset preset = make_preset({point(0, 0), point(1, 0.1f)}, test::white_sky());
+  const CinemaScene scene(volume, preset);
+  const Plane plane{Vec3(1, 0, 0), 3};  // keeps 3 … 10 mm
+  for (const float side : {-90.0f, 90.0f}) {
+    const Means means = trace(PathTracer(scene, camera_from({side, 0, 0}), plane, 1), 40000);
+    EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-0.1 * 7), means.alpha.tolerance());
+  }
+}
+
+// Albedo 1 in a white environment: every path that meets matter brings back exactly white.
+TEST(PathTracer, FurnaceBySky) {
+  const Volume ball = make_ball(24, 9, 1, 0);
+  for (const float surface_strength : {0.0f, 3.0f, 1e6f}) {
+    for (const float g : {0.0f, 0.6f}) {
+      Preset preset =
+          make_preset({point(0, 0), point(1, 1.5f)}, test::white_sky(), surface_strength);
+      preset.phase_g = g;
+      const CinemaScene scene(ball, preset);
+      for (const bool cut : {false, true}) {
+        const std::optional<Plane> plane =
+            cut ? std::optional(Plane{Vec3(-0.6f, 0, 0.8f), -1}) : std::nullopt;
+        const PathTracer tracer(scene, camera_from({60, 20, 10}), plane, kManyBounces);
+        PathDraws draws(1, 0, 0);
+        int hits = 0;
+        for (int i = 0; i < 300; ++i, draws.next_sample()) {
+          const PathSample sample = tracer.trace(29.0f + 6 * draws(PathDraws::kPixelX),
+                                                 29.0f + 6 * draws(PathDraws::kPixelY), draws);
+          if (sample.hit) {
+            ++hits;
+            ASSERT_NEAR(sample.radiance.y, 1, 1e-4);
+          }
+        }
+        EXPECT_GT(hits, 200);
+      }
+    }
+  }
+}
+
+// The same by next-event estimation alone.
+TEST(PathTracer, FurnaceByKeyLights) {
+  const Volume ball = make_ball(24, 9, 1, 0);
+  for (const float surface_strength : {0.0f, 1e6f}) {
+    Preset preset =
+        make_preset({point(0, 0), point(1, 1.5f)}, test::white_keys(), surface_strength);
+    preset.phase_g = 0.3f;
+    const CinemaScene scene(ball, preset);
+    const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
+    const Means means = trace(tracer, 8000);
+    EXPECT_NEAR(means.radiance.value() / means.alpha.value(), 1, means.radiance.tolerance());
+  }
+}
+
+// Highlights: sampling the lobe towards the sky and evaluating it towards lights must agree.
+TEST(PathTracer, HighlightIsTheSameByEitherWay) {
+  const Volume ball = make_ball(24, 9, 1, 0);
+  for (const bool cut : {false, true}) {
+    const std::optional<Plane> plane = cut ? std::optional(Plane{Vec3(-1, 0, 0), 0}) : std::nullopt;
+    std::array<Means, 2> means;
+    for (int i = 0; i < 2; ++i) {
+      const Preset preset =
+          make_preset({point(0, 0, Vec3(0.5f), 0.8f), point(1, 1.5f, Vec3(0.5f), 0.8f)},
+                      i == 0 ? test::white_sky() : test::white_keys(), 1e6f);
+      const CinemaScene scene(ball, preset);
+      means[static_cast<size_t>(i)] =
+          trace(PathTracer(scene, camera_from({60, 20, 10}), plane, kManyBounces), 20000);
+    }
+    expect_same(means[0].radiance, means[1].radiance);
+    EXPECT_GT(means[0].radiance.value(), 0.3);
+    EXPECT_LT(means[0].radiance.value(), 0.95);
+  }
+}
+
+// A volume with everything: anisotropic, turned, rough, a non-monotonic transfer function, coloured
+// lights, highlights. Fast and slow must agree, cut and uncut.
+TEST(PathTracer, AgreesWithTheReference) {
+  Rng noise(3);
+  Volume volume = make_volume({40, 30, 26}, [&](const IVec3& v) {
+    const Vec3 p = (Vec3(v) - Vec3(20, 15, 13)) / Vec3(17, 12, 10);
+    const float shells = 600 * std::sin(5 * glm::dot(p, p));
+    return glm::length(p) < 1 ? shells + 100 * noise.normal() : -1000.0f;
+  });
+  volume.spacing = Vec3(0.8f, 1.1f, 1.6f);
+  volume.direction = Mat3(glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3))));
+  volume.origin = -(volume.direction * (Vec3(19.5f, 14.5f, 12.5f) * volume.spacing));
+  LightRig rig{Vec3(0.9f), Vec3(0.5f), Vec3(0.1f), {}};
+  rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.9f), 0.2f},
+              {glm::normalize(Vec3(-1, 0.2f, 0)), Vec3(0.4f), 0.0f}};
+  Preset preset = make_preset(
+      {point(-500, 0, Vec3(0.3f)), point(-100, 0.9f, Vec3(0.8f), 0.3f), point(50, 0, Vec3(0.4f)),
+       point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f), point(500, 0.2f, Vec3(0.7f))},
+      rig, 0.002f);
+  preset.phase_g = 0.2f;
+  const CinemaScene scene(volume, preset);
+  const Camera camera = camera_from({70, 50, 40});
+  for (const bool cut : {false, true}) {
+    const std::optional<Plane> plane =
+        cut ? std::optional(Plane{glm::normalize(Vec3(-1, -0.5f, -0.2f)), -2}) : std::nullopt;
+    const Means fast = trace(PathTracer(scene, camera, plane, 4), 60000, 14);
+    const Means slow = trace(ReferenceTracer(volume, preset, camera, plane, 4), 30000, 14);
+    expect_same(fast.radiance, slow.radiance);
+    expect_same(fast.alpha, slow.alpha);
+    EXPECT_GT(slow.alpha.value(), 0.3);
+    EXPECT_LT(slow.alpha.value(), 0.95);
+  }
+}
+
+TEST(PathTracer, CutFaceIsLitAsPredicted) {
+  const Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
+  const Vec3 albedo(0.8f, 0.5f, 0.3f);
+  LightRig rig{Vec3(0.25f), Vec3(0.25f), Vec3(0.25f), {}};
+  const Vec3 towards_light = glm::normalize(Vec3(1, 0, 2));
+  rig.keys = {{towards_light, Vec3(0.7f, 0.6f, 0.5f), 0}};
+  const Preset preset = make_preset({point(0, 60, albedo), point(1, 60, albedo)}, rig);
+  const CinemaScene scene(block, preset);
+  const Vec3 normal = glm::normalize(Vec3(0.3f, 0.2f, 1));
+  const Plane plane{-normal, -1};  // keeps what lies below; the face looks up
+  const PathTracer tracer(scene, camera_from({30, 10, 60}), plane, 4);
+  PathDraws draws(1, 1, 0);
+  const Vec3 expected =
+      albedo * (Vec3(0.25f) + glm::dot(normal, towards_light) * Vec3(0.7f, 0.6f, 0.5f));
+  for (int i = 0; i < 20; ++i, draws.next_sample()) {
+    const PathSample sample = tracer.trace(32, 32, draws);
+    ASSERT_TRUE(sample.hit);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(sample.radiance[c], expected[c], 2e-3f);
+    }
+  }
+}
+
+TEST(PathTracer, RemovedMatterCastsNoShadow) {
+  // Two balls on the x axis, the light behind the second one as seen from the first.
+  const auto balls = [](bool both) {
+    return make_volume({60, 24, 24}, [=](const IVec3& v) {
+      const Vec3 p = Vec3(v) - Vec3(0, 11.5f, 11.5f);
+      const bool first = glm::length(p - Vec3(14, 0, 0)) < 8;
+      const bool second = glm::length(p - Vec3(44, 0, 0)) < 10;
+      return first || (both && second) ? 1.0f : 0.0f;
+    });
+  };
+  const LightRig rig{Vec3(0), Vec3(0), Vec3(0), {{Vec3(1, 0, 0), Vec3(1), 0.02f}}};
+  const Preset preset = make_preset({point(0, 0), point(1, 2)}, rig, 3);
+  const Camera camera = camera_from({10, 60, 0}, {-11, 0, 0});
+  const Plane plane{Vec3(-1, 0, 0), -0.5f};  // between the balls; keeps the first
+  const Volume two = balls(true);
+  const Volume one = balls(false);
+  const CinemaScene scene_of_two(two, preset);
+  const CinemaScene scene_of_one(one, preset);
+  const Means cut = trace(PathTracer(scene_of_two, camera, plane, 3), 30000);
+  const Means alone = trace(PathTracer(scene_of_one, camera, std::nullopt, 3), 30000);
+  const Means shadowed = trace(PathTracer(scene_of_two, camera, std::nullopt, 3), 30000);
+  expect_same(cut.radiance, alone.radiance);
+  EXPECT_GT(alone.radiance.value(), 0.05);
+  EXPECT_LT(shadowed.radiance.value(), 0.5 * alone.radiance.value());
+}
+
+TEST(PathTracer, FirstHitIsTheSurface) {
+  const Volume ball = make_ball(40, 15, 1, 0);
+  const Preset preset = make_preset({point(0.4f, 0), point(0.6f, 20)}, test::white_sky());
+  const CinemaScene scene(ball, preset);
+  const PathTracer whole(scene, camera_from({0, 100, 0}), std::nullopt, 1);
+  EXPECT_NEAR(whole.first_hit(32, 32), 85, 1);
+  EXPECT_EQ(whole.first_hit(1, 1), 0);
+  const PathTracer cut(scene, camera_from({0, 100, 0}), Plane{Vec3(0, -1, 0), -4}, 1);
+  EXPECT_NEAR(cut.first_hit(32, 32), 96, 0.2);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,145 @@
+#include "cinema/picture.h"
+
+#include <gtest/gtest.h>
+
+#include "cinema/test_scenes.h"
+#include "cinema/visible_matter.h"
+#include "core/parallel.h"
+#include "volume/phantom.h"
+
+namespace clipgs {
+namespace {
+
+using test::make_preset;
+using test::make_volume;
+using test::point;
+
+// A lit ball in soft light.
+struct Fixture {
+  Volume volume = make_ball(32, 12, 1, 0);
+  Preset preset = make_preset(
+      {point(0, 0, Vec3(0.7f)), point(1, 1, Vec3(0.7f))},
+      {Vec3(0.6f), Vec3(0.3f), Vec3(0.1f), {{Vec3(0.6f, 0.8f, 0), Vec3(0.5f), 0.2f}}}, 2);
+  CinemaScene scene{volume, preset};
+  Camera camera = frame_sphere({Vec3(0), 13}, View{20, 30, 1}, 48, 48);
+
+  Picture render(int spp, float noise_db = 0, std::uint64_t seed = 1,
+                 const std::optional<Plane>& plane = std::nullopt) const {
+    PictureOptions options;
+    options.spp = spp;
+    options.noise_db = noise_db;
+    options.seed = seed;
+    return render_picture(scene, camera, plane, options);
+  }
+  Image shown(const Picture& picture) const {
+    return composite(display(picture.mean(), preset.exposure), 0, 0, 0);
+  }
+};
+
+double mean_squared_error(const Image& a, const Image& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    sum += std::pow(a.data[i] - b.data[i], 2);
+  }
+  return sum / static_cast<double>(a.data.size());
+}
+
+TEST(Picture, SameBytesAtAnyThreadCount) {
+  const Fixture f;
+  set_thread_count(1);
+  const Picture one = f.render(24);
+  set_thread_count(2);
+  const Picture two = f.render(24);
+  set_thread_count(0);
+  EXPECT_EQ(one.half_a.data, two.half_a.data);
+  EXPECT_EQ(one.half_b.data, two.half_b.data);
+}
+
+TEST(Picture, PlaneThatKeepsEverythingChangesNothing) {
+  const Fixture f;
+  const Picture whole = f.render(16);
+  const Picture kept = f.render(16, 0, 1, Plane{Vec3(0, 0, 1), -500});
+  const Picture removed = f.render(16, 0, 1, Plane{Vec3(0, 0, 1), 500});
+  EXPECT_EQ(whole.half_a.data, kept.half_a.data);
+  EXPECT_EQ(whole.half_b.data, kept.half_b.data);
+  for (const float x : removed.mean().data) {
+    ASSERT_EQ(x, 0);
+  }
+}
+
+TEST(Picture, NoiseFloorIsTheRealError) {
+  const Fixture f;
+  const Image truth = f.shown(f.render(1200, 0, 99));
+  double real = 0;
+  double estimated = 0;
+  constexpr int kPictures = 4;
+  for (std::uint64_t seed = 0; seed < kPictures; ++seed) {
+    const Picture picture = f.render(64, 0, seed);
+    real += mean_squared_error(f.shown(picture), truth) / kPictures;
+    estimated += std::pow(10, -0.1 * noise_floor(picture, f.preset.exposure)) / kPictures;
+  }
+  EXPECT_NEAR(10 * std::log10(estimated / real), 0, 0.6);
+}
+
+TEST(Picture, SamplesGoOnUntilTheNoiseFloorIsReached) {
+  const Fixture f;
+  const Picture coarse = f.render(100000, 33);
+  const Picture fine = f.render(100000, 42);
+  EXPECT_GE(noise_floor(coarse, f.preset.exposure), 33);
+  EXPECT_GE(noise_floor(fine, f.preset.exposure), 42);
+  EXPECT_LT(noise_floor(fine, f.preset.exposure), 44);
+  EXPECT_GT(fine.samples, 3 * coarse.samples);
+}
+
+TEST(Picture, BudgetIsKept) {
+  const Fixture f;
+  const Picture picture = f.render(40);
+  const Image mean = picture.mean();
+  double matter = 0;
+  for (size_t i = 0; i < mean.pixels(); ++i) {
+    matter += mean.data[4 * i + 3] > 0 ? 1 : 0;
+  }
+  const double pixels = static_cast<double>(mean.pixels());
+  EXPECT_LT(picture.samples, 1.2 * (40 * matter + 8 * (pixels - matter)));
+  EXPECT_GT(picture.samples, 0.8 * 40 * matter);
+}
+
+TEST(Picture, DisplayKeepsAlphaStraight) {
+  Image hdr(2, 1, 4);
+  hdr.data = {0.1f, 0.05f, 0, 0.5f, 0, 0, 0, 0};
+  const Image image = display(hdr, 2);
+  EXPECT_FLOAT_EQ(image.data[0], srgb_from_linear(0.4f));
+  EXPECT_FLOAT_EQ(image.data[1], srgb_from_linear(0.2f));
+  EXPECT_FLOAT_EQ(image.data[3], 0.5f);
+  EXPECT_FLOAT_EQ(image.data[7], 0);
+}
+
+TEST(Picture, DepthIsDistanceFromTheCamera) {
+  const Fixture f;
+  const Image depth = render_depth(f.scene, f.camera, std::nullopt);
+  EXPECT_NEAR(*depth.at(24, 24), glm::length(f.camera.position) - 12, 1.5f);
+  EXPECT_EQ(*depth.at(0, 0), 0);
+}
+
+TEST(VisibleMatter, FramesTheBallAndNotTheSpeck) {
+  Volume volume = make_ball(80, 15, 1, 0);
+  volume.values[volume.offset(2, 3, 77)] = 1;
+  const TransferFunction transfer({point(0.4f, 0), point(0.6f, 5)});
+  const VisibleMatter matter = visible_matter(volume, transfer);
+  EXPECT_LT(glm::length(matter.sphere.center), 1.0f);
+  EXPECT_GE(matter.sphere.radius, 14.5f);
+  EXPECT_LT(matter.sphere.radius, 16.0f);
+  EXPECT_NEAR(matter.bounds.max.x, 15, 1);
+  const Vec2 extent = matter.extent(Vec3(0, 0, 1));
+  EXPECT_NEAR(extent.x, -15, 1);
+  EXPECT_NEAR(extent.y, 15, 1);
+}
+
+TEST(VisibleMatter, NothingToSeeIsAnError) {
+  const Volume volume = make_ball(24, 6, 1, 0);
+  EXPECT_THROW(visible_matter(volume, TransferFunction({point(2, 0), point(3, 5)})),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,224 @@
+#include "cinema/reference_tracer.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "cinema/scatter.h"
+#include "core/image.h"
+
+namespace clipgs {
+
+ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, const Camera& camera,
+                                 const std::optional<Plane>& plane, int max_bounces)
+    : volume_(volume),
+      preset_(preset),
+      camera_(camera),
+      max_bounces_(max_bounces),
+      lights_(preset.rig, glm::transpose(volume.direction)),
+      spacing_(volume.spacing),
+      last_(volume.dims - 1),
+      majorant_(preset.transfer.max_extinction(std::numeric_limits<float>::lowest(),
+                                               std::numeric_limits<float>::max())) {
+  if (plane) {
+    plane_ = Plane{plane->normal * volume.direction,
+                   plane->offset - glm::dot(plane->normal, volume.origin)};
+    outward_.push_back(-plane_->normal);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float sign : {-1.0f, 1.0f}) {
+      Vec3 normal(0);
+      normal[axis] = sign;
+      outward_.push_back(normal);
+    }
+  }
+}
+
+double ReferenceTracer::value_at(const DVec3& voxel) const {
+  const DVec3 p = glm::clamp(voxel, DVec3(0), last_);
+  const IVec3 low = glm::min(IVec3(p), volume_.dims - 1);
+  const IVec3 high = glm::min(low + 1, volume_.dims - 1);
+  const DVec3 f = p - DVec3(low);
+  double value = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const IVec3 bit(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    double weight = 1;
+    IVec3 at;
+    for (int k = 0; k < 3; ++k) {
+      weight *= bit[k] != 0 ? f[k] : 1 - f[k];
+      at[k] = bit[k] != 0 ? high[k] : low[k];
+    }
+    value += weight * static_cast<double>(volume_.at(at.x, at.y, at.z));
+  }
+  return value;
+}
+
+bool ReferenceTracer::clip(const DVec3& origin, const DVec3& direction, double& t0,
+                           double& t1) const {
+  for (int k = 0; k < 3; ++k) {
+    const double step = direction[k] / spacing_[k];
+    if (step == 0) {
+      if (origin[k] < 0 || origin[k] > last_[k]) {
+        return false;
+      }
+      continue;
+    }
+    const double a = -origin[k] / step;
+    const double b = (last_[k] - origin[k]) / step;
+    t0 = std::max(t0, std::min(a, b));
+    t1 = std::min(t1, std::max(a, b));
+  }
+  if (plane_) {
+    const double slope = glm::dot(DVec3(plane_->normal), direction);
+    const double distance =
+        glm::dot(DVec3(plane_->normal), origin * spacing_) - static_cast<double>(plane_->offset);
+    if (slope > 0) {
+      t0 = std::max(t0, -distance / slope);
+    } else if (slope < 0) {
+      t1 = std::min(t1, -distance / slope);
+    } else if (distance < 0) {
+      return false;
+    }
+  }
+  return t0 < t1;
+}
+
+bool ReferenceTracer::track(const DVec3& origin, const DVec3& direction, double t0, double t1,
+                            Rng& rng, Collision& collision) const {
+  for (double t = t0;;) {
+    t -= std::log(1.0 - static_cast<double>(rng.uniform())) / majorant_;
+    if (!(t < t1)) {
+      return false;
+    }
+    const double value = value_at(voxel_at(origin, direction, t));
+    const double extinction = preset_.transfer.at(static_cast<float>(value)).extinction;
+    if (static_cast<double>(rng.uniform()) * majorant_ < extinction) {
+      collision = {t, value};
+      return true;
+    }
+  }
+}
+
+double ReferenceTracer::visibility(const DVec3& voxel, const Vec3& direction, Rng& rng) const {
+  double t0 = 0;
+  double t1 = std::numeric_limits<double>::max();
+  Collision collision;
+  const bool inside = clip(voxel, DVec3(direction), t0, t1);
+  return inside && track(voxel, DVec3(direction), t0, t1, rng, collision) ? 0.0 : 1.0;
+}
+
+const Vec3* ReferenceTracer::face_at(const DVec3& voxel, const DVec3& direction) const {
+  for (size_t i = 0; i < outward_.size(); ++i) {
+    const DVec3 outward(outward_[i]);
+    double offset = 0;
+    if (plane_ && i == 0) {
+      offset = -static_cast<double>(plane_->offset);
+    } else {
+      offset = glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
+    }
+    const double depth = offset - glm::dot(outward, voxel * spacing_);
+    if (depth < 0.5 * glm::length(outward * spacing_) && glm::dot(outward, direction) < 0) {
+      return &outward_[i];
+    }
+  }
+  return nullptr;
+}
+
+PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
+  PathSample sample;
+  DVec3 origin = volume_.index_from_world(camera_.position);
+  Vec3 direction = camera_.ray_direction(x, y) * volume_.direction;
+  double t0 = 0;
+  double t1 = std::numeric_limits<double>::max();
+  if (!clip(origin, DVec3(direction), t0, t1)) {
+    return sample;
+  }
+  Vec3 throughput(1);
+  for (int bounce = 0; bounce < max_bounces_; ++bounce) {
+    Collision collision;
+    if (!track(origin, DVec3(direction), t0, t1, rng, collision)) {
+      if (bounce > 0) {
+        sample.radiance += throughput * lights_.sky(direction);
+      }
+      return sample;
+    }
+    sample.hit = true;
+    const DVec3 voxel = voxel_at(origin, DVec3(direction), collision.t);
+    const Vec3 out = -direction;
+    Material m = preset_.transfer.at(static_cast<float>(collision.value));
+
+    const Vec3* const face = bounce == 0 ? face_at(voxel, DVec3(direction)) : nullptr;
+    bool surface = face != nullptr;
+    Vec3 normal = surface ? *face : Vec3(0);
+    if (!surface) {
+      DVec3 gradient;
+      for (int k = 0; k < 3; ++k) {
+        DVec3 step(0);
+        step[k] = 1;
+        gradient[k] = (value_at(voxel + step) - value_at(voxel - step)) / (2 * spacing_[k]);
+      }
+      const double steepness = glm::length(gradient);
+      surface = static_cast<double>(rng.uniform()) <
+                1.0 - std::exp(-static_cast<double>(preset_.surface_strength) * steepness);
+      if (surface) {
+        normal = Vec3(-gradient / steepness);
+        normal = glm::dot(normal, out) < 0 ? -normal : normal;
+      }
+    }
+    if (surface && bounce > 0) {
+      m.albedo = (1.0f - m.specular) * m.albedo + m.specular;
+      m.specular = 0;
+    }
+    // A face has nothing before it; elsewhere light is followed through the matter.
+    const auto light_from = [&](const Vec3& towards) {
+      return face != nullptr ? 1.0f : static_cast<float>(visibility(voxel, towards, rng));
+    };
+    for (const Lights::Key& key : lights_.keys()) {
+      const Vec3 towards = key.sample(rng.uniform(), rng.uniform());
+      Vec3 scattered(0);
+      if (surface) {
+        const float cosine = std::max(0.0f, glm::dot(normal, towards));
+        scattered = (1.0f - m.specular) * cosine * std::numbers::inv_pi_v<float> * m.albedo +
+                    m.specular * ggx::evaluate(normal, out, towards, m.roughness);
+      } else {
+        scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), preset_.phase_g);
+      }
+      if (scattered != Vec3(0)) {
+        sample.radiance += throughput * scattered * key.irradiance * light_from(towards);
+      }
+    }
+
+    const float u = rng.uniform();
+    const float v = rng.uniform();
+    if (!surface) {
+      direction = sample_henyey_greenstein(direction, preset_.phase_g, u, v);
+      throughput *= m.albedo;
+    } else if (rng.uniform() < m.specular) {
+      float weight = 0;
+      direction = ggx::sample(normal, out, m.roughness, u, v, weight);
+      throughput *= weight;
+    } else {
+      direction = sample_cosine(normal, u, v);
+      throughput *= m.albedo;
+    }
+    if (face != nullptr) {
+      sample.radiance += throughput * lights_.sky(direction);
+      return sample;
+    }
+    origin = voxel;
+    t0 = 0;
+    t1 = std::numeric_limits<double>::max();
+    if (!clip(origin, DVec3(direction), t0, t1)) {
+      sample.radiance += throughput * lights_.sky(direction);
+      return sample;
+    }
+  }
+  // The last vertex's own light from the sky.
+  Collision collision;
+  if (!track(origin, DVec3(direction), t0, t1, rng, collision)) {
+    sample.radiance += throughput * lights_.sky(direction);
+  }
+  return sample;
+}
+
+}  // namespace clipgs

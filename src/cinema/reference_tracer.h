@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+
+#include "cinema/lights.h"
+#include "cinema/path_tracer.h"
+#include "core/camera.h"
+#include "core/random.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// The same pictures as PathTracer's, computed the slow and obvious way: double precision, the
+/// volume's own floats, one majorant for all of it, no Russian roulette, a shadow ray for every
+/// light. For tests and benchmarks.
+class ReferenceTracer {
+ public:
+  /// The volume and preset must outlive the tracer.
+  ReferenceTracer(const Volume& volume, const Preset& preset, const Camera& camera,
+                  const std::optional<Plane>& plane, int max_bounces);
+
+  /// One path through image coordinates (x, y) in px.
+  PathSample trace(float x, float y, Rng& rng) const;
+
+ private:
+  using DVec3 = glm::dvec3;
+  struct Collision {
+    double t = 0;
+    double value = 0;
+  };
+
+  double value_at(const DVec3& voxel) const;
+  DVec3 voxel_at(const DVec3& origin, const DVec3& direction, double t) const {
+    return origin + t * direction / spacing_;
+  }
+  bool clip(const DVec3& origin, const DVec3& direction, double& t0, double& t1) const;
+  bool track(const DVec3& origin, const DVec3& direction, double t0, double t1, Rng& rng,
+             Collision& collision) const;
+  double visibility(const DVec3& voxel, const Vec3& direction, Rng& rng) const;
+  const Vec3* face_at(const DVec3& voxel, const DVec3& direction) const;
+
+  const Volume& volume_;
+  const Preset& preset_;
+  Camera camera_;
+  int max_bounces_;
+  Lights lights_;
+  DVec3 spacing_;
+  DVec3 last_;  // voxel index of the far corner
+  double majorant_;
+  std::optional<Plane> plane_;  // in the grid frame: normal·(voxel·spacing) >= offset is kept
+  std::vector<Vec3> outward_;   // of the faces: the plane's, then the box's −x +x −y +y −z +z
+};
+
+}  // namespace clipgs
