@@ -163,6 +163,7 @@ TEST(Load, PixelsOutsideTheScannersFieldAreAir) {
 }
 
 std::string load_error(const std::filesystem::path& path) {
+  const LibraryLeaksIgnored ignored;
   const std::string error = error_of([&] { load_volume(path); });
   EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   return error;
@@ -234,6 +235,7 @@ void expect_no_crash(const std::filesystem::path& path, const std::vector<std::u
 class Damaged : public testing::TestWithParam<const char*> {};
 
 TEST_P(Damaged, FilesGiveAVolumeOrAnError) {
+  const LibraryLeaksIgnored ignored;
   const TestFolder folder;
   const auto path = folder / GetParam();
   save_volume(path, small_volume());
@@ -243,7 +245,7 @@ TEST_P(Damaged, FilesGiveAVolumeOrAnError) {
     expect_no_crash(path, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)});
   }
   Rng rng(11);
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < 200; ++trial) {
     std::vector<std::uint8_t> bytes = whole;
     for (std::uint32_t flips = 1 + rng.below(4); flips > 0; --flips) {
       bytes[rng.below(static_cast<std::uint32_t>(bytes.size()))] ^=

@@ -8,6 +8,9 @@
 #include <string>
 #include <unistd.h>
 #include <vector>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace clipgs {
 
@@ -42,6 +45,16 @@ inline std::filesystem::path data_folder() {
   return folder != nullptr ? std::filesystem::path(folder)
                            : std::filesystem::path(CLIPGS_SOURCE_DIR) / ".." / "shared" / "data";
 }
+
+/// ITK's readers leak when they give up on a corrupt file: what is allocated while one of these
+/// lives is no leak of ours.
+#ifdef __SANITIZE_ADDRESS__
+using LibraryLeaksIgnored = __lsan::ScopedDisabler;
+#else
+struct LibraryLeaksIgnored {
+  LibraryLeaksIgnored() {}  // not trivial: its objects are meant to be unused
+};
+#endif
 
 /// Without the fsync of write_file, for tests that write hundreds of files.
 inline void write_plainly(const std::filesystem::path& path,
