@@ -103,8 +103,7 @@ size_t relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
 
 size_t grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng) {
   const size_t old_size = gaussians.size();
-  const auto wanted = static_cast<size_t>(Densification::kGrowth * static_cast<float>(old_size));
-  const size_t size = std::min(budget, wanted);
+  const size_t size = std::min(budget, old_size + old_size / Densification::kGrowthDivisor);
   if (size <= old_size) {
     return 0;
   }

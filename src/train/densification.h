@@ -13,8 +13,8 @@ namespace clipgs {
 /// ones wander. Memory is bounded by the budget.
 struct Densification {
   static constexpr float kDeadOpacity = 0.005f;
-  static constexpr float kGrowth = 1.05f;    ///< factor by which one call may grow the cloud
-  static constexpr float kNoiseRate = 5e5f;  ///< of `add_noise`, relative to the means' rate
+  static constexpr size_t kGrowthDivisor = 20;  ///< one call grows the cloud by a twentieth
+  static constexpr float kNoiseRate = 5e5f;     ///< of `add_noise`, relative to the means' rate
 };
 
 /// Moves every dead Gaussian onto a living one, drawn with probability ∝ opacity; source and copies

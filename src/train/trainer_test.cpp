@@ -1,0 +1,134 @@
+#include "train/trainer.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "cinema/make_dataset.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/parallel.h"
+#include "core/progress.h"
+#include "splat/render.h"
+#include "volume/phantom.h"
+#include "volume/preset.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One small dataset of a bone-dense ball for all tests of this file.
+class TrainerTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    Progress::set_enabled(false);
+    folder_ = fs::path(testing::TempDir()) / ("clipgs-trainer-" + std::to_string(getpid()));
+    DatasetOptions options;
+    options.size = 48;
+    options.train_frames = 10;
+    options.test_frames = 1;
+    options.train_spp = 4;
+    options.test_noise_db = 20;
+    options.seed_points = 2000;
+    make_dataset(make_ball(32, 11, 300, -1000), load_preset("soft-tissue"), folder_ / "data",
+                 options);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static Dataset dataset() { return load_dataset(folder_ / "data"); }
+  static TrainOptions options() {
+    TrainOptions options;
+    options.budget = 600;
+    options.start = 400;
+    options.steps = 240;
+    options.relocate_every = 20;
+    return options;
+  }
+  static std::vector<float> trained(Trainer& trainer) {
+    while (trainer.steps_done() < options().steps) {
+      trainer.step();
+    }
+    return trainer.gaussians().data();
+  }
+
+  static fs::path folder_;
+};
+
+fs::path TrainerTest::folder_;
+
+TEST_F(TrainerTest, LearnsAndGrowsToTheBudget) {
+  const Dataset data = dataset();
+  const auto error = [&](const Gaussians& gaussians) {
+    double sum = 0;
+    for (const Frame* frame : data.split(Split::kTrain)) {
+      const Image truth = composite(data.load(*frame), 0, 0, 0);
+      const Image picture =
+          composite(render(gaussians, frame->camera, frame->plane, ClipOperator::kExact), 0, 0, 0);
+      for (size_t i = 0; i < truth.data.size(); ++i) {
+        sum += std::pow(truth.data[i] - picture.data[i], 2);
+      }
+    }
+    return sum;
+  };
+  Trainer trainer(data, options());
+  const double before = error(trainer.gaussians());
+  trained(trainer);
+  EXPECT_LT(error(trainer.gaussians()), 0.75 * before);
+  EXPECT_EQ(trainer.gaussians().size(), options().budget);
+  for (const float v : trainer.gaussians().data()) {
+    ASSERT_TRUE(std::isfinite(v));
+  }
+}
+
+TEST_F(TrainerTest, SameBytesAtOneAndTwoThreads) {
+  std::vector<float> results[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    set_thread_count(threads);
+    Trainer trainer(dataset(), options());
+    results[threads - 1] = trained(trainer);
+  }
+  set_thread_count(0);
+  EXPECT_EQ(results[0], results[1]);
+}
+
+TEST_F(TrainerTest, ResumesFromACheckpointToTheSameBytes) {
+  Trainer whole(dataset(), options());
+  const std::vector<float> expected = trained(whole);
+
+  const fs::path checkpoint = folder_ / "checkpoint";
+  Trainer first(dataset(), options());
+  EXPECT_FALSE(first.load_checkpoint(checkpoint));
+  for (int i = 0; i < 137; ++i) {  // in the middle of an epoch
+    first.step();
+  }
+  first.save_checkpoint(checkpoint);
+  Trainer second(dataset(), options());
+  ASSERT_TRUE(second.load_checkpoint(checkpoint));
+  EXPECT_EQ(second.steps_done(), 137U);
+  EXPECT_EQ(trained(second), expected);
+}
+
+TEST_F(TrainerTest, RefusesCorruptAndForeignCheckpoints) {
+  const fs::path checkpoint = folder_ / "corrupt";
+  Trainer trainer(dataset(), options());
+  trainer.save_checkpoint(checkpoint);
+  const std::string bytes = read_text(checkpoint);
+  for (const size_t length : {size_t{0}, size_t{10}, size_t{100}, bytes.size() - 1}) {
+    write_text(checkpoint, std::string_view(bytes).substr(0, length));
+    EXPECT_THROW(trainer.load_checkpoint(checkpoint), Error) << length;
+  }
+  std::string other = bytes;
+  other[0] = 'X';
+  write_text(checkpoint, other);
+  EXPECT_THROW(trainer.load_checkpoint(checkpoint), Error);
+
+  write_text(checkpoint, bytes);
+  TrainOptions changed = options();
+  changed.seed = 2;
+  Trainer foreign(dataset(), changed);
+  EXPECT_THROW(foreign.load_checkpoint(checkpoint), Error);
+}
+
+}  // namespace
+}  // namespace clipgs
