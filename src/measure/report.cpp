@@ -184,7 +184,7 @@ std::string curve_svg(const PlotFrame& plot, const std::vector<double>& values, 
   std::string points;
   std::string dots;
   for (size_t i = 0; i < values.size(); ++i) {
-    const double x = plot.x(i, values.size());
+    const double x = PlotFrame::x(i, values.size());
     const double y = plot.y(values[i]);
     points += fmt::format("{:.1f},{:.1f} ", x, y);
     dots += fmt::format(R"(<circle cx="{:.1f}" cy="{:.1f}" r="2.5"/>)", x, y);
