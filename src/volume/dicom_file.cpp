@@ -165,7 +165,7 @@ class Walker {
       }
       constexpr std::array<std::string_view, 13> kLong{"OB", "OW", "OF", "OD", "OL", "OV", "SQ",
                                                        "UC", "UR", "UT", "UN", "SV", "UV"};
-      if (std::find(kLong.begin(), kLong.end(), name) != kLong.end()) {
+      if (std::ranges::find(kLong, name) != kLong.end()) {
         take(2);
         length = u32(take(4));
       } else {
@@ -198,7 +198,7 @@ class Walker {
     if (which == kPixelData) {
       has_pixels_ = true;
       pixels_ = {value, length};
-    } else if (std::find(kWanted.begin(), kWanted.end(), which) != kWanted.end()) {
+    } else if (std::ranges::find(kWanted, which) != kWanted.end()) {
       values_[which] = {value, length};
     }
   }
@@ -373,7 +373,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   if (error) {
     throw Error("{}: cannot be listed: {}", folder.string(), error.message());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 

@@ -44,7 +44,7 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path);
 
 /// Pixels of a single-frame grey image, slope and intercept applied, row by row. Only the pixels
 /// and the few facts above ever reach the decoder of compressed pixels. Throws Error.
-std::vector<float> read_dicom_pixels(const DicomHeader& header);
+std::vector<float> read_dicom_pixels(const DicomHeader& known);
 
 /// Headers of all DICOM images in the folder and its subfolders, in the order of their paths; other
 /// files are passed over. Throws Error.

@@ -33,7 +33,7 @@ auto stack_key(const DicomHeader& h) {
 
 void sort_slices(std::vector<DicomHeader>& slices) {
   const glm::dvec3 normal = normal_of(slices.front());
-  std::stable_sort(slices.begin(), slices.end(), [&](const DicomHeader& a, const DicomHeader& b) {
+  std::ranges::stable_sort(slices, [&](const DicomHeader& a, const DicomHeader& b) {
     return std::pair(along_normal(a, normal), a.instance) <
            std::pair(along_normal(b, normal), b.instance);
   });
@@ -60,9 +60,8 @@ double most_common(const std::vector<double>& steps) {
   double best = steps.front();
   std::ptrdiff_t best_count = 0;
   for (const double step : steps) {
-    const auto count = std::count_if(steps.begin(), steps.end(), [&](double other) {
-      return std::abs(other - step) < 0.05 * step;
-    });
+    const auto count = std::ranges::count_if(
+        steps, [&](double other) { return std::abs(other - step) < 0.05 * step; });
     if (count > best_count || (count == best_count && step < best)) {
       best = step;
       best_count = count;
@@ -269,7 +268,7 @@ void read_regular(const DicomStack& stack, std::vector<float>& values) {
   size_t at = 0;
   for (size_t i = 0; i < stack.slices.size(); ++i) {
     const std::vector<float> pixels = read_dicom_pixels(stack.slices[i]);
-    std::copy(pixels.begin(), pixels.end(), values.begin() + static_cast<std::ptrdiff_t>(at));
+    std::ranges::copy(pixels, values.begin() + static_cast<std::ptrdiff_t>(at));
     at += pixels.size();
     progress.update(i + 1);
   }
@@ -327,9 +326,8 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
     sort_slices(stack.slices);
     sorted.push_back(std::move(stack));
   }
-  std::stable_sort(sorted.begin(), sorted.end(), [](const DicomStack& a, const DicomStack& b) {
-    return a.voxels() > b.voxels();
-  });
+  std::ranges::stable_sort(
+      sorted, [](const DicomStack& a, const DicomStack& b) { return a.voxels() > b.voxels(); });
   return sorted;
 }
 
@@ -340,7 +338,7 @@ StackPlan plan_stack(const std::vector<DicomHeader>& slices, const std::string& 
     steps.push_back(along_normal(slices[i], normal) - along_normal(slices[i - 1], normal));
   }
   std::vector<double> sorted = steps;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   const double median = sorted[sorted.size() / 2];
 
   StackPlan plan;

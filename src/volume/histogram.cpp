@@ -7,9 +7,9 @@ namespace clipgs {
 
 Histogram histogram(const Volume& volume) {
   Histogram h;
-  const auto [low, high] = std::minmax_element(volume.values.begin(), volume.values.end());
-  h.min = *low;
-  h.max = *high;
+  const auto [low, high] = std::ranges::minmax(volume.values);
+  h.min = low;
+  h.max = high;
   const float scale = h.max > h.min ? Histogram::kBins / (h.max - h.min) : 0;
   for (const float value : volume.values) {
     const auto bin = static_cast<int>((value - h.min) * scale);

@@ -29,8 +29,7 @@ using RgbImage = itk::Image<itk::RGBPixel<std::uint8_t>, 3>;
 /// ITK's messages are many lines with addresses; people need the one that says why.
 std::string one_line(const itk::ExceptionObject& e) {
   std::string text = e.GetDescription();
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::isspace(c) != 0; }, ' ');
+  std::ranges::replace_if(text, [](unsigned char c) { return std::isspace(c) != 0; }, ' ');
   constexpr size_t kLongest = 160;
   return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
 }
@@ -41,8 +40,8 @@ bool ends_with(const std::string& text, std::string_view suffix) {
 
 itk::ImageIOBase::Pointer image_io(const fs::path& path) {
   std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(name, name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ends_with(name, ".nii") || ends_with(name, ".nii.gz") || ends_with(name, ".hdr") ||
       ends_with(name, ".img") || ends_with(name, ".img.gz")) {
     return itk::NiftiImageIO::New().GetPointer();

@@ -33,7 +33,7 @@ AxisMap closest_axes(const glm::dmat3& ras) {
       best_score = score;
       best.axis = order;
     }
-  } while (std::next_permutation(order.begin(), order.end()));
+  } while (std::ranges::next_permutation(order).found);
   for (int world = 0; world < 3; ++world) {
     best.sign[world] = ras[best.axis[world]][world] < 0 ? -1 : 1;
   }
@@ -166,8 +166,9 @@ Volume make_volume(const StoredImage& stored, Modality modality, const LoadOptio
                 stored.dims.x, stored.dims.y, stored.dims.z);
   }
   for (int axis = 0; axis < 3; ++axis) {
-    if (!(stored.spacing[axis] > 1e-6 && stored.spacing[axis] < 1e6) ||
-        !(std::abs(stored.origin[axis]) < 1e9)) {
+    const double spacing = stored.spacing[axis];
+    const bool sane = spacing > 1e-6 && spacing < 1e6 && std::abs(stored.origin[axis]) < 1e9;
+    if (!sane) {  // NaN too
       throw Error("{}: its spacing or origin along axis {} makes no sense; the header is corrupt",
                   where, axis);
     }

@@ -75,7 +75,7 @@ Painter::Range Painter::range_of(const Box& box) const {
           glm::min(IVec3(glm::floor(high)) + 1, volume_.dims)};
 }
 
-Box Painter::stretched_bounds(const std::vector<Segment>& segments, const Vec3& stretch) const {
+Box Painter::stretched_bounds(const std::vector<Segment>& segments, const Vec3& stretch) {
   Box box;
   for (const Segment& s : segments) {
     const Vec3 r = std::max(s.radius_a, s.radius_b) / stretch;
@@ -87,7 +87,7 @@ Box Painter::stretched_bounds(const std::vector<Segment>& segments, const Vec3& 
 
 void Painter::slice_distances(const std::vector<Segment>& segments, const Vec3& stretch,
                               const Range& range, int z, std::vector<float>& distances) const {
-  std::fill(distances.begin(), distances.end(), 1e9f);
+  std::ranges::fill(distances, 1e9f);
   const auto width = static_cast<size_t>(range.high.x - range.low.x);
   for (const Segment& s : segments) {
     const Range own = range_of(stretched_bounds({s}, stretch));

@@ -130,7 +130,7 @@ class Painter {
   }
 
   Range range_of(const Box& box) const;
-  Box stretched_bounds(const std::vector<Segment>& segments, const Vec3& stretch) const;
+  static Box stretched_bounds(const std::vector<Segment>& segments, const Vec3& stretch);
   void slice_distances(const std::vector<Segment>& segments, const Vec3& stretch,
                        const Range& range, int z, std::vector<float>& distances) const;
 

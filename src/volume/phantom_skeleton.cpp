@@ -156,9 +156,9 @@ void paint_ribs(Painter& painter) {
       if (k < 10) {
         const Vec3 end = path.back();
         const Vec3 anchor = rib_anchor(k, side);
-        Vec3 middle = under_skin(0.5f * (std::atan2(std::abs(end.x), -end.y) +
-                                         std::atan2(std::abs(anchor.x), -anchor.y)),
-                                 std::min(0.5f * (end.z + anchor.z) - 6, 205.0f), side, 20);
+        const Vec3 middle = under_skin(0.5f * (std::atan2(std::abs(end.x), -end.y) +
+                                               std::atan2(std::abs(anchor.x), -anchor.y)),
+                                       std::min(0.5f * (end.z + anchor.z) - 6, 205.0f), side, 20);
         const std::vector<Segment> c = smooth_tube({end, middle, anchor}, 4.2f, 4.5f);
         cartilages.insert(cartilages.end(), c.begin(), c.end());
       }

@@ -20,7 +20,8 @@ Vec3 before_spine(float x, float z, float gap) { return {x, spine_y(z) + 16 + ga
 
 std::vector<Segment> aorta() {
   std::vector<Vec3> path{{2, 22, 92}, {14, 30, 118}, {12, 22, 146}, {-2, 0, 160}, {-16, -26, 150}};
-  for (float z = 125; z >= -20; z -= 29) {
+  for (int level = 0; level < 6; ++level) {
+    const float z = 125 - 29.0f * static_cast<float>(level);
     path.push_back(before_spine(z > 40 ? -19.0f : -12.0f, z, z > 40 ? 2.0f : 12.0f));
   }
   std::vector<Segment> vessel = smooth_tube(path, 15, 11);

@@ -116,7 +116,7 @@ class Reader {
     const bool hex = text.size() == 7 && text[0] == '#' &&
                      text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
     if (!hex) {
-      throw Error("{}: \"{}\" must be \"#rrggbb\" or [r, g, b]", where_, key);
+      throw Error(R"({}: "{}" must be "#rrggbb" or [r, g, b])", where_, key);
     }
     const auto channel = [&](size_t at) {
       return static_cast<float>(std::stoi(text.substr(at, 2), nullptr, 16)) / 255.0f;

@@ -45,7 +45,7 @@ struct Preset {
 };
 
 /// Parses a preset; `where` names the source in errors. Throws Error.
-Preset parse_preset(const std::string& json, const std::string& name, const std::string& where);
+Preset parse_preset(const std::string& text, const std::string& name, const std::string& where);
 
 /// Names of the built-in presets, sorted.
 std::vector<std::string> preset_names();

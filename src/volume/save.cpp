@@ -25,7 +25,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// HU are whole numbers in nearly all scans: 16-bit integers then hold them exactly.
 bool fits_int16(const Volume& volume) {
-  return std::all_of(volume.values.begin(), volume.values.end(), [](float v) {
+  return std::ranges::all_of(volume.values, [](float v) {
     return v == std::round(v) && v >= std::numeric_limits<std::int16_t>::min() &&
            v <= std::numeric_limits<std::int16_t>::max();
   });

@@ -53,9 +53,9 @@ std::vector<std::vector<float>> sparse_table(std::vector<float> level0, const Pi
 template <typename Pick>
 float query(const std::vector<std::vector<float>>& levels, int first, int last, const Pick& pick) {
   const auto count = static_cast<unsigned>(last - first + 1);
-  const auto k = static_cast<size_t>(std::bit_width(count) - 1);
+  const auto k = static_cast<size_t>(std::bit_width(count | 1U) - 1);
   return pick(levels[k][static_cast<size_t>(first)],
-              levels[k][static_cast<size_t>(last + 1 - (1 << k))]);
+              levels[k][static_cast<size_t>(last) + 1 - (size_t{1} << k)]);
 }
 
 constexpr auto kLarger = [](float a, float b) { return std::max(a, b); };
@@ -67,10 +67,9 @@ TransferFunction::TransferFunction(std::vector<TransferPoint> points) : points_(
   if (points_.empty()) {
     throw Error("transfer function: at least one point is needed");
   }
-  std::for_each(points_.begin(), points_.end(), check);
-  std::stable_sort(
-      points_.begin(), points_.end(),
-      [](const TransferPoint& a, const TransferPoint& b) { return a.value < b.value; });
+  std::ranges::for_each(points_, check);
+  std::ranges::stable_sort(
+      points_, [](const TransferPoint& a, const TransferPoint& b) { return a.value < b.value; });
   min_value_ = points_.front().value;
   max_value_ = points_.back().value;
   const float range = max_value_ - min_value_;
