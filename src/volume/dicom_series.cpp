@@ -48,7 +48,8 @@ void drop_repeats(std::vector<DicomHeader>& slices, const std::string& where) {
   const auto same = [&](const DicomHeader& a, const DicomHeader& b) {
     return std::abs(along_normal(a, normal) - along_normal(b, normal)) < kSamePlace;
   };
-  slices.erase(std::unique(slices.begin(), slices.end(), same), slices.end());
+  const auto repeats = std::ranges::unique(slices, same);
+  slices.erase(repeats.begin(), repeats.end());
   if (slices.size() < before) {
     warn(fmt::format("{}: {} images share their position with another; the first of each is taken",
                      where, before - slices.size()));
