@@ -14,7 +14,6 @@
 #include "measure/evaluation.h"
 #include "measure/report.h"
 #include "splat/render.h"
-#include "splat/scene_file.h"
 
 namespace clipgs {
 
@@ -63,8 +62,7 @@ void check_outputs(const EvalArguments& arguments) {
 void run_eval(const EvalArguments& arguments) {
   const EvaluationOptions options = evaluation_options(arguments);
   check_outputs(arguments);
-  const bool is_ply = fs::path(arguments.scene).extension() == ".ply";
-  const Scene scene = is_ply ? read_scene(arguments.scene) : read_case(arguments.scene);
+  const Scene scene = load_scene(arguments.scene);
   const Dataset dataset = load_dataset(arguments.dataset);
   Evaluation evaluation = evaluate(scene, dataset, options);
   evaluation.bytes = fs::file_size(arguments.scene);

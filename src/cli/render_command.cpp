@@ -6,7 +6,6 @@
 #include "core/file.h"
 #include "core/image.h"
 #include "splat/render.h"
-#include "splat/scene_file.h"
 
 namespace clipgs {
 
@@ -28,8 +27,7 @@ void run_render(const RenderArguments& arguments) {
   const std::optional<Plane> plane = parse_plane(arguments.plane);
   const ClipOperator clip = parse_clip_operator(arguments.clip);
   require_writable(arguments.output);
-  const bool is_ply = std::filesystem::path(arguments.scene).extension() == ".ply";
-  const Scene scene = is_ply ? read_scene(arguments.scene) : read_case(arguments.scene);
+  const Scene scene = load_scene(arguments.scene);
   warn_if_plane_misses(plane, scene.bounds);
   const Camera camera = frame_sphere(scene.sphere, view, size.x, size.y);
   const auto draw = arguments.reference ? render_reference : render;
