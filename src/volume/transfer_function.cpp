@@ -53,7 +53,7 @@ std::vector<std::vector<float>> sparse_table(std::vector<float> level0, const Pi
 template <typename Pick>
 float query(const std::vector<std::vector<float>>& levels, int first, int last, const Pick& pick) {
   const auto count = static_cast<unsigned>(last - first + 1);
-  const auto k = static_cast<size_t>(std::max(std::bit_width(count) - 1, 0));
+  const auto k = static_cast<size_t>(std::bit_width(std::max(count, 1U))) - 1;
   return pick(levels[k][static_cast<size_t>(first)],
               levels[k][static_cast<size_t>(last) + 1 - (size_t{1} << k)]);
 }
