@@ -39,7 +39,7 @@ Json describe_series(const fs::path& folder) {
 
 Json describe_volume(const InfoOptions& options) {
   const Volume volume = load_volume(options.path, options.load);
-  const auto [low, high] = std::minmax_element(volume.values.begin(), volume.values.end());
+  const auto [low, high] = std::ranges::minmax(volume.values);
   Json json;
   json["kind"] = "volume";
   json["dims"] = {volume.dims.x, volume.dims.y, volume.dims.z};
@@ -49,7 +49,7 @@ Json describe_volume(const InfoOptions& options) {
   json["axes_ras"] = {list_of(volume.direction[0]), list_of(volume.direction[1]),
                       list_of(volume.direction[2])};
   json["modality"] = modality_name(volume.modality);
-  json["values"] = {*low, *high};
+  json["values"] = {low, high};
   json["auto_preset"] = choose_preset(volume).name;
   if (fs::is_directory(options.path)) {
     json["series"] = describe_series(options.path);
@@ -93,8 +93,8 @@ std::string as_text(const Json& value) {
 }
 
 void run_info(const InfoOptions& options) {
-  const auto* const kind = std::find_if(kKinds.begin(), kKinds.end(),
-                                        [&](const InfoKind& k) { return k.matches(options.path); });
+  const auto* const kind =
+      std::ranges::find_if(kKinds, [&](const InfoKind& k) { return k.matches(options.path); });
   const Json json = kind->describe(options);
   if (options.json) {
     fmt::print("{}\n", json.dump(2));
