@@ -187,6 +187,10 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   EXPECT_EQ(json.at("rows").size(), 6U);  // two splits, three operators
   EXPECT_THAT(read_text(at("report.html")), HasSubstr("ot for diagnosis"));
 
+  const Finished dataset = run_clipgs({"info", at("case.clipgs-work/dataset"), "--json"});
+  ASSERT_EQ(dataset.status, 0) << dataset.err;
+  EXPECT_EQ(nlohmann::json::parse(dataset.out).at("train").at("pictures"), 8);
+
   // A case cut short is refused.
   const std::string bytes = read_text(at("case.sog"));
   write_text(at("cut.sog"), std::string_view(bytes).substr(0, bytes.size() * 2 / 3));

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/commands.h"
-#include "cli/info_case.h"
+#include "cli/info_kinds.h"
 #include "cli/volume_options.h"
 #include "volume/load.h"
 #include "volume/preset.h"
@@ -69,10 +69,11 @@ bool is_volume(const fs::path& /*path*/) {
 
 Json describe_case_at(const InfoOptions& options) { return describe_case(options.path); }
 Json describe_scene_at(const InfoOptions& options) { return describe_scene(options.path); }
+Json describe_dataset_at(const InfoOptions& options) { return describe_dataset(options.path); }
 
-constexpr std::array kKinds{InfoKind{is_case, describe_case_at},
-                            InfoKind{is_scene, describe_scene_at},
-                            InfoKind{is_volume, describe_volume}};
+constexpr std::array kKinds{
+    InfoKind{is_case, describe_case_at}, InfoKind{is_dataset, describe_dataset_at},
+    InfoKind{is_scene, describe_scene_at}, InfoKind{is_volume, describe_volume}};
 
 std::string as_text(const Json& value) {
   if (value.is_string()) {
@@ -114,7 +115,8 @@ void add_info_command(CLI::App& app) {
   command->footer("Example: clipgs info ct-folder/ --json");
   command
       ->add_option("FILE", options->path,
-                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), case (.sog) or scene (.ply)")
+                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), dataset folder, case (.sog) or "
+                   "scene (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
   add_volume_options(*command, options->load);

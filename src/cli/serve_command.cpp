@@ -63,20 +63,19 @@ void run_serve(const ServeArguments& arguments) {
 
   Server server(arguments.server);
   announce(server, arguments);
-  std::exception_ptr failure;
-  const pthread_t waiting = pthread_self();
-  std::thread serving([&] {
-    try {
-      server.run();
-    } catch (...) {
-      failure = std::current_exception();
-      pthread_kill(waiting, SIGTERM);
-    }
+  std::thread waiting([&] {
+    int signal = 0;
+    sigwait(&endings, &signal);
+    server.stop();
   });
-  int signal = 0;
-  sigwait(&endings, &signal);
-  server.stop();
-  serving.join();
+  std::exception_ptr failure;
+  try {
+    server.run();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  pthread_kill(waiting.native_handle(), SIGINT);  // wakes it where no signal has
+  waiting.join();
   if (failure) {
     std::rethrow_exception(failure);
   }

@@ -5,11 +5,14 @@
 
 namespace clipgs {
 
-// What `clipgs info` says of cases and scenes.
+// What `clipgs info` says of each kind of file but volumes.
 bool is_case(const std::filesystem::path& path);
 nlohmann::ordered_json describe_case(const std::filesystem::path& path);
 
 bool is_scene(const std::filesystem::path& path);
 nlohmann::ordered_json describe_scene(const std::filesystem::path& path);
+
+bool is_dataset(const std::filesystem::path& path);
+nlohmann::ordered_json describe_dataset(const std::filesystem::path& path);
 
 }  // namespace clipgs

@@ -1,8 +1,7 @@
-#include "cli/info_case.h"
-
 #include <nlohmann/json.hpp>
 
 #include "asset/case.h"
+#include "cli/info_kinds.h"
 #include "splat/scene_file.h"
 
 namespace clipgs {
