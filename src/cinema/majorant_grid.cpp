@@ -10,6 +10,7 @@ MajorantGrid::MajorantGrid(const VoxelGrid& grid, const TransferFunction& transf
   majorants_.assign(static_cast<size_t>(stride_[2]) * static_cast<size_t>(cells_.z + 2), 0.0f);
   find_majorants(grid, transfer);
   find_leaps();
+  find_mask(grid, transfer);
 }
 
 void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction& transfer) {
@@ -82,6 +83,47 @@ void MajorantGrid::find_leaps() {
             free = std::min<int>(free, leap[neighbour]);
           }
           leap[cell] = static_cast<std::uint8_t>(free + 1);
+        }
+      }
+    }
+  });
+}
+
+void MajorantGrid::find_mask(const VoxelGrid& grid, const TransferFunction& transfer) {
+  const IVec3 dims = grid.dims();
+  mask_stride_y_ = (dims.x + 63) / 64 * 64;
+  mask_stride_z_ = mask_stride_y_ * dims.y;
+  mask_.assign(static_cast<size_t>(mask_stride_z_ * dims.z / 64), 0);
+  // Which codes show matter as interpolation reaches them, by the largest code seen so far: a table
+  // of the next visible code at or above each answers "is any of [low, high] visible" at once.
+  constexpr int kCodes = 1 << 16;
+  std::vector<int> next_visible(kCodes + 1, kCodes);
+  for (int code = kCodes - 1; code >= 0; --code) {
+    const float value = static_cast<float>(code);
+    const bool visible = transfer.max_extinction(grid.value(value - 1), grid.value(value + 1)) > 0;
+    next_visible[static_cast<size_t>(code)] =
+        visible ? code : next_visible[static_cast<size_t>(code) + 1];
+  }
+  parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t begin, size_t) {
+    const int z = static_cast<int>(begin);
+    for (int y = 0; y < dims.y; ++y) {
+      for (int x = 0; x < dims.x; ++x) {
+        const IVec3 cell = glm::min(IVec3(x, y, z) / kCell, cells_ - 1);
+        if (!(majorant(cell.x, cell.y, cell.z) > 0)) {
+          x = std::max(x, (cell.x + 1) * kCell - 1);
+          continue;
+        }
+        std::uint16_t low = std::numeric_limits<std::uint16_t>::max();
+        std::uint16_t high = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const std::uint16_t code =
+              grid.code(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
+          low = std::min(low, code);
+          high = std::max(high, code);
+        }
+        if (next_visible[low] <= high) {
+          const std::ptrdiff_t bit = z * mask_stride_z_ + y * mask_stride_y_ + x;
+          mask_[static_cast<size_t>(bit >> 6)] |= std::uint64_t{1} << (bit & 63);
         }
       }
     }

@@ -16,6 +16,8 @@ namespace clipgs {
 /// ray leaps over air in a few steps.
 class MajorantGrid {
  public:
+  /// Side of the macrocells, voxels. Small cells bound tightly, so that tracking wastes few
+  /// look-ups where a surface crosses a cell; smaller ones yet would outgrow the caches.
   static constexpr int kCell = 4;
 
   MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer);
@@ -86,6 +88,13 @@ class MajorantGrid {
     return majorants_[static_cast<size_t>((x + 1) * stride_[0] + (y + 1) * stride_[1] +
                                           (z + 1) * stride_[2])];
   }
+  /// False if there is no matter anywhere between voxel (x, y, z) and its next neighbours, which
+  /// are the eight voxels that interpolation at such a position sees; each index in [0, dims).
+  bool has_matter(int x, int y, int z) const {
+    const std::ptrdiff_t bit = z * mask_stride_z_ + y * mask_stride_y_ + x;
+    return ((mask_[static_cast<size_t>(bit >> 6)] >> (bit & 63)) & 1U) != 0;
+  }
+
   /// Voxel-space box of the cells that are not empty; empty if all are.
   const Box& occupied() const { return occupied_; }
 
@@ -96,11 +105,15 @@ class MajorantGrid {
 
   void find_majorants(const VoxelGrid& grid, const TransferFunction& transfer);
   void find_leaps();
+  void find_mask(const VoxelGrid& grid, const TransferFunction& transfer);
 
   IVec3 cells_{0};
   std::array<std::ptrdiff_t, 3> stride_{};
-  std::vector<float> majorants_;     // [cells.z + 2, cells.y + 2, cells.x + 2], empty border
-  std::vector<std::uint8_t> leaps_;  // [8 octants] of the same
+  std::vector<float> majorants_;      // [cells.z + 2, cells.y + 2, cells.x + 2], empty border
+  std::vector<std::uint8_t> leaps_;   // [8 octants] of the same
+  std::ptrdiff_t mask_stride_y_ = 0;  // bits, a multiple of 64
+  std::ptrdiff_t mask_stride_z_ = 0;
+  std::vector<std::uint64_t> mask_;
   Box occupied_;
 };
 

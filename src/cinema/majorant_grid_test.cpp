@@ -66,14 +66,20 @@ TEST(MajorantGrid, BoundsTheExtinctionEverywhere) {
   const MajorantGrid majorants(grid, f.transfer);
   Rng rng(5);
   int visible = 0;
+  int air = 0;
   for (int i = 0; i < 200000; ++i) {
     const Vec3 voxel = random_point(rng, Vec3(f.volume.dims - 1));
     const IVec3 cell = IVec3(voxel / static_cast<float>(MajorantGrid::kCell));
     const float extinction = f.transfer.at(grid.value(grid.sample(voxel))).extinction;
     visible += extinction > 0 ? 1 : 0;
     ASSERT_LE(extinction, majorants.majorant(cell.x, cell.y, cell.z));
+    const IVec3 low = IVec3(voxel);
+    const bool has_matter = majorants.has_matter(low.x, low.y, low.z);
+    ASSERT_TRUE(has_matter || extinction == 0);
+    air += has_matter ? 0 : 1;
   }
   EXPECT_GT(visible, 500);
+  EXPECT_GT(air, 100000);
 }
 
 // The optical depth of the majorants along random rays, by the walk and by small steps.

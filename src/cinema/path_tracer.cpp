@@ -88,9 +88,8 @@ PathTracer::Ray PathTracer::camera_ray(float x, float y) const {
 // Intersects [t0, t1] with the occupied box and the kept half space; false if nothing is left.
 bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
   for (int k = 0; k < 3; ++k) {
-    const float step = std::abs(ray.step[k]) > 1e-20f ? ray.step[k] : 1e-20f;
-    const float a = (box_min_[k] - ray.origin[k]) / step;
-    const float b = (box_max_[k] - ray.origin[k]) / step;
+    const float a = (box_min_[k] - ray.origin[k]) * ray.inverse[k];
+    const float b = (box_max_[k] - ray.origin[k]) * ray.inverse[k];
     t0 = std::max(t0, std::min(a, b));
     t1 = std::min(t1, std::max(a, b));
   }
@@ -112,10 +111,8 @@ bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
 float PathTracer::exit(const Ray& ray) const {
   float t1 = kFar;
   for (int k = 0; k < 3; ++k) {
-    if (std::abs(ray.step[k]) > 1e-20f) {
-      const float side = ray.step[k] > 0 ? box_max_[k] : box_min_[k];
-      t1 = std::min(t1, (side - ray.origin[k]) / ray.step[k]);
-    }
+    const float side = ray.step[k] > 0 ? box_max_[k] : box_min_[k];
+    t1 = std::min(t1, (side - ray.origin[k]) * ray.inverse[k]);
   }
   if (cut_) {
     const float slope = glm::dot(plane_gradient_, ray.step);
@@ -126,6 +123,16 @@ float PathTracer::exit(const Ray& ray) const {
   return t1;
 }
 
+// Where a ray leaves the unit cube of voxel space with its low corner at `low`.
+float PathTracer::leave(const Ray& ray, const IVec3& low) {
+  float t = kFar;
+  for (int k = 0; k < 3; ++k) {
+    const float side = static_cast<float>(low[k] + (ray.step[k] > 0 ? 1 : 0));
+    t = std::min(t, (side - ray.origin[k]) * ray.inverse[k]);
+  }
+  return t;
+}
+
 // Delta tracking: the first real collision after `optical_depth` of tentative ones.
 bool PathTracer::track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
                        Collision& collision) const {
@@ -133,27 +140,35 @@ bool PathTracer::track(const Ray& ray, float t0, float t1, float optical_depth, 
     return false;
   }
   const VoxelGrid& grid = scene_.grid();
-  return scene_.majorants().walk(ray.origin, ray.step, t0, t1,
-                                 [&](float majorant, float t, float end) {
-                                   while (true) {
-                                     const float next = t + optical_depth / majorant;
-                                     if (!(next < end)) {
-                                       optical_depth -= majorant * (end - t);
-                                       return false;
-                                     }
-                                     t = next;
-                                     const float code = grid.sample(ray.origin + t * ray.step);
-                                     if (rng.uniform() * majorant < scene_.extinction(code)) {
-                                       collision = {t, code};
-                                       return true;
-                                     }
-                                     optical_depth = free_path(rng.uniform());
-                                   }
-                                 });
+  const MajorantGrid& majorants = scene_.majorants();
+  const auto visit = [&](float majorant, float t, float end) {
+    while (true) {
+      const float next = t + optical_depth / majorant;
+      if (!(next < end)) {
+        optical_depth -= majorant * (end - t);
+        return false;
+      }
+      t = next;
+      const Vec3 voxel = ray.origin + t * ray.step;
+      const IVec3 low(voxel);
+      if (!majorants.has_matter(low.x, low.y, low.z)) {
+        // Air: on to where the ray leaves these eight voxels. Free paths have no memory.
+        t = std::max(t, leave(ray, low));
+      } else {
+        const float code = grid.sample(voxel);
+        if (rng.uniform() * majorant < scene_.extinction(code)) {
+          collision = {t, code};
+          return true;
+        }
+      }
+      optical_depth = free_path(rng.uniform());
+    }
+  };
+  return majorants.walk(ray.origin, ray.step, t0, t1, visit);
 }
 
-// Unbiased estimate of the transmittance to the light: ratio tracking, with Russian roulette once
-// little is left.
+// Unbiased estimate of the transmittance to the light: 1 or 0. (Ratio tracking would be less noisy
+// in mist, but looks up much more in solid tissue.)
 float PathTracer::transmittance(const Ray& ray, Rng& rng) const {
   const float t1 = exit(ray);
   if (t1 <= 0) {

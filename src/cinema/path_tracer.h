@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -77,6 +78,7 @@ class PathTracer {
     Vec3 origin;     // voxel space
     Vec3 direction;  // grid frame, unit
     Vec3 step;       // voxels per mm
+    Vec3 inverse;    // mm per voxel, finite
   };
   struct Collision {
     float t = 0;  // mm
@@ -92,11 +94,16 @@ class PathTracer {
   };
 
   Ray make_ray(const Vec3& origin, const Vec3& direction) const {
-    return {origin, direction, scene_.voxel_direction(direction)};
+    Ray ray{origin, direction, scene_.voxel_direction(direction), Vec3(0)};
+    for (int k = 0; k < 3; ++k) {
+      ray.inverse[k] = 1.0f / (std::abs(ray.step[k]) > 1e-20f ? ray.step[k] : 1e-20f);
+    }
+    return ray;
   }
   Ray camera_ray(float x, float y) const;
   bool clip(const Ray& ray, float& t0, float& t1) const;
   float exit(const Ray& ray) const;
+  static float leave(const Ray& ray, const IVec3& low);
   bool track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
              Collision& collision) const;
   float transmittance(const Ray& ray, Rng& rng) const;
