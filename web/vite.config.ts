@@ -7,7 +7,13 @@ const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "build");
 export default defineConfig({
   base: "./",
   resolve: { alias: { "@wasm": out } },
-  build: { outDir: resolve(out, "dist"), emptyOutDir: true, target: "es2022", assetsInlineLimit: 0 },
+  build: {
+    outDir: resolve(out, "dist"),
+    emptyOutDir: true,
+    target: "es2022",
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 800,
+  },
   worker: { format: "es" },
   server: {
     fs: { allow: [".", out] },

@@ -42,7 +42,8 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     ready,
     stats: viewer.stats,
     open: (name) => app.open(name),
-    setView: ({ azimuth, elevation, zoom = 1 }) => viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
+    setView: ({ azimuth, elevation, zoom = 1 }) =>
+      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
     setPlane: (plane) => {
       if (plane) {
         const normal = new Vector3(...plane.normal);

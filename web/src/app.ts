@@ -10,6 +10,7 @@ import { PointerControls } from "./ui/pointer";
 import { Viewer } from "./viewer";
 
 const kLinkDelayMs = 300;
+const kStatsIntervalMs = 250;
 
 /** The page: the viewer's canvas, the panels around it, and the address that says what is shown. */
 export class App {
@@ -25,11 +26,20 @@ export class App {
   #cases: CaseSummary[] = [];
   #opening = 0;
   #linkTimer = 0;
+  #statsTimer = 0;
   #fixedSize: { width: number; height: number } | undefined;
 
   constructor(root: HTMLElement) {
-    const canvas = h("canvas", { class: "stage", tabindex: "0", "aria-label": "The case in three dimensions" });
-    const link = h("button", { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) }, icon(kIcons.link));
+    const canvas = h("canvas", {
+      class: "stage",
+      tabindex: "0",
+      "aria-label": "The case in three dimensions",
+    });
+    const link = h(
+      "button",
+      { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) },
+      icon(kIcons.link),
+    );
     root.append(canvas);
     this.viewer = new Viewer(canvas);
     this.#panel = new PlanePanel(this.viewer);
@@ -38,10 +48,23 @@ export class App {
       h(
         "header",
         { class: "bar" },
-        h("button", { class: "case-button", title: "Cases (M)", onclick: () => void this.#showMenu() },
-          h("span", { class: "brand" }, "clipgs"), this.#title, icon(kIcons.chevron)),
-        h("span", { class: "buttons" }, link,
-          h("button", { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() }, icon(kIcons.help))),
+        h(
+          "button",
+          { class: "case-button", title: "Cases (M)", onclick: () => void this.#showMenu() },
+          h("span", { class: "brand" }, "clipgs"),
+          this.#title,
+          icon(kIcons.chevron),
+        ),
+        h(
+          "span",
+          { class: "buttons" },
+          link,
+          h(
+            "button",
+            { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() },
+            icon(kIcons.help),
+          ),
+        ),
       ),
       this.#panel.element,
       this.#cube.element,
@@ -53,8 +76,12 @@ export class App {
     );
     new PointerControls(this.viewer, (mm) => this.#panel.step(mm));
     this.viewer.changed = () => this.#update();
-    this.viewer.drawnFrame = () => this.#updateStats();
-    new ResizeObserver(() => this.viewer.resize()).observe(canvas);
+    this.viewer.drawnFrame = () => {
+      this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
+    };
+    const resized = new ResizeObserver(() => this.#resize());
+    resized.observe(canvas);
+    resized.observe(this.#panel.element);
     addEventListener("keydown", (event) => this.#key(event));
     addEventListener("hashchange", () => void this.#follow().catch(() => {}));
     this.#update();
@@ -83,14 +110,21 @@ export class App {
       }
       const first = this.viewer.info === null && parseLink(location.hash).view === undefined;
       const file = known?.file ?? `cases/${encodeURIComponent(name)}.sog`;
-      await this.viewer.open(name, file, (share) => opening === this.#opening && this.#setProgress(0.9 * share));
+      await this.viewer.open(
+        name,
+        file,
+        (share) => opening === this.#opening && this.#setProgress(0.9 * share),
+      );
       if (first) {
         this.#panel.reset();
       }
     } catch (error) {
       if (opening === this.#opening) {
         const text = error instanceof Error ? error.message : String(error);
-        this.#fail(`${name}: ${text}`, () => void this.open(name).catch(() => {}));
+        this.#fail(
+          text.startsWith(name) ? text : `${name}: ${text}`,
+          () => void this.open(name).catch(() => {}),
+        );
       }
       throw error;
     } finally {
@@ -131,9 +165,22 @@ export class App {
   #setSize(size: { width: number; height: number } | undefined): void {
     this.#fixedSize = size;
     document.body.classList.toggle("picture-only", size !== undefined);
+    this.viewer.background = size === undefined;
     this.viewer.canvas.style.width = size ? `${size.width}px` : "";
     this.viewer.canvas.style.height = size ? `${size.height}px` : "";
-    this.viewer.resize();
+    this.#resize();
+  }
+
+  /** Frames the case in what the panel leaves free: it stands at the right, or below on a narrow page. */
+  #resize(): void {
+    const { clientWidth, clientHeight } = this.viewer.canvas;
+    const box = this.#panel.element.getBoundingClientRect();
+    const shown = box.width > 0;
+    const below = box.width >= clientWidth;
+    this.viewer.resize({
+      right: shown && !below ? clientWidth - box.left : 0,
+      bottom: shown && below ? clientHeight - box.top : 0,
+    });
   }
 
   #update(): void {
@@ -144,6 +191,7 @@ export class App {
   }
 
   #updateStats(): void {
+    this.#statsTimer = 0;
     const { frameMs, sortMs, drawn, total, scale } = this.viewer.stats;
     if (total === 0) {
       return;
@@ -189,9 +237,22 @@ export class App {
     this.#message.replaceChildren(
       icon(kIcons.warning),
       h("p", {}, text),
-      h("div", { class: "row" },
+      h(
+        "div",
+        { class: "row" },
         h("button", { class: "solid", onclick: () => void this.#showMenu() }, "Choose a case"),
-        h("button", { class: "solid quiet", onclick: () => { this.#message.hidden = true; again(); } }, "Try again")),
+        h(
+          "button",
+          {
+            class: "solid quiet",
+            onclick: () => {
+              this.#message.hidden = true;
+              again();
+            },
+          },
+          "Try again",
+        ),
+      ),
     );
     this.#message.hidden = false;
   }
@@ -215,7 +276,9 @@ export class App {
       "1": () => this.viewer.setClip("hard"),
       "2": () => this.viewer.setClip("soft"),
       "3": () => this.viewer.setClip("exact"),
-      ...(inSlider ? {} : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
+      ...(inSlider
+        ? {}
+        : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];
     if (action) {

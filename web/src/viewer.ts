@@ -1,14 +1,25 @@
-import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Ray, Scene, Vector3, WebGLRenderer } from "three";
+import {
+  ColorManagement,
+  LinearSRGBColorSpace,
+  PerspectiveCamera,
+  Ray,
+  Scene,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
 import { kWorldFromPatient, type Plane } from "./model/geometry";
 import type { Grip } from "./model/plane_drag";
-import { applyView, type View, viewFrom } from "./model/view";
+import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
+import { FullScreenPass } from "./render/full_screen";
 import { GpuScene } from "./render/gpu_scene";
 import { PlaneWidget } from "./render/plane_widget";
 import { writeSortView } from "./render/scene_camera";
 import { type Picture, SplatLayer } from "./render/splat_layer";
 import { SplatMesh } from "./render/splat_mesh";
+import { CaseError } from "./sog/zip";
 import { CaseClient } from "./worker/case_client";
 import { type ClipOperator, kViewFloats } from "./worker/protocol";
 
@@ -25,7 +36,7 @@ export interface ViewerStats {
   sortMs: number; // culling and sorting, in the worker
   drawn: number; // splats
   total: number;
-  scale: number; // resolution while something moves, 1: full
+  scale: number; // resolution of the picture shown, 1: full
 }
 
 interface OpenCase {
@@ -39,9 +50,11 @@ interface OpenCase {
 
 /** Without changes for this long the picture is drawn at full resolution. */
 const kSettleMs = 160;
-const kSlowFrameMs = 40;
-const kFastFrameMs = 20;
-const kMinScale = 0.4;
+/** While something moves, resolution is given up for frames of this length. */
+const kFrameMs = 30;
+const kMinScale = 0.35;
+/** The first frames of a case compile and upload: they say nothing about speed. */
+const kWarmUpFrames = 4;
 const kMaxPixelRatio = 2;
 const kMmFromWorld = kWorldFromPatient.clone().invert();
 
@@ -61,6 +74,10 @@ export class Viewer {
   readonly #scene = new Scene();
   readonly #layer: SplatLayer;
   readonly #widget = new PlaneWidget();
+  readonly #background = new FullScreenPass("background.frag.glsl", {
+    uSize: { value: new Vector2() },
+    uCenter: { value: new Vector2() },
+  });
   readonly #client = new CaseClient();
   #case: OpenCase | null = null;
   #width = 1; // CSS px
@@ -71,13 +88,29 @@ export class Viewer {
   #canvasStale = true;
   #capturing = false;
   #lastChange = 0;
-  #lastSplatFrame = 0;
+  #movingScale = 1; // resolution while something moves
+  #inset: Inset = { right: 0, bottom: 0 };
+  #ticks = 0; // animation frames, and of the last one that drew splats: its number and time
+  #splatTick = -1;
+  #splatTime = 0;
+  #splatFrames = 0; // of this case
   #firstFrame: (() => void)[] = [];
 
   constructor(canvas: HTMLCanvasElement) {
     ColorManagement.enabled = false; // colours are display sRGB from the file to the screen
     this.canvas = canvas;
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+    // An opaque canvas, which three.js does not ask for by itself, spares the page a layer to blend.
+    const context = canvas.getContext("webgl2", {
+      alpha: false,
+      antialias: false,
+      powerPreference: "high-performance",
+    });
+    if (!context) {
+      throw new CaseError(
+        "this browser has no WebGL 2, which the viewer needs; update it or turn acceleration on",
+      );
+    }
+    this.#renderer = new WebGLRenderer({ canvas, context });
     this.#renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#renderer.autoClear = false;
     this.#renderer.setClearColor(0, 0);
@@ -87,7 +120,7 @@ export class Viewer {
       this.#case?.mesh.invalidateColors();
       this.#touch();
     });
-    this.resize();
+    this.resize(this.#inset);
     requestAnimationFrame(this.#frame);
   }
 
@@ -111,14 +144,19 @@ export class Viewer {
     mesh.matrixWorld.copy(mesh.matrix);
     const spare = new Uint32Array(scene.capacity);
     this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, spare };
+    this.#splatFrames = 0;
     this.#widget.setSphere(info.sphere);
     this.stats.total = loaded.scene.count;
     this.#touch();
     await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
   }
 
-  /** Fits the drawing buffer to the canvas's size on the page. */
-  resize(): void {
+  /** A gradient behind the case, or black. */
+  background = true;
+
+  /** Fits the drawing buffer to the canvas's size on the page; `inset` (CSS px) is covered by panels. */
+  resize(inset: Inset): void {
+    this.#inset = inset;
     const { clientWidth, clientHeight } = this.canvas;
     this.#width = Math.max(1, clientWidth);
     this.#height = Math.max(1, clientHeight);
@@ -161,9 +199,18 @@ export class Viewer {
     return this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
   }
 
+  /** CSS px. */
+  get focalLength(): number {
+    return focalLength(
+      this.state.view.zoom,
+      this.#width - this.#inset.right,
+      this.#height - this.#inset.bottom,
+    );
+  }
+
   /** Where a point (RAS mm) appears, CSS px from the canvas's top left; null behind the camera. */
   project(point: Vector3): { x: number; y: number } | null {
-    this.#placeCamera(this.#width, this.#height);
+    this.#placeCamera();
     const p = point.clone().applyMatrix4(kWorldFromPatient);
     if (p.clone().applyMatrix4(this.#camera.matrixWorldInverse).z >= 0) {
       return null;
@@ -174,8 +221,10 @@ export class Viewer {
 
   /** The ray (RAS mm) through a place on the canvas, CSS px. */
   ray(x: number, y: number): Ray {
-    this.#placeCamera(this.#width, this.#height);
-    const through = new Vector3((2 * x) / this.#width - 1, 1 - (2 * y) / this.#height, 0.5).unproject(this.#camera);
+    this.#placeCamera();
+    const through = new Vector3((2 * x) / this.#width - 1, 1 - (2 * y) / this.#height, 0.5).unproject(
+      this.#camera,
+    );
     const origin = this.#camera.position.clone().applyMatrix4(kMmFromWorld);
     return new Ray(origin, through.applyMatrix4(kMmFromWorld).sub(origin).normalize());
   }
@@ -189,9 +238,10 @@ export class Viewer {
     }
     this.#capturing = true;
     try {
-      this.#placeCamera(width, height);
+      const noInset = { right: 0, bottom: 0 };
+      this.#placeCamera(width, height, noInset);
       await this.#sort(current, width, height);
-      this.#placeCamera(width, height);
+      this.#placeCamera(width, height, noInset);
       return await this.#layer.read(current.mesh, this.#camera, width, height);
     } finally {
       this.#capturing = false;
@@ -204,6 +254,7 @@ export class Viewer {
     this.#case?.mesh.free();
     this.#widget.dispose();
     this.#layer.dispose();
+    this.#background.dispose();
     this.#renderer.dispose();
   }
 
@@ -215,9 +266,9 @@ export class Viewer {
     this.changed();
   }
 
-  #placeCamera(width: number, height: number): void {
+  #placeCamera(width = this.#width, height = this.#height, inset = this.#inset): void {
     const sphere = this.#case?.info.sphere ?? { center: new Vector3(), radius: 100 };
-    applyView(this.#camera, this.state.view, sphere, width, height);
+    applyView(this.#camera, this.state.view, sphere, width, height, inset);
   }
 
   async #sortDone(): Promise<void> {
@@ -245,22 +296,22 @@ export class Viewer {
 
   readonly #frame = (now: number): void => {
     requestAnimationFrame(this.#frame);
+    ++this.#ticks;
     if (this.#capturing) {
       return;
     }
     const current = this.#case;
-    const settled = now - this.#lastChange > kSettleMs;
     if (current) {
-      this.#placeCamera(this.#width, this.#height);
+      this.#placeCamera();
       if (this.#orderStale && !this.#client.sorting) {
         this.#orderStale = false;
         void this.#sort(current, this.#width, this.#height).then(() => this.#firstOrder());
       }
-      if (settled && this.stats.scale < 1) {
-        this.#drawSplats(current, 1);
-        this.stats.scale = 1;
-      } else if (this.#splatsStale) {
-        this.#drawSplats(current, this.#govern(now, settled));
+      // Where a frame takes long, so do the pauses within a movement.
+      const moving = now - this.#lastChange < Math.max(kSettleMs, 2 * this.stats.frameMs);
+      if (this.#splatsStale || (!moving && this.stats.scale < 1)) {
+        this.#measure(now);
+        this.#drawSplats(current, moving ? this.#movingScale : 1);
       }
     }
     if (this.#canvasStale) {
@@ -278,25 +329,25 @@ export class Viewer {
     }
   }
 
-  /** The resolution at which this frame of a movement is drawn, from how long the last ones took. */
-  #govern(now: number, settled: boolean): number {
-    const elapsed = now - this.#lastSplatFrame;
-    this.#lastSplatFrame = now;
-    if (settled || elapsed > 1000) {
-      return this.stats.scale;
+  /** From the time between two frames in a row: how long one takes, and the resolution for the next. */
+  #measure(now: number): void {
+    const elapsed = now - this.#splatTime;
+    const inRow = this.#splatTick === this.#ticks - 1;
+    this.#splatTick = this.#ticks;
+    this.#splatTime = now;
+    if (!inRow || ++this.#splatFrames < kWarmUpFrames) {
+      return;
     }
-    this.stats.frameMs = this.stats.frameMs > 0 ? 0.8 * this.stats.frameMs + 0.2 * elapsed : elapsed;
-    if (this.stats.frameMs > kSlowFrameMs) {
-      this.stats.scale = Math.max(kMinScale, 0.92 * this.stats.scale);
-    } else if (this.stats.frameMs < kFastFrameMs) {
-      this.stats.scale = Math.min(1, 1.05 * this.stats.scale);
-    }
-    return this.stats.scale;
+    const { stats } = this;
+    stats.frameMs = stats.frameMs > 0 ? 0.8 * stats.frameMs + 0.2 * elapsed : elapsed;
+    const step = Math.min(1.05, Math.max(0.7, Math.sqrt(kFrameMs / stats.frameMs)));
+    this.#movingScale = Math.min(1, Math.max(kMinScale, this.#movingScale * step));
   }
 
   #drawSplats(current: OpenCase, scale: number): void {
     this.#splatsStale = false;
     this.#canvasStale = true;
+    this.stats.scale = scale;
     current.mesh.setClip(this.state.plane, this.state.clip);
     this.#layer.draw(current.mesh, this.#camera, scale);
   }
@@ -305,6 +356,14 @@ export class Viewer {
     this.#widget.setPlane(this.state.handle && this.#case ? this.state.plane : null);
     this.#widget.update(this.#camera, this.#height);
     this.#renderer.clear();
+    if (this.background) {
+      const { uSize, uCenter } = this.#background.uniforms;
+      const ratio = this.#renderer.getPixelRatio();
+      const size = this.#renderer.getDrawingBufferSize(uSize!.value as Vector2);
+      const { right, bottom } = this.#inset;
+      (uCenter!.value as Vector2).set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
+      this.#background.render(this.#renderer, null);
+    }
     this.#renderer.render(this.#scene, this.#camera);
   }
 }

@@ -61,7 +61,8 @@ function similarity(value: unknown, key: string): Matrix4 {
   const scale = axes[0].length();
   const tolerance = 1e-4 * scale;
   const even = axes.every((a) => Math.abs(a.length() - scale) < tolerance);
-  const upright = Math.abs(axes[0].dot(axes[1])) + Math.abs(axes[1].dot(axes[2])) + Math.abs(axes[2].dot(axes[0]));
+  const upright =
+    Math.abs(axes[0].dot(axes[1])) + Math.abs(axes[1].dot(axes[2])) + Math.abs(axes[2].dot(axes[0]));
   if (!(scale > 0) || !even || upright > tolerance * scale || matrix.determinant() <= 0) {
     fail(key);
   }
@@ -71,7 +72,9 @@ function similarity(value: unknown, key: string): Matrix4 {
 /** Throws CaseError. */
 export function parseCaseInfo(block: unknown): CaseInfo {
   if (block === undefined) {
-    throw new CaseError("this SOG has no clipgs block, which says how it lies in the patient; make it with clipgs pack");
+    throw new CaseError(
+      "this SOG has no clipgs block, which says how it lies in the patient; make it with clipgs pack",
+    );
   }
   if (member(block, "version") !== 1) {
     throw new CaseError("the case is of a version that this viewer does not know; use a newer clipgs");

@@ -55,8 +55,20 @@ export function projectBox(box: Box, normal: Vector3): [number, number] {
 
 /** RAS mm → the viewer's world: metres, y up, the patient upright and facing +z. */
 export const kWorldFromPatient = new Matrix4().set(
-  -0.001, 0, 0, 0,
-  0, 0, 0.001, 0,
-  0, 0.001, 0, 0,
-  0, 0, 0, 1,
+  -0.001,
+  0,
+  0,
+  0,
+  0,
+  0,
+  0.001,
+  0,
+  0,
+  0.001,
+  0,
+  0,
+  0,
+  0,
+  0,
+  1,
 );

@@ -75,12 +75,22 @@ export function formatLink(link: Link): string {
     const { azimuth, elevation, zoom, pan } = link.view;
     parts.push(`view=${rounded(azimuth, 2)},${rounded(elevation, 2)},${rounded(zoom, 3)}`);
     if (pan.lengthSq() > 0) {
-      parts.push(`pan=${pan.toArray().map((v) => rounded(v, 2)).join(",")}`);
+      parts.push(
+        `pan=${pan
+          .toArray()
+          .map((v) => rounded(v, 2))
+          .join(",")}`,
+      );
     }
   }
   if (link.plane) {
     const { normal, offset } = link.plane;
-    parts.push(`plane=${normal.toArray().map((v) => rounded(v, 5)).join(",")},${rounded(offset, 2)}`);
+    parts.push(
+      `plane=${normal
+        .toArray()
+        .map((v) => rounded(v, 5))
+        .join(",")},${rounded(offset, 2)}`,
+    );
   } else if (link.plane === null) {
     parts.push("plane=off");
   }

@@ -31,6 +31,10 @@ export function removedSide(plane: Plane): string {
   const n = plane.normal;
   const sizes = n.toArray().map(Math.abs);
   const axis = sizes.indexOf(Math.max(...sizes));
-  const names = [["right", "left"], ["anterior", "posterior"], ["superior", "inferior"]][axis]!;
+  const names = [
+    ["right", "left"],
+    ["anterior", "posterior"],
+    ["superior", "inferior"],
+  ][axis]!;
   return n.getComponent(axis) < 0 ? names[0]! : names[1]!;
 }

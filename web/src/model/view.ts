@@ -46,8 +46,21 @@ export function cameraAxes(forward: Vector3): { right: Vector3; down: Vector3 } 
   return { right, down: new Vector3().crossVectors(forward, right) };
 }
 
+/** What panels cover of a picture at its right and bottom, px: the case is framed in what they leave. */
+export interface Inset {
+  right: number;
+  bottom: number;
+}
+
 /** Points a three.js camera, in the viewer's world, at `sphere` for a picture of width × height px. */
-export function applyView(camera: PerspectiveCamera, view: View, sphere: Sphere, width: number, height: number): void {
+export function applyView(
+  camera: PerspectiveCamera,
+  view: View,
+  sphere: Sphere,
+  width: number,
+  height: number,
+  inset: Inset = { right: 0, bottom: 0 },
+): void {
   const direction = viewDirection(view.azimuth, view.elevation);
   const distance = framingDistance(sphere.radius);
   const position = sphere.center.clone().add(view.pan).addScaledVector(direction, distance);
@@ -55,16 +68,16 @@ export function applyView(camera: PerspectiveCamera, view: View, sphere: Sphere,
   const basis = new Matrix4().makeBasis(right, down.negate(), direction).setPosition(position);
   const metres = new Matrix4().multiplyMatrices(kWorldFromPatient, basis);
   metres.decompose(camera.position, camera.quaternion, new Vector3());
-  const focal = focalLength(view.zoom, width, height);
+  const focal = focalLength(view.zoom, width - inset.right, height - inset.bottom);
   camera.fov = (2 * Math.atan((0.5 * height) / focal) * 180) / Math.PI;
   camera.aspect = width / height;
   camera.near = 0.001 * Math.max(1, distance - 3 * sphere.radius);
   camera.far = 0.001 * (distance + 5 * sphere.radius + view.pan.length());
-  camera.updateProjectionMatrix();
+  camera.setViewOffset(width, height, 0.5 * inset.right, 0.5 * inset.bottom, width, height);
   camera.updateMatrixWorld();
 }
 
 /** px. */
 export function focalLength(zoom: number, width: number, height: number): number {
-  return ((0.5 * Math.min(width, height)) / Math.tan(0.5 * kFieldOfView)) * zoom;
+  return ((0.5 * Math.max(1, Math.min(width, height))) / Math.tan(0.5 * kFieldOfView)) * zoom;
 }

@@ -17,7 +17,10 @@ import { shader } from "./shaders";
 /** One triangle that covers everything: clip space from its corners. */
 export function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
+  geometry.setAttribute(
+    "position",
+    new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3),
+  );
   return geometry;
 }
 
@@ -45,7 +48,8 @@ export class FullScreenPass {
     this.#scene.add(this.#mesh);
   }
 
-  render(renderer: WebGLRenderer, target: WebGLRenderTarget): void {
+  /** `target` null: the canvas. */
+  render(renderer: WebGLRenderer, target: WebGLRenderTarget | null): void {
     const before = renderer.getRenderTarget();
     renderer.setRenderTarget(target);
     renderer.render(this.#scene, this.#camera);

@@ -25,7 +25,13 @@ function dataTexture(
   type: TextureDataType,
   internalFormat: "RGBA32UI" | "R32UI" | "RGBA8UI" | "R32F",
 ): DataTexture {
-  const texture = new DataTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, format, type);
+  const texture = new DataTexture(
+    data as BufferSource as Uint8Array<ArrayBuffer>,
+    width,
+    height,
+    format,
+    type,
+  );
   texture.internalFormat = internalFormat;
   texture.minFilter = texture.magFilter = NearestFilter;
   texture.needsUpdate = true;
@@ -67,17 +73,43 @@ export class GpuScene {
     this.meanMin = scene.meanMin;
     this.meanSize = scene.meanMax.map((max, i) => max - scene.meanMin[i]!);
     const rgba = 4 * this.capacity;
-    this.packed = dataTexture(padded(scene.packed, rgba), kWidth, height, RGBAIntegerFormat, UnsignedIntType, "RGBA32UI");
-    this.sh0 = dataTexture(padded(scene.sh0, rgba), kWidth, height, RGBAIntegerFormat, UnsignedByteType, "RGBA8UI");
+    this.packed = dataTexture(
+      padded(scene.packed, rgba),
+      kWidth,
+      height,
+      RGBAIntegerFormat,
+      UnsignedIntType,
+      "RGBA32UI",
+    );
+    this.sh0 = dataTexture(
+      padded(scene.sh0, rgba),
+      kWidth,
+      height,
+      RGBAIntegerFormat,
+      UnsignedByteType,
+      "RGBA8UI",
+    );
     const palette = scene.shN?.centroids ?? { width: 1, height: 1, rgba: new Uint8Array(4) };
     this.centroids = dataTexture(
-      palette.rgba, palette.width, palette.height, RGBAIntegerFormat, UnsignedByteType, "RGBA8UI",
+      palette.rgba,
+      palette.width,
+      palette.height,
+      RGBAIntegerFormat,
+      UnsignedByteType,
+      "RGBA8UI",
     );
     this.shCoefficients = scene.shN?.coefficients ?? 0;
     this.scaleCodebook = codebook(scene.scaleCodebook);
     this.sh0Codebook = codebook(scene.sh0Codebook);
     this.shNCodebook = codebook(scene.shN?.codebook ?? new Float32Array(1));
-    this.order = dataTexture(new Uint32Array(this.capacity), kWidth, height, RedIntegerFormat, UnsignedIntType, "R32UI");
+    this.order = dataTexture(
+      new Uint32Array(this.capacity),
+      kWidth,
+      height,
+      RedIntegerFormat,
+      UnsignedIntType,
+      "R32UI",
+    );
     this.colors = new WebGLRenderTarget(kWidth, height, {
       type: HalfFloatType, // colours pass 1, which 8 bits would cut off
       minFilter: NearestFilter,
@@ -87,8 +119,16 @@ export class GpuScene {
   }
 
   dispose(): void {
-    for (const resource of [this.packed, this.sh0, this.centroids, this.scaleCodebook, this.sh0Codebook,
-                            this.shNCodebook, this.order, this.colors]) {
+    for (const resource of [
+      this.packed,
+      this.sh0,
+      this.centroids,
+      this.scaleCodebook,
+      this.sh0Codebook,
+      this.shNCodebook,
+      this.order,
+      this.colors,
+    ]) {
       resource.dispose();
     }
   }

@@ -42,7 +42,10 @@ function arrowMaterial(): RawShaderMaterial {
     vertexShader: shader("arrow.vert.glsl"),
     fragmentShader: shader("arrow.frag.glsl"),
     uniforms: { uColor: { value: kColor }, uHover: { value: 0 } },
-    transparent: true, // drawn after the splats; opaque nonetheless
+    transparent: true,
+    blending: CustomBlending,
+    blendSrc: OneFactor,
+    blendDst: OneMinusSrcAlphaFactor,
   });
 }
 
@@ -117,7 +120,9 @@ export class PlaneWidget {
     this.object.visible = plane !== null;
     if (plane) {
       const [x, y] = this.#tangents(plane.normal);
-      const frame = new Matrix4().makeBasis(x, y, plane.normal).scale(new Vector3().setScalar(this.#sphere.radius));
+      const frame = new Matrix4()
+        .makeBasis(x, y, plane.normal)
+        .scale(new Vector3().setScalar(this.#sphere.radius));
       frame.setPosition(this.center);
       this.object.matrix.multiplyMatrices(kWorldFromPatient, frame);
       this.object.matrixWorldNeedsUpdate = true;

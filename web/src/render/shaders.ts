@@ -1,4 +1,8 @@
-const kSources = import.meta.glob<string>("../shaders/*.glsl", { query: "?raw", import: "default", eager: true });
+const kSources = import.meta.glob<string>("../shaders/*.glsl", {
+  query: "?raw",
+  import: "default",
+  eager: true,
+});
 
 /** The text of shaders/`name` with its includes, each once. */
 export function shader(name: string, included = new Set<string>()): string {

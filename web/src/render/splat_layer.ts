@@ -79,7 +79,10 @@ export class SplatLayer {
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(
       "composite.frag.glsl",
-      { uPicture: { value: this.#target.texture }, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
+      {
+        uPicture: { value: this.#target.texture },
+        uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) },
+      },
       { kStraight: 1 },
     );
     straight.render(this.#renderer, bytes);

@@ -30,7 +30,10 @@ function quads(): InstancedBufferGeometry {
   const indices = new Uint16Array(kQuadsPerInstance * 6);
   for (let i = 0; i < kQuadsPerInstance; ++i) {
     corners.set([-1, -1, i, 1, -1, i, 1, 1, i, -1, 1, i], 12 * i);
-    indices.set([0, 2, 1, 0, 3, 2].map((k) => 4 * i + k), 6 * i); // front faces where y points down
+    indices.set(
+      [0, 2, 1, 0, 3, 2].map((k) => 4 * i + k),
+      6 * i,
+    ); // front faces where y points down
   }
   const geometry = new InstancedBufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(corners, 3));
@@ -40,7 +43,11 @@ function quads(): InstancedBufferGeometry {
 }
 
 /** The picture's size in px that is being drawn: of the eye, the render target or the canvas. */
-function viewportSize(renderer: WebGLRenderer, camera: PerspectiveCamera & { viewport?: Vector4 }, out: Vector2): void {
+function viewportSize(
+  renderer: WebGLRenderer,
+  camera: PerspectiveCamera & { viewport?: Vector4 },
+  out: Vector2,
+): void {
   const target = renderer.getRenderTarget();
   if (camera.viewport) {
     out.set(camera.viewport.z, camera.viewport.w);
@@ -175,7 +182,12 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     const { uniforms } = this.material;
     viewportSize(renderer, camera, this.#sizeScratch);
     const scale = setSceneCamera(
-      this.#camera, camera, this.matrixWorld, this.#sizeScratch.x, this.#sizeScratch.y, this.#mmPerUnit,
+      this.#camera,
+      camera,
+      this.matrixWorld,
+      this.#sizeScratch.x,
+      this.#sizeScratch.y,
+      this.#mmPerUnit,
     );
     const p = camera.projectionMatrix.elements;
     (uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, p[14]! / scale);

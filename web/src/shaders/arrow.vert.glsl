@@ -6,8 +6,11 @@ uniform mat4 modelMatrix;
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
 out vec3 vNormal;
+out vec3 vPosition;
 
 void main() {
+  vec4 p = viewMatrix * modelMatrix * vec4(position, 1.0);
   vNormal = mat3(viewMatrix) * mat3(modelMatrix) * normal;
-  gl_Position = projectionMatrix * viewMatrix * modelMatrix * vec4(position, 1.0);
+  vPosition = p.xyz;
+  gl_Position = projectionMatrix * p;
 }

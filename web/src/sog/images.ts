@@ -13,7 +13,9 @@ export class ImageDecoder {
   constructor() {
     const gl = new OffscreenCanvas(1, 1).getContext("webgl2", { antialias: false, depth: false });
     if (!gl) {
-      throw new CaseError("this browser has no WebGL 2, which the viewer needs; update it or turn acceleration on");
+      throw new CaseError(
+        "this browser has no WebGL 2, which the viewer needs; update it or turn acceleration on",
+      );
     }
     this.#gl = gl;
     this.#texture = gl.createTexture();

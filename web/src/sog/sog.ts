@@ -109,7 +109,9 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
     throw new CaseError("meta.json is not an object; build the case again");
   }
   if (meta["version"] !== 2) {
-    throw new CaseError(`SOG version ${String(meta["version"])} is not supported; convert the scene to version 2`);
+    throw new CaseError(
+      `SOG version ${String(meta["version"])} is not supported; convert the scene to version 2`,
+    );
   }
   const means = object(meta, "means");
   const scales = object(meta, "scales");
@@ -132,7 +134,10 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
       maxs: numbers(means, "maxs", 3, "means"),
       files: files(means, 2, "means", archive),
     },
-    scales: { codebook: numbers(scales, "codebook", kCodebookSize, "scales"), files: files(scales, 1, "scales", archive) },
+    scales: {
+      codebook: numbers(scales, "codebook", kCodebookSize, "scales"),
+      files: files(scales, 1, "scales", archive),
+    },
     quats: { files: files(quats, 1, "quats", archive) },
     sh0: { codebook: numbers(sh0, "codebook", kCodebookSize, "sh0"), files: files(sh0, 1, "sh0", archive) },
     shN,
@@ -142,7 +147,9 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
 
 function requireTexels(image: Texels, count: number, name: string): void {
   if (image.width * image.height < count || image.rgba.length !== image.width * image.height * 4) {
-    throw new CaseError(`${name} is ${image.width}×${image.height}, too small for ${count} splats; build the case again`);
+    throw new CaseError(
+      `${name} is ${image.width}×${image.height}, too small for ${count} splats; build the case again`,
+    );
   }
 }
 
@@ -204,13 +211,17 @@ function packLabels(meta: SogMeta, images: SogImages): Uint16Array | null {
   requireTexels(labels, meta.count, meta.shN.files[1]!);
   const rows = Math.ceil(meta.shN.entries / kPaletteRow);
   if (centroids.width !== kPaletteRow * meta.shN.coefficients || centroids.height < rows) {
-    throw new CaseError(`${meta.shN.files[0]!} does not hold ${meta.shN.entries} palette entries; build the case again`);
+    throw new CaseError(
+      `${meta.shN.files[0]!} does not hold ${meta.shN.entries} palette entries; build the case again`,
+    );
   }
   const result = new Uint16Array(meta.count);
   for (let i = 0; i < meta.count; ++i) {
     const label = labels.rgba[4 * i]! | (labels.rgba[4 * i + 1]! << 8);
     if (label >= meta.shN.entries) {
-      throw new CaseError(`${meta.shN.files[1]!}: splat ${i} names palette entry ${label} of ${meta.shN.entries}`);
+      throw new CaseError(
+        `${meta.shN.files[1]!}: splat ${i} names palette entry ${label} of ${meta.shN.entries}`,
+      );
     }
     result[i] = label;
   }

@@ -68,7 +68,13 @@ function findEnd(view: DataView): number {
   );
 }
 
-function entryData(view: DataView, archive: Uint8Array, local: number, size: number, name: string): Uint8Array {
+function entryData(
+  view: DataView,
+  archive: Uint8Array,
+  local: number,
+  size: number,
+  name: string,
+): Uint8Array {
   if (local + 30 > view.byteLength || view.getUint32(local, true) !== kLocalSignature) {
     throw new CaseError(`${name} is not where the archive's directory says; copy the file again`);
   }
@@ -84,10 +90,12 @@ async function inflate(packed: Uint8Array, size: number, name: string): Promise<
   const bytes = new Uint8Array(size);
   let filled = 0;
   try {
-    const stream = new Blob([packed as BlobPart]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+    const stream = new Blob([packed as BlobPart])
+      .stream()
+      .pipeThrough(new DecompressionStream("deflate-raw"));
     const reader = stream.getReader();
     for (let part = await reader.read(); !part.done; part = await reader.read()) {
-      bytes.set(part.value, filled);  // throws a RangeError beyond the end
+      bytes.set(part.value, filled); // throws a RangeError beyond the end
       filled += part.value.length;
     }
   } catch {

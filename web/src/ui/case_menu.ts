@@ -11,8 +11,13 @@ export class CaseMenu {
     this.#choose = choose;
     this.element = h(
       "dialog",
-      { class: "sheet menu", "aria-label": "Cases" },
-      h("header", {}, h("h2", {}, "Cases"), closeButton(() => this.element.close())),
+      { class: "sheet menu", "aria-label": "Cases", autofocus: true },
+      h(
+        "header",
+        {},
+        h("h2", {}, "Cases"),
+        closeButton(() => this.element.close()),
+      ),
       this.#cards,
     );
     closeOnBackdrop(this.element);
@@ -22,7 +27,15 @@ export class CaseMenu {
     this.#cards.replaceChildren(
       ...(cases.length > 0
         ? cases.map((one) => this.#card(one, one.name === current))
-        : [h("p", { class: "hint" }, "The folder holds no case yet. ", h("code", {}, "clipgs build VOLUME -o CASE.sog"), " makes one.")]),
+        : [
+            h(
+              "p",
+              { class: "hint" },
+              "The folder holds no case yet. ",
+              h("code", {}, "clipgs build VOLUME -o CASE.sog"),
+              " makes one.",
+            ),
+          ]),
     );
     if (!this.element.open) {
       this.element.showModal();
@@ -49,14 +62,19 @@ export class CaseMenu {
       h(
         "small",
         {},
-        one.error ?? `${one.preset ? `${one.preset} · ` : ""}${formatCount(one.splats)} splats · ${formatBytes(one.bytes)}`,
+        one.error ??
+          `${one.preset ? `${one.preset} · ` : ""}${formatCount(one.splats)} splats · ${formatBytes(one.bytes)}`,
       ),
     );
   }
 }
 
 export function closeButton(close: () => void): HTMLElement {
-  return h("button", { class: "plain", "aria-label": "Close", onclick: close }, icon("M6 6l12 12|M18 6L6 18"));
+  return h(
+    "button",
+    { class: "plain", "aria-label": "Close", onclick: close },
+    icon("M6 6l12 12|M18 6L6 18"),
+  );
 }
 
 export function closeOnBackdrop(dialog: HTMLDialogElement): void {

@@ -21,8 +21,13 @@ const kHelp: [string, string][] = [
 export function helpDialog(): HTMLDialogElement {
   const dialog = h(
     "dialog",
-    { class: "sheet help", "aria-label": "Help" },
-    h("header", {}, h("h2", {}, "Controls"), closeButton(() => dialog.close())),
+    { class: "sheet help", "aria-label": "Help", autofocus: true },
+    h(
+      "header",
+      {},
+      h("h2", {}, "Controls"),
+      closeButton(() => dialog.close()),
+    ),
     h("dl", {}, ...kHelp.flatMap(([key, meaning]) => [h("dt", {}, key), h("dd", {}, meaning)])),
   );
   closeOnBackdrop(dialog);

@@ -1,7 +1,14 @@
 import type { Vector3 } from "three";
 
 import { flipped, projectBox } from "../model/geometry";
-import { kAxes, kOrientations, type Orientation, orientationOf, planeAcross, removedSide } from "../model/planes";
+import {
+  kAxes,
+  kOrientations,
+  type Orientation,
+  orientationOf,
+  planeAcross,
+  removedSide,
+} from "../model/planes";
 import { viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 import type { ClipOperator } from "../worker/protocol";
@@ -25,13 +32,18 @@ export class PlanePanel {
   readonly #power: HTMLButtonElement;
   readonly #handle: HTMLButtonElement;
   readonly #hint = h("p", { class: "hint" });
-  #last = { axis: kAxes.axial };
+  #lastNormal = kAxes.axial;
+  #shown = "";
 
   constructor(viewer: Viewer) {
     this.#viewer = viewer;
     for (const name of kOrientations) {
-      const button = h("button", { title: `${capital(name)} plane (${name[0]!.toUpperCase()})`, onclick: () => this.orient(name) },
-                       icon(kIcons[name]), capital(name));
+      const button = h(
+        "button",
+        { title: `${capital(name)} plane (${name[0]!.toUpperCase()})`, onclick: () => this.orient(name) },
+        icon(kIcons[name]),
+        capital(name),
+      );
       this.#orientations.set(name, button);
     }
     for (const [name, hint] of Object.entries(kOperators) as [ClipOperator, string][]) {
@@ -44,7 +56,11 @@ export class PlanePanel {
       "aria-label": "Position of the plane, mm",
       oninput: () => this.#moveTo(Number(this.#slider.value)),
     });
-    this.#power = h("button", { class: "plain", title: "Plane on or off (P)", onclick: () => this.toggle() }, icon(kIcons.power));
+    this.#power = h(
+      "button",
+      { class: "plain", title: "Plane on or off (P)", onclick: () => this.toggle() },
+      icon(kIcons.power),
+    );
     this.#handle = h(
       "button",
       { title: "Show or hide the handle (H)", onclick: () => viewer.setHandle(!viewer.state.handle) },
@@ -55,18 +71,36 @@ export class PlanePanel {
       "section",
       { class: "panel", "aria-label": "Cutting plane" },
       h("header", {}, h("h2", {}, "Cutting plane"), this.#power),
-      h("div", { class: "segments tall", role: "group", "aria-label": "Orientation" }, ...this.#orientations.values()),
+      h(
+        "div",
+        { class: "segments tall", role: "group", "aria-label": "Orientation" },
+        ...this.#orientations.values(),
+      ),
       h("div", { class: "row position" }, this.#side, this.#readout),
       this.#slider,
       h(
         "div",
         { class: "segments", role: "group", "aria-label": "Plane" },
-        h("button", { title: "Keep the other side (F)", onclick: () => this.flip() }, icon(kIcons.flip), "Flip"),
-        h("button", { title: "Plane and view as at the start (R)", onclick: () => this.reset() }, icon(kIcons.reset), "Reset"),
+        h(
+          "button",
+          { title: "Keep the other side (F)", onclick: () => this.flip() },
+          icon(kIcons.flip),
+          "Flip",
+        ),
+        h(
+          "button",
+          { title: "Plane and view as at the start (R)", onclick: () => this.reset() },
+          icon(kIcons.reset),
+          "Reset",
+        ),
         this.#handle,
       ),
       h("h3", {}, "Cut of the splats"),
-      h("div", { class: "segments", role: "group", "aria-label": "Clip operator" }, ...this.#operators.values()),
+      h(
+        "div",
+        { class: "segments", role: "group", "aria-label": "Clip operator" },
+        ...this.#operators.values(),
+      ),
       this.#hint,
     );
   }
@@ -86,7 +120,7 @@ export class PlanePanel {
     if (this.#viewer.state.plane) {
       this.#viewer.setPlane(null);
     } else {
-      this.#cutAcross(this.#last.axis);
+      this.#cutAcross(this.#lastNormal);
     }
   }
 
@@ -111,27 +145,35 @@ export class PlanePanel {
 
   update(): void {
     const { state, info } = this.#viewer;
-    const { plane } = state;
+    const { plane, clip, handle } = state;
+    // Touching the page costs a layout, which turning the case need not.
+    const shown = JSON.stringify([plane, clip, handle, info?.bounds]);
+    if (shown === this.#shown) {
+      return;
+    }
+    this.#shown = shown;
     this.element.classList.toggle("off", !plane);
     this.#power.setAttribute("aria-pressed", String(plane !== null));
-    this.#handle.setAttribute("aria-pressed", String(state.handle));
+    this.#handle.setAttribute("aria-pressed", String(handle));
     const orientation = plane && orientationOf(plane);
     for (const [name, button] of this.#orientations) {
       button.setAttribute("aria-pressed", String(name === orientation));
     }
     for (const [name, button] of this.#operators) {
-      button.setAttribute("aria-pressed", String(name === state.clip));
+      button.setAttribute("aria-pressed", String(name === clip));
     }
-    this.#hint.textContent = kOperators[state.clip];
+    this.#hint.textContent = kOperators[clip];
     this.#slider.disabled = !plane;
     if (plane && info) {
-      this.#last = { axis: plane.normal.clone() };
+      this.#lastNormal = plane.normal.clone();
       // The slider counts towards the removed side: to the right, less is removed.
       const [min, max] = projectBox(info.bounds, plane.normal.clone().negate());
       this.#slider.min = String(min);
       this.#slider.max = String(max);
       this.#slider.value = String(-plane.offset);
-      this.#side.textContent = orientation ? `${capital(orientation)}, ${removedSide(plane)} removed` : `Oblique, ${removedSide(plane)} removed`;
+      this.#side.textContent = orientation
+        ? `${capital(orientation)}, ${removedSide(plane)} removed`
+        : `Oblique, ${removedSide(plane)} removed`;
       this.#readout.textContent = `${(-plane.offset - min).toFixed(1)} mm`;
     } else {
       this.#side.textContent = "Nothing is cut";
@@ -142,7 +184,9 @@ export class PlanePanel {
   #cutAcross(axis: Vector3): void {
     const { info, state } = this.#viewer;
     if (info) {
-      this.#viewer.setPlane(planeAcross(axis, info.bounds, viewDirection(state.view.azimuth, state.view.elevation)));
+      this.#viewer.setPlane(
+        planeAcross(axis, info.bounds, viewDirection(state.view.azimuth, state.view.elevation)),
+      );
     }
   }
 

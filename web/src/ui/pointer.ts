@@ -1,17 +1,14 @@
 import { Vector3 } from "three";
 
 import { type Grip, PlaneDrag } from "../model/plane_drag";
-import { cameraAxes, focalLength, framingDistance, viewDirection } from "../model/view";
+import { cameraAxes, framingDistance, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 
 const kDegreesPerPixel = 0.4;
 const kMaxElevation = 89.9;
 const kZoom: [number, number] = [0.25, 24];
 
-type Gesture =
-  | { kind: "orbit" }
-  | { kind: "pan" }
-  | { kind: "plane"; drag: PlaneDrag };
+type Gesture = { kind: "orbit" } | { kind: "pan" } | { kind: "plane"; drag: PlaneDrag };
 
 /** Mouse, pen and touch on the canvas: turns, moves and zooms the view, and drags the plane's handle. */
 export class PointerControls {
@@ -59,11 +56,20 @@ export class PointerControls {
       const { center, radius } = viewer.handle;
       const { view } = viewer.state;
       const { down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
-      const drag = new PlaneDrag(grip, viewer.state.plane, center, radius, down.negate(), viewer.ray(at.x, at.y));
+      const drag = new PlaneDrag(
+        grip,
+        viewer.state.plane,
+        center,
+        radius,
+        down.negate(),
+        viewer.ray(at.x, at.y),
+      );
       this.#gesture = { kind: "plane", drag };
       this.#setHover(grip);
     } else {
-      this.#gesture = { kind: event.button !== 0 || event.shiftKey || this.#pointers.size > 1 ? "pan" : "orbit" };
+      this.#gesture = {
+        kind: event.button !== 0 || event.shiftKey || this.#pointers.size > 1 ? "pan" : "orbit",
+      };
     }
   }
 
@@ -82,7 +88,11 @@ export class PointerControls {
     } else if (this.#gesture.kind === "orbit") {
       this.#viewer.setView({
         azimuth: wrapped(view.azimuth - kDegreesPerPixel * (at.x - before.x)),
-        elevation: clamp(view.elevation + kDegreesPerPixel * (at.y - before.y), -kMaxElevation, kMaxElevation),
+        elevation: clamp(
+          view.elevation + kDegreesPerPixel * (at.y - before.y),
+          -kMaxElevation,
+          kMaxElevation,
+        ),
       });
     } else {
       this.#pan((at.x - before.x) / this.#pointers.size, (at.y - before.y) / this.#pointers.size);
@@ -115,13 +125,12 @@ export class PointerControls {
   }
 
   #pan(dx: number, dy: number): void {
-    const { canvas, info, state } = this.#viewer;
+    const { info, state } = this.#viewer;
     if (!info) {
       return;
     }
     const { right, down } = cameraAxes(viewDirection(state.view.azimuth, state.view.elevation).negate());
-    const focal = focalLength(state.view.zoom, canvas.clientWidth, canvas.clientHeight);
-    const mmPerPixel = framingDistance(info.sphere.radius) / focal;
+    const mmPerPixel = framingDistance(info.sphere.radius) / this.#viewer.focalLength;
     const pan = new Vector3().copy(state.view.pan);
     pan.addScaledVector(right, -dx * mmPerPixel).addScaledVector(down, -dy * mmPerPixel);
     pan.clampLength(0, 2 * info.sphere.radius);

@@ -22,7 +22,11 @@ export class CaseClient {
   readonly #worker: Worker;
   readonly #loads = new Map<
     number,
-    { resolve: (value: LoadedCase) => void; reject: (error: CaseError) => void; progress: (share: number) => void }
+    {
+      resolve: (value: LoadedCase) => void;
+      reject: (error: CaseError) => void;
+      progress: (share: number) => void;
+    }
   >();
   #sorted: ((value: Sorted) => void) | null = null;
   #tickets = 0;

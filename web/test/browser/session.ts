@@ -20,10 +20,40 @@ export function clipgs(...args: string[]): void {
 export function makePhantomCase(work: string, out: string): void {
   const at = (name: string) => join(work, name);
   clipgs("phantom", at("phantom.nii.gz"), "--size", "96");
-  clipgs("dataset", at("phantom.nii.gz"), "-o", at("dataset"), "--preset", "skin-and-bone", "--size", "96",
-         "--train-frames", "24", "--train-spp", "4", "--test-frames", "1", "--test-noise-db", "15", "--test-spp", "8",
-         "--points", "20000");
-  clipgs("train", at("dataset"), "-o", at("scene.ply"), "--steps", "100", "--budget", "20000", "--sh-degree", "3");
+  clipgs(
+    "dataset",
+    at("phantom.nii.gz"),
+    "-o",
+    at("dataset"),
+    "--preset",
+    "skin-and-bone",
+    "--size",
+    "96",
+    "--train-frames",
+    "24",
+    "--train-spp",
+    "4",
+    "--test-frames",
+    "1",
+    "--test-noise-db",
+    "15",
+    "--test-spp",
+    "8",
+    "--points",
+    "20000",
+  );
+  clipgs(
+    "train",
+    at("dataset"),
+    "-o",
+    at("scene.ply"),
+    "--steps",
+    "100",
+    "--budget",
+    "20000",
+    "--sh-degree",
+    "3",
+  );
   clipgs("pack", at("scene.ply"), "-o", out, "--title", "Torso phantom");
 }
 
@@ -38,13 +68,25 @@ export class Session {
   async start(): Promise<void> {
     mkdirSync(this.cases, { recursive: true });
     makePhantomCase(this.folder, join(this.cases, "phantom.sog"));
-    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json"], { stdio: ["ignore", "pipe", "inherit"] });
-    const line = await new Promise<string>((done) => createInterface(this.#server.stdout!).once("line", done));
+    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json"], {
+      stdio: ["ignore", "pipe", "inherit"],
+    });
+    const line = await new Promise<string>((done) =>
+      createInterface(this.#server.stdout!).once("line", done),
+    );
     this.url = (JSON.parse(line) as { url: string }).url;
     this.#browser = await chromium.launch({
       executablePath: kChromium,
-      args: ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-             "--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader"],
+      args: [
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--enable-unsafe-swiftshader",
+      ],
     });
   }
 

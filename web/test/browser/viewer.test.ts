@@ -16,8 +16,16 @@ interface Shot {
   clip: ClipOperator;
 }
 
-const kViews: Shot["view"][] = [[0, 0, 1], [35, 20, 1], [-110, -30, 1.6], [0, 90, 1]];
-const kPlanes: Shot["plane"][] = [[0, -1, 0, 0], [0.5, 0.3, -0.6, 10]];
+const kViews: Shot["view"][] = [
+  [0, 0, 1],
+  [35, 20, 1],
+  [-110, -30, 1.6],
+  [0, 90, 1],
+];
+const kPlanes: Shot["plane"][] = [
+  [0, -1, 0, 0],
+  [0.5, 0.3, -0.6, 10],
+];
 const kShots: Shot[] = [
   ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
   ...kPlanes.flatMap((plane) =>
@@ -57,8 +65,19 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     it(`equals clipgs render: view ${shot.view.join()}, plane ${plane}, ${shot.clip}`, async () => {
       const path = join(session.folder, "render.png");
       const cut = shot.plane ? ["--plane", plane] : [];
-      clipgs("render", join(session.cases, "phantom.sog"), "-o", path, "--view", shot.view.join(), "--clip", shot.clip,
-             "--size", "300x220", ...cut);
+      clipgs(
+        "render",
+        join(session.cases, "phantom.sog"),
+        "-o",
+        path,
+        "--view",
+        shot.view.join(),
+        "--clip",
+        shot.clip,
+        "--size",
+        "300x220",
+        ...cut,
+      );
       const truth = await readPng(page, path);
       await show(shot);
       const got = await pagePicture(page, truth.width, truth.height);
@@ -74,10 +93,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await framed.evaluate(() => window.clipgs.ready);
     const picture = await pagePicture(framed, 256, 256);
     const path = join(session.folder, "page.png");
-    // Without the handle and the label, on black.
-    await framed.addStyleTag({ content: "body { background: #000 !important } footer { display: none }" });
+    // Without the handle and the label; of a fixed size, the picture is on black.
+    await framed.addStyleTag({ content: "footer { display: none }" });
     await framed.keyboard.press("h");
-    await framed.waitForTimeout(600);
+    await framed.waitForTimeout(300); // drawn again at full resolution once nothing moves
+    await framed.waitForFunction(() => window.clipgs.stats.scale === 1);
+    await framed.waitForTimeout(300);
     await framed.screenshot({ path, clip: { x: 0, y: 0, width: 256, height: 256 } });
     const shown = await readPng(framed, path);
     expect(psnr(shown, { ...picture, data: onBlack(picture.data) }).color).toBeGreaterThan(kMinPsnr);
@@ -104,7 +125,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       await show({ view: [0, 0, 1], plane: [0, -1, 0, 0], clip });
       pictures.push(await pagePicture(page, 160, 160));
     }
-    for (const [a, b] of [[0, 1], [1, 2], [0, 2]] as const) {
+    for (const [a, b] of [
+      [0, 1],
+      [1, 2],
+      [0, 2],
+    ] as const) {
       const { color } = psnr(pictures[a]!, pictures[b]!);
       expect(color).toBeGreaterThan(20); // a cut of the same thing
       expect(color).toBeLessThan(52); // equal pictures are at 60 dB
@@ -215,7 +240,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await visitor.evaluate(() => window.clipgs.ready);
     const failure = async (body: Uint8Array): Promise<string> => {
       await visitor.route("**/cases/phantom.sog*", (route) => route.fulfill({ body: Buffer.from(body) }));
-      const message = await visitor.evaluate(() => window.clipgs.open("phantom").then(() => "", (e: Error) => e.message));
+      const message = await visitor.evaluate(() =>
+        window.clipgs.open("phantom").then(
+          () => "",
+          (e: Error) => e.message,
+        ),
+      );
       await visitor.unroute("**/cases/phantom.sog*");
       expect(await visitor.getByRole("alert").textContent()).toContain(message);
       return message;

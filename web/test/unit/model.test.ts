@@ -3,7 +3,14 @@ import { PerspectiveCamera, Ray, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 
 import { parseCaseInfo } from "../../src/model/case_info";
-import { flipped, kWorldFromPatient, planeThrough, projectBox, projectOnto, signedDistance } from "../../src/model/geometry";
+import {
+  flipped,
+  kWorldFromPatient,
+  planeThrough,
+  projectBox,
+  projectOnto,
+  signedDistance,
+} from "../../src/model/geometry";
 import { formatLink, parseLink } from "../../src/model/link";
 import { PlaneDrag, snapped } from "../../src/model/plane_drag";
 import { orientationOf, planeAcross, removedSide } from "../../src/model/planes";
@@ -45,13 +52,20 @@ describe("the camera", () => {
     const camera = new PerspectiveCamera();
     applyView(camera, viewFrom(0, 0), sphere, 400, 300);
     const at = (offset: [number, number, number]) =>
-      sphere.center.clone().add(new Vector3(...offset)).applyMatrix4(kWorldFromPatient).project(camera);
+      sphere.center
+        .clone()
+        .add(new Vector3(...offset))
+        .applyMatrix4(kWorldFromPatient)
+        .project(camera);
     expect(at([0, 0, 0]).x).toBeCloseTo(0, 6);
     expect(at([-50, 0, 0]).x).toBeGreaterThan(0.1); // the patient's left is on the viewer's right
     expect(at([0, 0, 50]).y).toBeGreaterThan(0.1);
     expect(at([0, 50, 0]).z).toBeLessThan(at([0, -50, 0]).z);
     // The sphere's outline is a cone: its points of contact project onto 90 % of the shorter side.
-    const distance = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert()).distanceTo(sphere.center);
+    const distance = camera.position
+      .clone()
+      .applyMatrix4(kWorldFromPatient.clone().invert())
+      .distanceTo(sphere.center);
     const sine = sphere.radius / distance;
     const contact = at([0, sphere.radius * sine, sphere.radius * Math.sqrt(1 - sine * sine)]);
     expect(contact.y).toBeCloseTo(0.9, 4);
@@ -63,7 +77,11 @@ describe("the camera", () => {
     expect(viewDirection(0, 90).z).toBeCloseTo(1);
     const camera = new PerspectiveCamera();
     applyView(camera, viewFrom(33, 90), sphere, 300, 300);
-    const left = sphere.center.clone().add(new Vector3(-50, 0, 0)).applyMatrix4(kWorldFromPatient).project(camera);
+    const left = sphere.center
+      .clone()
+      .add(new Vector3(-50, 0, 0))
+      .applyMatrix4(kWorldFromPatient)
+      .project(camera);
     expect(left.x).toBeGreaterThan(0.1);
     expect(left.y).toBeCloseTo(0, 5);
   });
@@ -82,8 +100,23 @@ describe("links", () => {
   });
 
   it("leave out what is not valid", () => {
-    for (const hash of ["", "#", "#view=1", "#view=a,b", "#view=1,2,0", "#view=1,2,3,4", "#plane=0,0,0,1", "#plane=1,2,3",
-                        "#plane=1,,3,4", "#clip=none", "#clip=other", "#clip=toString", "#size=x", "#size=4x4", "#size=1e3"]) {
+    for (const hash of [
+      "",
+      "#",
+      "#view=1",
+      "#view=a,b",
+      "#view=1,2,0",
+      "#view=1,2,3,4",
+      "#plane=0,0,0,1",
+      "#plane=1,2,3",
+      "#plane=1,,3,4",
+      "#clip=none",
+      "#clip=other",
+      "#clip=toString",
+      "#size=x",
+      "#size=4x4",
+      "#size=1e3",
+    ]) {
       expect(parseLink(hash), hash).toEqual({});
     }
   });
@@ -93,7 +126,8 @@ describe("dragging the plane", () => {
   const plane = planeThrough(new Vector3(0, 0, -1), new Vector3(0, 0, 50));
   const center = new Vector3(0, 0, 50);
   const up = new Vector3(0, 0, 1);
-  const towards = (origin: Vector3, target: Vector3) => new Ray(origin, target.clone().sub(origin).normalize());
+  const towards = (origin: Vector3, target: Vector3) =>
+    new Ray(origin, target.clone().sub(origin).normalize());
   const eye = new Vector3(0, 500, 50);
 
   it("slides with the pointer", () => {
@@ -105,7 +139,14 @@ describe("dragging the plane", () => {
 
   it("slides by the pointer's height when seen from above", () => {
     const above = new Vector3(0, 1, 500);
-    const drag = new PlaneDrag("arrow", plane, center, 100, new Vector3(0, -1, 0), towards(above, new Vector3(0, 0, 50)));
+    const drag = new PlaneDrag(
+      "arrow",
+      plane,
+      center,
+      100,
+      new Vector3(0, -1, 0),
+      towards(above, new Vector3(0, 0, 50)),
+    );
     const moved = drag.move(towards(above, new Vector3(0, -20, 50)));
     expect(moved.offset).toBeLessThan(-60); // nearer to the viewer
     expect(moved.offset).toBeGreaterThan(-80);
@@ -132,7 +173,11 @@ describe("dragging the plane", () => {
   });
 
   it("snaps near a body axis, when asked", () => {
-    expect(snapped(new Vector3(0.05, 0.02, -1).normalize()).toArray().map(Math.abs)).toEqual([0, 0, 1]);
+    expect(
+      snapped(new Vector3(0.05, 0.02, -1).normalize())
+        .toArray()
+        .map(Math.abs),
+    ).toEqual([0, 0, 1]);
     const oblique = new Vector3(1, 0, 1).normalize();
     expect(snapped(oblique)).toBe(oblique);
   });
@@ -141,7 +186,15 @@ describe("dragging the plane", () => {
 describe("parseCaseInfo", () => {
   const block = () => ({
     version: 1,
-    world: { scene_to_ras_mm: [[-1000, 0, 0, 1], [0, 0, -1000, 2], [0, -1000, 0, 3], [0, 0, 0, 1]], mm_per_unit: 1000 },
+    world: {
+      scene_to_ras_mm: [
+        [-1000, 0, 0, 1],
+        [0, 0, -1000, 2],
+        [0, -1000, 0, 3],
+        [0, 0, 0, 1],
+      ],
+      mm_per_unit: 1000,
+    },
     axis: [0, 0, 1],
     extent: [-10, 20],
     sphere: { center: [1, 2, 3], radius: 100 },
@@ -163,8 +216,19 @@ describe("parseCaseInfo", () => {
     bent.world.scene_to_ras_mm[0]![1] = 300;
     const mirrored = block();
     mirrored.world.scene_to_ras_mm[0]![0] = 1000;
-    for (const wrong of [undefined, null, 5, {}, { ...block(), version: 2 }, { ...block(), sphere: null }, { ...block(), title: 3 },
-                         { ...block(), extent: [1] }, { ...block(), sphere: { center: [0, 0, 0], radius: 0 } }, bent, mirrored]) {
+    for (const wrong of [
+      undefined,
+      null,
+      5,
+      {},
+      { ...block(), version: 2 },
+      { ...block(), sphere: null },
+      { ...block(), title: 3 },
+      { ...block(), extent: [1] },
+      { ...block(), sphere: { center: [0, 0, 0], radius: 0 } },
+      bent,
+      mirrored,
+    ]) {
       expect(() => parseCaseInfo(wrong)).toThrow();
     }
   });

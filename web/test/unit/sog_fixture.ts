@@ -52,7 +52,8 @@ function concatenate(parts: Uint8Array[]): Uint8Array {
 
 /** meta.json of a scene of `count` splats with harmonics of degree 1. */
 export function makeMeta(count: number): Record<string, unknown> {
-  const codebook = (from: number, to: number) => Array.from({ length: 256 }, (_, i) => from + ((to - from) * i) / 255);
+  const codebook = (from: number, to: number) =>
+    Array.from({ length: 256 }, (_, i) => from + ((to - from) * i) / 255);
   return {
     version: 2,
     count,

@@ -3,7 +3,12 @@ import { resolve } from "node:path";
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 import { beforeAll, describe, expect, it } from "vitest";
 
-import { makeSceneCamera, type SceneCamera, setSceneCamera, writeSortView } from "../../src/render/scene_camera";
+import {
+  makeSceneCamera,
+  type SceneCamera,
+  setSceneCamera,
+  writeSortView,
+} from "../../src/render/scene_camera";
 import { packScene, type PackedScene, parseSogMeta } from "../../src/sog/sog";
 import { kClipOperators, kViewFloats } from "../../src/worker/protocol";
 import { SplatOrder } from "../../src/worker/splat_order";
@@ -113,7 +118,9 @@ describe("the WASM module", () => {
         expect(new Set(got).size).toBe(got.length);
 
         // Depths fall, but for what a step of the counting sort cannot tell apart.
-        const depths = got.map((i) => splats[i]!.mean.clone().sub(camera.position).applyMatrix3(camera.rotation).z);
+        const depths = got.map(
+          (i) => splats[i]!.mean.clone().sub(camera.position).applyMatrix3(camera.rotation).z,
+        );
         const step = (Math.max(...depths) - Math.min(...depths)) / 65535;
         for (let k = 1; k < depths.length; ++k) {
           expect(depths[k - 1]! - depths[k]!).toBeGreaterThan(-1.01 * step - 1e-6);
