@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // Raised whenever the tracer's pictures change, so that old ones are not taken for new.
-constexpr std::uint64_t kTracerVersion = 1;
+constexpr std::uint64_t kTracerVersion = 2;
 constexpr const char* kStateFile = "progress.json";
 constexpr const char* kIndexFile = "transforms.json";
 // The uncut pictures only tell where matter would be.

@@ -107,22 +107,6 @@ bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
   return t0 < t1;
 }
 
-// Where a ray that starts in kept matter leaves the box or the kept side.
-float PathTracer::exit(const Ray& ray) const {
-  float t1 = kFar;
-  for (int k = 0; k < 3; ++k) {
-    const float side = ray.step[k] > 0 ? box_max_[k] : box_min_[k];
-    t1 = std::min(t1, (side - ray.origin[k]) * ray.inverse[k]);
-  }
-  if (cut_) {
-    const float slope = glm::dot(plane_gradient_, ray.step);
-    if (slope < 0) {
-      t1 = std::min(t1, (plane_offset_ - glm::dot(plane_gradient_, ray.origin)) / slope);
-    }
-  }
-  return t1;
-}
-
 // Where a ray leaves the unit cube of voxel space with its low corner at `low`.
 float PathTracer::leave(const Ray& ray, const IVec3& low) {
   float t = kFar;
@@ -170,12 +154,12 @@ bool PathTracer::track(const Ray& ray, float t0, float t1, float optical_depth, 
 // Unbiased estimate of the transmittance to the light: 1 or 0. (Ratio tracking would be less noisy
 // in mist, but looks up much more in solid tissue.)
 float PathTracer::transmittance(const Ray& ray, Rng& rng) const {
-  const float t1 = exit(ray);
-  if (t1 <= 0) {
-    return 1;
-  }
+  float t0 = 0;
+  float t1 = kFar;
   Collision collision;
-  return track(ray, 0, t1, free_path(rng.uniform()), rng, collision) ? 0.0f : 1.0f;
+  const bool blocked =
+      clip(ray, t0, t1) && track(ray, t0, t1, free_path(rng.uniform()), rng, collision);
+  return blocked ? 0.0f : 1.0f;
 }
 
 // The face on whose outside a camera ray along `direction` was when it met matter at `voxel` less
@@ -245,11 +229,15 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
     const float u_surface = first ? draws(PathDraws::kSurface) : draws.uniform();
     const bool surface = surface_strength * steepness > free_path(u_surface);
     Vec3 normal(0);
+    Vec3 start = voxel;
     if (surface) {
       normal = gradient / -steepness;
       if (glm::dot(normal, out) < 0) {
         normal = -normal;
       }
+      // The boundary is blurred over about a voxel and would shadow itself: light leaves from
+      // above.
+      start += normal;
     }
     // Highlights of later vertices would only be noise: there the lobe's energy is spread evenly.
     const float specular = surface && first ? material.specular : 0.0f;
@@ -291,7 +279,7 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
         }
         const float weight = largest(given[k]);
         if (weight > 0) {
-          const float t = transmittance(make_ray(voxel, towards[k]), draws.rng());
+          const float t = transmittance(make_ray(start, towards[k]), draws.rng());
           sample.radiance += throughput * given[k] * (total / weight * t);
         }
       }
@@ -323,9 +311,11 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
       }
       throughput /= survival;
     }
-    ray = make_ray(voxel, direction);
+    ray = make_ray(start, direction);
     const float depth = free_path(first ? draws(PathDraws::kDistance2) : draws.uniform());
-    if (!track(ray, 0, exit(ray), depth, draws.rng(), collision)) {
+    t0 = 0;
+    t1 = kFar;
+    if (!clip(ray, t0, t1) || !track(ray, t0, t1, depth, draws.rng(), collision)) {
       sample.radiance += throughput * lights.sky(direction);
       return sample;
     }

@@ -102,7 +102,6 @@ class PathTracer {
   }
   Ray camera_ray(float x, float y) const;
   bool clip(const Ray& ray, float& t0, float& t1) const;
-  float exit(const Ray& ray) const;
   static float leave(const Ray& ray, const IVec3& low);
   bool track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
              Collision& collision) const;

@@ -148,6 +148,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     Material m = preset_.transfer.at(static_cast<float>(collision.value));
 
     const Vec3* const face = bounce == 0 ? face_at(voxel, DVec3(direction)) : nullptr;
+    DVec3 start = voxel;
     bool surface = face != nullptr;
     Vec3 normal = surface ? *face : Vec3(0);
     if (!surface) {
@@ -163,6 +164,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
       if (surface) {
         normal = Vec3(-gradient / steepness);
         normal = glm::dot(normal, out) < 0 ? -normal : normal;
+        start += DVec3(normal);
       }
     }
     if (surface && bounce > 0) {
@@ -171,7 +173,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     }
     // A face has nothing before it; elsewhere light is followed through the matter.
     const auto light_from = [&](const Vec3& towards) {
-      return face != nullptr ? 1.0f : static_cast<float>(visibility(voxel, towards, rng));
+      return face != nullptr ? 1.0f : static_cast<float>(visibility(start, towards, rng));
     };
     for (const Lights::Key& key : lights_.keys()) {
       const Vec3 towards = key.sample(rng.uniform(), rng.uniform());
@@ -205,7 +207,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
       sample.radiance += throughput * lights_.sky(direction);
       return sample;
     }
-    origin = voxel;
+    origin = start;
     t0 = 0;
     t1 = std::numeric_limits<double>::max();
     if (!clip(origin, DVec3(direction), t0, t1)) {
