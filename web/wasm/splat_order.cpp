@@ -1,8 +1,8 @@
 // Which splats to draw and in what order, far to near. Compiled to WebAssembly and run in a worker.
 //
-// Keeps of each Gaussian what culling and sorting need, as a structure of arrays (44 bytes): the mean, the
-// covariance, the opacity and how far it can be seen. The decoding is that of shaders/packed.glsl, the
-// projection's limits those of shaders/gaussian.glsl.
+// Keeps of each Gaussian what culling and sorting need, as a structure of arrays (44 bytes): the
+// mean, the covariance, the opacity and how far it can be seen. The decoding is that of
+// shaders/packed.glsl, the projection's limits those of shaders/gaussian.glsl.
 
 #include <algorithm>
 #include <cmath>
@@ -32,11 +32,11 @@ struct Decoding {
 struct View {
   float rotation[9];  // scene → camera, row by row; x right, y down, z forward
   float position[3];
-  float tan_min[2];   // the frustum: x/z and y/z of its left and top, right and bottom sides
+  float tan_min[2];  // the frustum: x/z and y/z of its left and top, right and bottom sides
   float tan_max[2];
   float pixel_angle;  // largest tangent that one pixel spans: 1/focal length
   float near;
-  float plane[4];     // keeps plane·x − plane[3] >= 0
+  float plane[4];  // keeps plane·x − plane[3] >= 0
 };
 
 struct Scene {
@@ -45,13 +45,13 @@ struct Scene {
   float* x = nullptr;
   float* y = nullptr;
   float* z = nullptr;
-  float* covariance[6] = {};        // xx xy xz yy yz zz
+  float* covariance[6] = {};  // xx xy xz yy yz zz
   float* opacity = nullptr;
-  float* reach = nullptr;           // √(2 ln(255 α)): sigmas that are visible; negative: none
-  float* size = nullptr;            // largest standard deviation
-  float* depth = nullptr;           // scratch: camera z, or negative where culled
-  std::uint32_t* kept = nullptr;    // scratch
-  std::uint32_t* order = nullptr;   // the result
+  float* reach = nullptr;          // √(2 ln(255 α)): sigmas that are visible; negative: none
+  float* size = nullptr;           // largest standard deviation
+  float* depth = nullptr;          // scratch: camera z, or negative where culled
+  std::uint32_t* kept = nullptr;   // scratch
+  std::uint32_t* order = nullptr;  // the result
   void* block = nullptr;
 };
 
@@ -96,8 +96,8 @@ void unpack_splat(std::uint32_t i) {
   float* const out[3] = {scene.x, scene.y, scene.z};
   for (int k = 0; k < 3; ++k) {
     const float share = mean[k] / 65535.0f;
-    out[k][i] = decode_mean(decoding.mean_min[k] +
-                            share * (decoding.mean_max[k] - decoding.mean_min[k]));
+    out[k][i] =
+        decode_mean(decoding.mean_min[k] + share * (decoding.mean_max[k] - decoding.mean_min[k]));
   }
   float r[3][3];
   decode_rotation(p[2], r);
@@ -151,11 +151,11 @@ void cull() {
                 (ty - half_y <= v.tan_max[1] * tz);
     const float nx = v.plane[0], ny = v.plane[1], nz = v.plane[2];
     const float d = nx * scene.x[i] + ny * scene.y[i] + nz * scene.z[i] - v.plane[3];
-    const float variance = nx * nx * scene.covariance[0][i] + ny * ny * scene.covariance[3][i] +
-                           nz * nz * scene.covariance[5][i] +
-                           2.0f * (nx * ny * scene.covariance[1][i] +
-                                   nx * nz * scene.covariance[2][i] +
-                                   ny * nz * scene.covariance[4][i]);
+    const float variance =
+        nx * nx * scene.covariance[0][i] + ny * ny * scene.covariance[3][i] +
+        nz * nz * scene.covariance[5][i] +
+        2.0f * (nx * ny * scene.covariance[1][i] + nx * nz * scene.covariance[2][i] +
+                ny * nz * scene.covariance[4][i]);
     const float deviation = std::sqrt(variance);
     // soft: α·(½ + d/(2 s_n)) ≥ 1/255, multiplied by 2 s_n
     const bool visible = scene.opacity[i] * (deviation + d) >= 2.0f * kAlphaMin * deviation;
