@@ -113,10 +113,11 @@ export class Viewer {
     this.#renderer = new WebGLRenderer({ canvas, context });
     this.#renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#renderer.autoClear = false;
-    this.#renderer.setClearColor(0, 0);
     this.#layer = new SplatLayer(this.#renderer);
     this.#scene.add(this.#layer.object, this.#widget.object);
+    this.#renderer.setClearColor(0, 0);
     canvas.addEventListener("webglcontextrestored", () => {
+      this.#renderer.setClearColor(0, 0); // three.js forgets it
       this.#case?.mesh.invalidateColors();
       this.#touch();
     });

@@ -260,6 +260,19 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await visitor.close();
   });
 
+  it("draws the same after the GPU was lost", async () => {
+    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    const before = await pagePicture(page, 128, 128);
+    await page.evaluate(async () => {
+      const lost = document.querySelector("canvas")!.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+      lost.loseContext();
+      await new Promise((resolve) => setTimeout(resolve, 200));
+      lost.restoreContext();
+      await new Promise((resolve) => setTimeout(resolve, 500));
+    });
+    expect(psnr(await pagePicture(page, 128, 128), before).color).toBeGreaterThan(60);
+  });
+
   it("leaves no error in the page", () => {
     expect(errors).toEqual([]);
   });
