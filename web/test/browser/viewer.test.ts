@@ -265,7 +265,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     const before = await pagePicture(page, 128, 128);
     await page.evaluate(async () => {
-      const lost = document.querySelector("canvas")!.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+      const lost = document
+        .querySelector("canvas")!
+        .getContext("webgl2")!
+        .getExtension("WEBGL_lose_context")!;
       lost.loseContext();
       await new Promise((resolve) => setTimeout(resolve, 200));
       lost.restoreContext();
