@@ -1,6 +1,7 @@
 #include "core/progress.h"
 
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,7 +13,7 @@ std::atomic<bool> enabled{true};
 }
 
 std::string format_duration(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
+  const auto s = std::lround(seconds);
   if (s < 60) {
     return fmt::format("{} s", s);
   }
@@ -51,7 +52,7 @@ void Progress::update(size_t done, const std::string& detail) {
   shown_ = true;
   const double fraction = static_cast<double>(done) / static_cast<double>(total_);
   const auto fresh = static_cast<double>(done - first_done_);
-  std::string left = "";
+  std::string left;
   if (last) {
     left = fmt::format("done in {}", format_duration(elapsed));
   } else if (fresh > 0) {

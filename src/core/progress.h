@@ -20,7 +20,7 @@ class Progress {
   void update(size_t done, const std::string& detail = "");
 
   /// Turns all progress of the process off (tests, --quiet).
-  static void set_enabled(bool enabled);
+  static void set_enabled(bool on);
 
  private:
   using Clock = std::chrono::steady_clock;
