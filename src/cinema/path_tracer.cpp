@@ -10,6 +10,7 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kFar = 1e30f;
+constexpr size_t kMaxKeys = 8;
 
 // Optical depth to the next collision for uniform u in [0, 1).
 float free_path(float u) { return -std::log(1.0f - u); }
@@ -195,6 +196,103 @@ Vec3 PathTracer::shade_face(const Face& face, const Material& material, const Ve
   return light;
 }
 
+PathTracer::Vertex PathTracer::vertex_at(const Ray& ray, const Collision& collision, bool first,
+                                         PathDraws& draws) const {
+  Vertex vertex;
+  vertex.voxel = ray.origin + collision.t * ray.step;
+  vertex.before = ray.direction;
+  vertex.material = scene_.material(collision.code, vertex.voxel);
+  vertex.first = first;
+  // Surface or phase: P = 1 − exp(−k·‖∇v‖).
+  const Vec3 gradient = scene_.gradient(vertex.voxel);
+  const float steepness = glm::length(gradient);
+  const float u = first ? draws(PathDraws::kSurface) : draws.uniform();
+  vertex.surface = scene_.preset().surface_strength * steepness > free_path(u);
+  if (vertex.surface) {
+    vertex.normal = gradient / -steepness;
+    if (glm::dot(vertex.normal, ray.direction) > 0) {
+      vertex.normal = -vertex.normal;
+    }
+    // The boundary is blurred over about a voxel and would shadow itself: light leaves from above.
+    vertex.voxel += vertex.normal;
+  }
+  if (!vertex.surface) {
+    vertex.material.specular = 0;
+  } else if (!first) {
+    // Highlights of later vertices would only be noise: there the lobe's energy is spread evenly.
+    Material& m = vertex.material;
+    m.albedo = (1.0f - m.specular) * m.albedo + m.specular;
+    m.specular = 0;
+  }
+  return vertex;
+}
+
+// What one steradian of unit radiance from `towards` adds to the light that leaves the vertex.
+Vec3 PathTracer::scattered(const Vertex& vertex, const Vec3& towards) const {
+  const Material& m = vertex.material;
+  if (!vertex.surface) {
+    return henyey_greenstein(glm::dot(vertex.before, towards), scene_.preset().phase_g) * m.albedo;
+  }
+  const float cosine = std::max(0.0f, glm::dot(vertex.normal, towards));
+  Vec3 sum = (1.0f - m.specular) * cosine / kPi * m.albedo;
+  if (m.specular > 0) {
+    sum += m.specular * ggx::evaluate(vertex.normal, -vertex.before, towards, m.roughness);
+  }
+  return sum;
+}
+
+// Next-event estimation: one key, chosen by what each would give unshadowed.
+Vec3 PathTracer::key_light(const Vertex& vertex, PathDraws& draws) const {
+  struct Candidate {
+    Vec3 towards;
+    Vec3 light;
+    float upto;
+  };
+  std::array<Candidate, kMaxKeys> candidates;
+  const std::vector<Lights::Key>& keys = scene_.lights().keys();
+  const size_t count = std::min(keys.size(), candidates.size());
+  const float u = vertex.first ? draws(PathDraws::kDiscU) : draws.uniform();
+  const float v = vertex.first ? draws(PathDraws::kDiscV) : draws.uniform();
+  float total = 0;
+  for (size_t k = 0; k < count; ++k) {
+    Candidate& c = candidates[k];
+    c.towards = keys[k].sample(u, v);
+    c.light = scattered(vertex, c.towards) * keys[k].irradiance;
+    total += largest(c.light);
+    c.upto = total;
+  }
+  if (total <= 0) {
+    return Vec3(0);
+  }
+  const float pick = (vertex.first ? draws(PathDraws::kKey) : draws.uniform()) * total;
+  size_t k = 0;
+  while (k + 1 < count && candidates[k].upto <= pick) {
+    ++k;
+  }
+  const Candidate& chosen = candidates[k];
+  const float weight = largest(chosen.light);
+  if (weight <= 0) {
+    return Vec3(0);
+  }
+  return chosen.light *
+         (total / weight * transmittance(make_ray(vertex.voxel, chosen.towards), draws.rng()));
+}
+
+// A new direction; `throughput` is multiplied by what the vertex lets through that way.
+Vec3 PathTracer::turn(const Vertex& vertex, float u, float v, PathDraws& draws,
+                      Vec3& throughput) const {
+  const Material& m = vertex.material;
+  if (vertex.surface && m.specular > 0 && draws(PathDraws::kLobe) < m.specular) {
+    float weight = 0;
+    const Vec3 direction = ggx::sample(vertex.normal, -vertex.before, m.roughness, u, v, weight);
+    throughput *= weight;
+    return direction;
+  }
+  throughput *= m.albedo;
+  return vertex.surface ? sample_cosine(vertex.normal, u, v)
+                        : sample_henyey_greenstein(vertex.before, scene_.preset().phase_g, u, v);
+}
+
 PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
   PathSample sample;
   Ray ray = camera_ray(x, y);
@@ -206,123 +304,41 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
     return sample;
   }
   sample.hit = true;
+  const Vec3 met = ray.origin + collision.t * ray.step;
+  if (const Face* face = face_at(met, ray.direction)) {
+    sample.radiance =
+        shade_face(*face, scene_.material(collision.code, met), -ray.direction, draws);
+    return sample;
+  }
 
-  const Lights& lights = scene_.lights();
-  const float surface_strength = scene_.preset().surface_strength;
-  const float g = scene_.preset().phase_g;
   Vec3 throughput(1);
-  for (int bounce = 0;; ++bounce) {
+  for (int bounce = 0; bounce < max_bounces_; ++bounce) {
     const bool first = bounce == 0;
-    const Vec3 voxel = ray.origin + collision.t * ray.step;
-    const Material material = scene_.material(collision.code, voxel);
-    const Vec3 out = -ray.direction;
-    if (first) {
-      if (const Face* face = face_at(voxel, ray.direction)) {
-        sample.radiance = shade_face(*face, material, out, draws);
-        return sample;
-      }
-    }
-
-    // Surface or phase: P = 1 − exp(−k·‖∇v‖).
-    const Vec3 gradient = scene_.gradient(voxel);
-    const float steepness = glm::length(gradient);
-    const float u_surface = first ? draws(PathDraws::kSurface) : draws.uniform();
-    const bool surface = surface_strength * steepness > free_path(u_surface);
-    Vec3 normal(0);
-    Vec3 start = voxel;
-    if (surface) {
-      normal = gradient / -steepness;
-      if (glm::dot(normal, out) < 0) {
-        normal = -normal;
-      }
-      // The boundary is blurred over about a voxel and would shadow itself: light leaves from
-      // above.
-      start += normal;
-    }
-    // Highlights of later vertices would only be noise: there the lobe's energy is spread evenly.
-    const float specular = surface && first ? material.specular : 0.0f;
-    const Vec3 albedo = surface && !first
-                            ? (1.0f - material.specular) * material.albedo + material.specular
-                            : material.albedo;
-
-    // Light of one key, chosen by what each would give unshadowed.
-    {
-      constexpr int kMaxKeys = 8;
-      const int count = std::min(static_cast<int>(lights.keys().size()), kMaxKeys);
-      std::array<Vec3, kMaxKeys> towards;
-      std::array<Vec3, kMaxKeys> given;
-      std::array<float, kMaxKeys> upto;
-      float total = 0;
-      const float u = first ? draws(PathDraws::kDiscU) : draws.uniform();
-      const float v = first ? draws(PathDraws::kDiscV) : draws.uniform();
-      for (int k = 0; k < count; ++k) {
-        const Lights::Key& key = lights.keys()[static_cast<size_t>(k)];
-        towards[k] = key.sample(u, v);
-        if (surface) {
-          const float cosine = std::max(0.0f, glm::dot(normal, towards[k]));
-          given[k] = (1.0f - specular) * cosine / kPi * albedo;
-          if (specular > 0) {
-            given[k] += specular * ggx::evaluate(normal, out, towards[k], material.roughness);
-          }
-        } else {
-          given[k] = henyey_greenstein(glm::dot(ray.direction, towards[k]), g) * albedo;
-        }
-        given[k] *= key.irradiance;
-        total += largest(given[k]);
-        upto[k] = total;
-      }
-      if (total > 0) {
-        const float pick = (first ? draws(PathDraws::kKey) : draws.uniform()) * total;
-        int k = 0;
-        while (k + 1 < count && upto[k] <= pick) {
-          ++k;
-        }
-        const float weight = largest(given[k]);
-        if (weight > 0) {
-          const float t = transmittance(make_ray(start, towards[k]), draws.rng());
-          sample.radiance += throughput * given[k] * (total / weight * t);
-        }
-      }
-    }
+    const Vertex vertex = vertex_at(ray, collision, first, draws);
+    sample.radiance += throughput * key_light(vertex, draws);
 
     // Onwards; the sky is met where a path leaves.
-    const float u = first         ? draws(PathDraws::kAngle)
-                    : bounce == 1 ? draws(PathDraws::kAngle2)
-                                  : draws.uniform();
-    const float v = first         ? draws(PathDraws::kTurn)
-                    : bounce == 1 ? draws(PathDraws::kTurn2)
-                                  : draws.uniform();
-    Vec3 direction;
-    if (!surface) {
-      direction = sample_henyey_greenstein(ray.direction, g, u, v);
-      throughput *= albedo;
-    } else if (specular > 0 && draws(PathDraws::kLobe) < specular) {
-      float weight = 0;
-      direction = ggx::sample(normal, out, material.roughness, u, v, weight);
-      throughput *= weight;
-    } else {
-      direction = sample_cosine(normal, u, v);
-      throughput *= albedo;
-    }
-    if (bounce > 0) {
+    const bool early = bounce < 2;
+    const float u = early ? draws(first ? PathDraws::kAngle : PathDraws::kAngle2) : draws.uniform();
+    const float v = early ? draws(first ? PathDraws::kTurn : PathDraws::kTurn2) : draws.uniform();
+    const Vec3 direction = turn(vertex, u, v, draws, throughput);
+    if (!first) {
       const float survival = std::min(1.0f, largest(throughput));
       if (draws.uniform() >= survival) {
         return sample;
       }
       throughput /= survival;
     }
-    ray = make_ray(start, direction);
-    const float depth = free_path(first ? draws(PathDraws::kDistance2) : draws.uniform());
+    ray = make_ray(vertex.voxel, direction);
     t0 = 0;
     t1 = kFar;
+    const float depth = free_path(first ? draws(PathDraws::kDistance2) : draws.uniform());
     if (!clip(ray, t0, t1) || !track(ray, t0, t1, depth, draws.rng(), collision)) {
-      sample.radiance += throughput * lights.sky(direction);
-      return sample;
-    }
-    if (bounce + 1 >= max_bounces_) {
+      sample.radiance += throughput * scene_.lights().sky(direction);
       return sample;
     }
   }
+  return sample;
 }
 
 float PathTracer::first_hit(float x, float y) const {

@@ -93,6 +93,15 @@ class PathTracer {
     Vec3 radiance;         // of a white face, linear RGB
   };
 
+  struct Vertex {
+    Vec3 voxel;         // where light leaves from, voxel space
+    Vec3 before;        // direction of the path up to here, grid frame
+    Vec3 normal{0};     // of a surface, towards the viewer
+    Material material;  // specular is 0 where there is no highlight
+    bool surface = false;
+    bool first = false;
+  };
+
   Ray make_ray(const Vec3& origin, const Vec3& direction) const {
     Ray ray{origin, direction, scene_.voxel_direction(direction), Vec3(0)};
     for (int k = 0; k < 3; ++k) {
@@ -106,6 +115,10 @@ class PathTracer {
   bool track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
              Collision& collision) const;
   float transmittance(const Ray& ray, Rng& rng) const;
+  Vertex vertex_at(const Ray& ray, const Collision& collision, bool first, PathDraws& draws) const;
+  Vec3 scattered(const Vertex& vertex, const Vec3& towards) const;
+  Vec3 key_light(const Vertex& vertex, PathDraws& draws) const;
+  Vec3 turn(const Vertex& vertex, float u, float v, PathDraws& draws, Vec3& throughput) const;
   const Face* face_at(const Vec3& voxel, const Vec3& direction) const;
   Vec3 shade_face(const Face& face, const Material& material, const Vec3& out,
                   PathDraws& draws) const;
