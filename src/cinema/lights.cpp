@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/error.h"
+
 namespace clipgs {
 namespace {
 
@@ -23,6 +25,9 @@ Lights::Lights(const LightRig& rig, const Mat3& frame_from_world)
       horizon_(rig.sky_horizon),
       to_top_(rig.sky_top - rig.sky_horizon),
       to_bottom_(rig.sky_bottom - rig.sky_horizon) {
+  if (rig.keys.size() > kMaxKeys) {
+    throw Error("light rig: {} key lights; at most {} are supported", rig.keys.size(), kMaxKeys);
+  }
   for (const KeyLight& light : rig.keys) {
     Key key;
     key.direction = glm::normalize(frame_from_world * light.direction);

@@ -10,7 +10,10 @@ namespace clipgs {
 /// A light rig turned into the frame that paths are traced in.
 class Lights {
  public:
-  /// `frame_from_world` rotates RAS directions into the tracing frame.
+  static constexpr size_t kMaxKeys = 8;
+
+  /// `frame_from_world` rotates RAS directions into the tracing frame. Throws Error for more than
+  /// kMaxKeys key lights.
   Lights(const LightRig& rig, const Mat3& frame_from_world);
 
   struct Key {

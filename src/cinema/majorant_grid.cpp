@@ -91,15 +91,14 @@ void MajorantGrid::find_leaps() {
 
 void MajorantGrid::find_mask(const VoxelGrid& grid, const TransferFunction& transfer) {
   const IVec3 dims = grid.dims();
-  mask_stride_y_ = (dims.x + 63) / 64 * 64;
+  mask_stride_y_ = static_cast<std::ptrdiff_t>((dims.x + 63) / 64) * 64;
   mask_stride_z_ = mask_stride_y_ * dims.y;
   mask_.assign(static_cast<size_t>(mask_stride_z_ * dims.z / 64), 0);
-  // Which codes show matter as interpolation reaches them, by the largest code seen so far: a table
-  // of the next visible code at or above each answers "is any of [low, high] visible" at once.
+  // "Is any code of [low, high] visible": yes if the next visible one at or above low is.
   constexpr int kCodes = 1 << 16;
   std::vector<int> next_visible(kCodes + 1, kCodes);
   for (int code = kCodes - 1; code >= 0; --code) {
-    const float value = static_cast<float>(code);
+    const auto value = static_cast<float>(code);
     const bool visible = transfer.max_extinction(grid.value(value - 1), grid.value(value + 1)) > 0;
     next_visible[static_cast<size_t>(code)] =
         visible ? code : next_visible[static_cast<size_t>(code) + 1];

@@ -63,7 +63,8 @@ class MajorantGrid {
       const float tx = (static_cast<float>(i[0] + step) - o[0]) * inverse[0];
       const float ty = (static_cast<float>(i[1] + step) - o[1]) * inverse[1];
       const float tz = (static_cast<float>(i[2] + step) - o[2]) * inverse[2];
-      const float exit = std::min(tx, std::min(ty, tz));
+      const float yz = std::min(ty, tz);
+      const float exit = std::min(tx, yz);
       if (empty == 0) {
         const float end = std::min(exit, t1);
         if (end > t && visit(majorants[cell], t, end)) {

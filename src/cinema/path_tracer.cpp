@@ -10,16 +10,15 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kFar = 1e30f;
-constexpr size_t kMaxKeys = 8;
 
 // Optical depth to the next collision for uniform u in [0, 1).
 float free_path(float u) { return -std::log(1.0f - u); }
 
 // Fractional parts of the square roots of primes: irrational and independent of each other.
 constexpr std::array<double, PathDraws::kDimensions> kRoots = {
-    1.4142135623730951, 1.7320508075688772, 2.23606797749979,   2.6457513110645907,
-    3.3166247903554,    3.605551275463989,  4.123105625617661,  4.358898943540674,
-    4.795831523312719,  5.385164807134504,  5.5677643628300215, 6.082762530298219,
+    std::numbers::sqrt2, std::numbers::sqrt3, 2.23606797749979,   2.6457513110645907,
+    3.3166247903554,     3.605551275463989,   4.123105625617661,  4.358898943540674,
+    4.795831523312719,   5.385164807134504,   5.5677643628300215, 6.082762530298219,
     6.4031242374328485};
 
 constexpr std::array<std::uint32_t, PathDraws::kDimensions> recurrence_steps() {
@@ -31,7 +30,7 @@ constexpr std::array<std::uint32_t, PathDraws::kDimensions> recurrence_steps() {
   return steps;
 }
 
-float largest(const Vec3& v) { return std::max(v.x, std::max(v.y, v.z)); }
+float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 }  // namespace
 
@@ -112,7 +111,7 @@ bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
 float PathTracer::leave(const Ray& ray, const IVec3& low) {
   float t = kFar;
   for (int k = 0; k < 3; ++k) {
-    const float side = static_cast<float>(low[k] + (ray.step[k] > 0 ? 1 : 0));
+    const auto side = static_cast<float>(low[k] + (ray.step[k] > 0 ? 1 : 0));
     t = std::min(t, (side - ray.origin[k]) * ray.inverse[k]);
   }
   return t;
@@ -248,9 +247,9 @@ Vec3 PathTracer::key_light(const Vertex& vertex, PathDraws& draws) const {
     Vec3 light;
     float upto;
   };
-  std::array<Candidate, kMaxKeys> candidates;
+  std::array<Candidate, Lights::kMaxKeys> candidates;
   const std::vector<Lights::Key>& keys = scene_.lights().keys();
-  const size_t count = std::min(keys.size(), candidates.size());
+  const size_t count = keys.size();
   const float u = vertex.first ? draws(PathDraws::kDiscU) : draws.uniform();
   const float v = vertex.first ? draws(PathDraws::kDiscV) : draws.uniform();
   float total = 0;
@@ -349,8 +348,7 @@ float PathTracer::first_hit(float x, float y) const {
     return 0;
   }
   // Two marches by half voxels: the optical depth in all, then up to the median.
-  const float march =
-      0.5f / std::max(std::abs(ray.step.x), std::max(std::abs(ray.step.y), std::abs(ray.step.z)));
+  const float march = 0.5f / largest(glm::abs(ray.step));
   const auto optical_depth = [&](float stop, float& where) {
     float depth = 0;
     scene_.majorants().walk(ray.origin, ray.step, t0, t1, [&](float, float t, float end) {

@@ -50,7 +50,7 @@ class Rendering {
                  });
   }
 
-  void want_everywhere(int samples) { std::fill(wanted_.begin(), wanted_.end(), samples); }
+  void want_everywhere(int samples) { std::ranges::fill(wanted_, samples); }
 
   // Shares out samples in proportion to each pixel's standard deviation, which is the best use of
   // them for the mean squared error. False if there is nothing left to do.
@@ -83,7 +83,7 @@ class Rendering {
     double added = 0;
     for (size_t i = 0; i < sums_.size(); ++i) {
       const double share = std::min(density * deviation[i], (1 + kGrowth) * sums_[i].samples);
-      wanted_[i] = std::max(sums_[i].samples, static_cast<int>(share + 0.5));
+      wanted_[i] = std::max(sums_[i].samples, static_cast<int>(std::lround(share)));
       added += wanted_[i] - sums_[i].samples;
     }
     // Estimates of the noise wander: a round always moves on by a tenth, or it would crawl.

@@ -1,6 +1,7 @@
 #include "cinema/voxel_grid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/parallel.h"
@@ -25,7 +26,7 @@ VoxelGrid::VoxelGrid(const Volume& volume, float low, float high) : dims_(volume
       for (int px = 0; px < padded.x; ++px) {
         const float value = row[std::clamp(px - kLowBorder, 0, dims_.x - 1)];
         const float code = (value - low_) / step_;
-        out[px] = static_cast<std::uint16_t>(std::clamp(code, 0.0f, kMaxCode) + 0.5f);
+        out[px] = static_cast<std::uint16_t>(std::lround(std::clamp(code, 0.0f, kMaxCode)));
       }
     }
   });
