@@ -49,7 +49,7 @@ class Reader {
 
   int side(const char* key) const {
     const float value = number(key);
-    if (!(value >= 1 && value <= kMaxSide && value == std::floor(value))) {
+    if (value < 1 || value > kMaxSide || value != std::floor(value)) {
       fail(key, "a whole number of pixels");
     }
     return static_cast<int>(value);
@@ -158,7 +158,7 @@ Frame read_frame(const Reader& reader) {
   camera.fy = reader.number("fl_y");
   camera.cx = reader.number("cx");
   camera.cy = reader.number("cy");
-  if (!(camera.fx > 0 && camera.fy > 0)) {
+  if (camera.fx <= 0 || camera.fy <= 0) {
     reader.fail("fl_x", "a positive focal length (nor fl_y)");
   }
   camera.set_opengl_camera_to_world(read_matrix(reader, "transform_matrix"));

@@ -129,6 +129,21 @@ TEST(PlanFrames, SharesAndHeldOutPlanes) {
   }
 }
 
+TEST(PlanFrames, TestPlanesStayInTheMatterHoweverManyTrainingHas) {
+  const Fixture f;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  DatasetOptions options;
+  options.train_frames = 5000;
+  const Vec2 extent = matter.extent(options.axis);
+  for (const Frame& frame : plan_frames(matter, options)) {
+    if (frame.split == Split::kTestAxis) {
+      const float height = frame.plane->normal.z * frame.plane->offset;
+      EXPECT_GT(height, glm::mix(extent.x, extent.y, 0.09f));
+      EXPECT_LT(height, glm::mix(extent.x, extent.y, 0.91f));
+    }
+  }
+}
+
 TEST(Dataset, ComesBackFromDisk) {
   const Fixture f;
   const TemporaryFolder folder;

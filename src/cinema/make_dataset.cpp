@@ -220,9 +220,9 @@ void check(const DatasetOptions& options) {
 /// Renders frames that are not there yet.
 class Maker {
  public:
-  Maker(const Volume& volume, const Preset& preset, const fs::path& folder,
-        const DatasetOptions& options, const VisibleMatter& matter)
-      : scene_(volume, preset), folder_(folder), options_(options) {
+  Maker(const Volume& volume, const Preset& preset, fs::path folder, const DatasetOptions& options,
+        const VisibleMatter& matter)
+      : scene_(volume, preset), folder_(std::move(folder)), options_(options) {
     depth_scale_ =
         2.0f * (framing_distance(matter.sphere.radius) + matter.sphere.radius) / 65535.0f;
   }

@@ -19,6 +19,9 @@ constexpr Vec2 kTestRange{0.10f, 0.90f};   // … and test planes
 // Distances of training cameras, relative to the nominal one; that comes twice as often.
 constexpr std::array<float, 4> kDistances{1.0f, 0.8f, 1.0f, 1.2f};
 
+// Distance of test planes from training's, in mean distances of training's axis planes.
+constexpr float kHeldOut = 0.2f;
+
 enum class Kind { kAxis, kOblique, kUncut };
 
 float lerp(const Vec2& range, float t) { return range.x + (range.y - range.x) * t; }
@@ -71,7 +74,7 @@ class Planner {
     std::vector<Kind> kinds;
     int axis_count = 0;
     for (int i = 0; i < count; ++i) {
-      const float turn = static_cast<float>(std::fmod(i * 0.41421356 + 0.5, 1.0));
+      const auto turn = static_cast<float>(std::fmod(i * 0.41421356 + 0.5, 1.0));
       kinds.push_back(turn < kAxisShare                   ? Kind::kAxis
                       : turn < kAxisShare + kObliqueShare ? Kind::kOblique
                                                           : Kind::kUncut);
@@ -79,6 +82,7 @@ class Planner {
     }
     // One axis plane in each of as many equal steps.
     std::vector<float> heights;
+    heights.reserve(static_cast<size_t>(axis_count));
     for (int i = 0; i < axis_count; ++i) {
       heights.push_back((static_cast<float>(i) + rng.uniform()) / static_cast<float>(axis_count));
     }
@@ -150,14 +154,15 @@ class Planner {
   // The height moved, if need be, so that its plane is none of training's.
   float held_out(float height) const {
     const Vec2 extent = matter_.extent(options_.axis);
-    const float least = 1e-3f * (extent.y - extent.x);
+    const float step = kHeldOut / static_cast<float>(std::max<size_t>(1, axis_offsets_.size()));
+    const float least = step * (extent.y - extent.x);
     const auto taken = [&](float h) {
       const float offset = lerp(extent, h);
-      return std::any_of(axis_offsets_.begin(), axis_offsets_.end(),
-                         [&](float used) { return std::abs(used - offset) < least; });
+      return std::ranges::any_of(axis_offsets_,
+                                 [&](float used) { return std::abs(used - offset) < least; });
     };
     while (taken(height)) {
-      height += 7e-4f;
+      height += 0.7f * step;
     }
     return height;
   }

@@ -163,7 +163,8 @@ void save_seed_points(const std::filesystem::path& path, const std::vector<SeedP
     std::memcpy(out, vertex.data(), sizeof vertex);
     out += sizeof vertex;
     for (int c = 0; c < 3; ++c) {
-      *out++ = static_cast<std::uint8_t>(std::clamp(point.color[c], 0.0f, 1.0f) * 255.0f + 0.5f);
+      *out++ =
+          static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(point.color[c], 0.0f, 1.0f)));
     }
     std::memcpy(out, &point.spacing, sizeof point.spacing);
     out += sizeof point.spacing;
@@ -184,8 +185,8 @@ std::vector<SeedPoint> load_seed_points(const std::filesystem::path& folder) {
     count = std::strtoull(head.c_str() + at + std::strlen(kElement), nullptr, 10);
   }
   const std::string header = fmt::format(fmt::runtime(kHeader), count);
-  if (head.compare(0, header.size(), header) != 0 || count == 0 ||
-      count > bytes.size() / kVertexBytes || bytes.size() != header.size() + count * kVertexBytes) {
+  if (!head.starts_with(header) || count == 0 || count > bytes.size() / kVertexBytes ||
+      bytes.size() != header.size() + count * kVertexBytes) {
     throw Error("{}: not a whole file of seed points; make the dataset again", path.string());
   }
   std::vector<SeedPoint> points(count);

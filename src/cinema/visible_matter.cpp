@@ -73,11 +73,16 @@ class CellGrid {
   }
 
   bool has_matter(int x, int y, int z) const {
-    return counts_[static_cast<size_t>((z / kCell * dims_.y + y / kCell) * dims_.x + x / kCell)] >
-           0;
+    return counts_[index(x / kCell, y / kCell, z / kCell)] > 0;
   }
 
  private:
+  size_t index(int x, int y, int z) const {
+    return (static_cast<size_t>(z) * static_cast<size_t>(dims_.y) + static_cast<size_t>(y)) *
+               static_cast<size_t>(dims_.x) +
+           static_cast<size_t>(x);
+  }
+
   template <typename Visit>
   void for_neighbours(size_t at, const Visit& visit) const {
     const auto i = static_cast<int>(at);
@@ -87,7 +92,7 @@ class CellGrid {
     for (int z = first.z; z <= last.z; ++z) {
       for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
-          const auto beside = static_cast<size_t>((z * dims_.y + y) * dims_.x + x);
+          const size_t beside = index(x, y, z);
           if (beside != at) {
             visit(beside);
           }
