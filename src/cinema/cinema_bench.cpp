@@ -30,7 +30,7 @@ void fast(benchmark::State& state) {
   const CinemaScene scene(f.volume, f.preset);
   const PathTracer tracer(scene, f.camera, f.plane, PictureOptions().max_bounces);
   PathDraws draws(1, 0, 0);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(tracer.trace(256 * draws.uniform(), 256 * draws.uniform(), draws));
     draws.next_sample();
   }
@@ -40,14 +40,14 @@ void reference(benchmark::State& state) {
   const Fixture& f = fixture();
   const ReferenceTracer tracer(f.volume, f.preset, f.camera, f.plane, PictureOptions().max_bounces);
   Rng rng(1);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(tracer.trace(256 * rng.uniform(), 256 * rng.uniform(), rng));
   }
 }
 
 void build_scene(benchmark::State& state) {
   const Fixture& f = fixture();
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     benchmark::DoNotOptimize(CinemaScene(f.volume, f.preset));
   }
 }
@@ -59,7 +59,7 @@ void picture_to_40_db(benchmark::State& state) {
   options.spp = 8192;
   options.noise_db = 40;
   double samples = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     samples += render_picture(scene, f.camera, f.plane, options).samples;
   }
   state.counters["samples/s"] = benchmark::Counter(samples, benchmark::Counter::kIsRate);

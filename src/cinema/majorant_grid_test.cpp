@@ -17,7 +17,8 @@ Vec3 random_point(Rng& rng, const Vec3& size) {
 
 TEST(VoxelGrid, InterpolatesLikeTheVolume) {
   Rng rng(1);
-  Volume volume = make_volume({9, 7, 5}, [&](const IVec3&) { return 3000 * rng.uniform() - 1000; });
+  const Volume volume =
+      make_volume({9, 7, 5}, [&](const IVec3&) { return 3000 * rng.uniform() - 1000; });
   const VoxelGrid grid(volume, -1000, 2000);
   for (int i = 0; i < 1000; ++i) {
     const Vec3 voxel = random_point(rng, Vec3(volume.dims - 1));
@@ -45,9 +46,9 @@ struct Fixture {
       {point(100, 0), point(150, 1), point(200, 0), point(500, 0), point(510, 3), point(520, 0)}};
   explicit Fixture(std::uint64_t seed) {
     Rng rng(seed);
-    std::vector<Vec4> clumps;
-    for (int i = 0; i < 5; ++i) {
-      clumps.emplace_back(random_point(rng, Vec3(50, 40, 60)), 2 + 5 * rng.uniform());
+    std::array<Vec4, 5> clumps{};
+    for (Vec4& clump : clumps) {
+      clump = Vec4(random_point(rng, Vec3(50, 40, 60)), 2 + 5 * rng.uniform());
     }
     volume = make_volume({50, 40, 60}, [&](const IVec3& v) {
       for (const Vec4& c : clumps) {

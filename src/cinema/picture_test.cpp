@@ -11,7 +11,6 @@ namespace clipgs {
 namespace {
 
 using test::make_preset;
-using test::make_volume;
 using test::point;
 
 // A lit ball in soft light.
@@ -99,7 +98,7 @@ TEST(Picture, BudgetIsKept) {
   for (size_t i = 0; i < mean.pixels(); ++i) {
     matter += mean.data[4 * i + 3] > 0 ? 1 : 0;
   }
-  const double pixels = static_cast<double>(mean.pixels());
+  const auto pixels = static_cast<double>(mean.pixels());
   EXPECT_LT(picture.samples, 1.2 * (40 * matter + 8 * (pixels - matter)));
   EXPECT_GT(picture.samples, 0.8 * 40 * matter);
 }
