@@ -43,8 +43,8 @@ struct Quality {
 // and noise averages out over them.
 constexpr std::array kQualities = {
     Quality{"draft", 192, 300, 8, 8, 60000, 5000, 0},
-    Quality{"standard", 256, 900, 20, 10, 118000, 22000, 1},
-    Quality{"high", 512, 1500, 32, 12, 250000, 40000, 2},
+    Quality{"standard", 256, 2000, 20, 10, 118000, 24000, 1},
+    Quality{"high", 512, 3000, 32, 12, 250000, 40000, 2},
 };
 
 const Quality& find_quality(const std::string& name) {

@@ -13,7 +13,7 @@ namespace {
 
 struct PhantomOptions {
   std::filesystem::path out;
-  int size = 192;
+  int size = 256;
   std::uint64_t seed = 1;
 };
 

@@ -201,7 +201,7 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
   // Pixels → splat: δ = pixel − centre, α ∝ exp(qa·δx² + qb·δxδy + qc·δy²)·Φ(z).
   Vec2 g_center(p.conic.xx * g.hx + p.conic.xy * g.hy, p.conic.xy * g.hx + p.conic.yy * g.hy);
   Sym2 g_conic{-0.5f * g.hxx, -0.5f * g.hxy, -0.5f * g.hyy};
-  float g_opacity = g.h / splat.opacity;  // with respect to the splat's, soft factor included
+  const float g_opacity = g.h / splat.opacity;  // with respect to the splat's, soft factor included
 
   Vec3 g_mean(0);
   Mat3 g_m(0);
@@ -219,7 +219,7 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
       g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);
     }
   }
-  if (splat.clipped != 0) {
+  if (plane && splat.clipped != 0) {
     const PlaneView v = see_plane(p, mean, *plane);
     const Conditional e = condition(p, v);
     g_center -= g.e * Vec2(splat.zx, splat.zy);  // z moves with the centre

@@ -153,8 +153,7 @@ std::vector<double> reference_render(const std::vector<double>& parameters, size
       splats.push_back(splat);
     }
   }
-  std::stable_sort(splats.begin(), splats.end(),
-                   [](const auto& l, const auto& r) { return l.depth < r.depth; });
+  std::ranges::stable_sort(splats, {}, [](const auto& splat) { return splat.depth; });
 
   std::vector<double> image(static_cast<size_t>(camera.width) * camera.height * 4, 0.0);
   for (int py = 0; py < camera.height; ++py) {

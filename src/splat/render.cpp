@@ -11,7 +11,15 @@ namespace clipgs {
 
 namespace {
 
-constexpr std::array<const char*, 3> kNames = {"hard", "soft", "exact"};
+struct NamedOperator {
+  ClipOperator clip;
+  const char* name;
+};
+
+// In the order of the enumeration.
+constexpr std::array kOperators = {NamedOperator{ClipOperator::kHard, "hard"},
+                                   NamedOperator{ClipOperator::kSoft, "soft"},
+                                   NamedOperator{ClipOperator::kExact, "exact"}};
 
 /// Premultiplied → straight alpha.
 template <typename T>
@@ -31,15 +39,17 @@ Image straighten(const T* premultiplied, int width, int height) {
 }  // namespace
 
 ClipOperator parse_clip_operator(const std::string& name) {
-  for (size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i]) {
-      return static_cast<ClipOperator>(i);
+  for (const NamedOperator& known : kOperators) {
+    if (name == known.name) {
+      return known.clip;
     }
   }
   throw Error("clip operator \"{}\" does not exist; choose hard, soft or exact", name);
 }
 
-const char* clip_operator_name(ClipOperator clip) { return kNames[static_cast<size_t>(clip)]; }
+const char* clip_operator_name(ClipOperator clip) {
+  return kOperators[static_cast<size_t>(clip)].name;
+}
 
 Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
              ClipOperator clip) {

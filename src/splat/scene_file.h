@@ -22,7 +22,7 @@ nlohmann::json scene_to_json(const Scene& scene, const Similarity& world);
 
 /// Sets everything but the Gaussians from such JSON and returns the frame of the stored Gaussians.
 /// `name` is what errors call it. Throws Error.
-Similarity scene_from_json(const nlohmann::json& json, const std::string& name, Scene& scene);
+Similarity scene_from_json(const nlohmann::json& object, const std::string& name, Scene& scene);
 
 /// The shortest decimal that reads back as the same float, as a JSON number.
 nlohmann::json json_number(float value);

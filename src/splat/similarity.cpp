@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -10,7 +11,6 @@ namespace clipgs {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTolerance = 1e-4;
 constexpr size_t kGrain = 8192;
 constexpr int kMaxBand = 2 * kMaxShDegree + 1;
@@ -30,13 +30,13 @@ std::array<BandMatrix, kMaxShDegree + 1> sh_rotation(int degree, const glm::dmat
   for (size_t h = 0; h < kHeights.size(); ++h) {
     const double radius = std::sqrt(1 - kHeights[h] * kHeights[h]);
     for (int a = 0; a < kAzimuths; ++a) {
-      const double azimuth = 2 * kPi * a / kAzimuths;
+      const double azimuth = 2 * std::numbers::pi * a / kAzimuths;
       const glm::dvec3 d(radius * std::cos(azimuth), radius * std::sin(azimuth), kHeights[h]);
       std::array<float, sh_coefficients(kMaxShDegree)> after{};
       std::array<float, sh_coefficients(kMaxShDegree)> before{};
       sh_basis(degree, Vec3(d), after.data());
       sh_basis(degree, Vec3(glm::transpose(rotation) * d), before.data());
-      const double weight = kWeights[h] * 2 * kPi / kAzimuths;
+      const double weight = kWeights[h] * 2 * std::numbers::pi / kAzimuths;
       for (int l = 1; l <= degree; ++l) {
         const int first = l * l;
         for (int k = 0; k < 2 * l + 1; ++k) {

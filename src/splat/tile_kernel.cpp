@@ -12,7 +12,7 @@
 #include "splat/tile_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace clipgs {
+namespace clipgs {  // NOLINT(modernize-concat-nested-namespaces): the inner one is a macro
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -58,6 +58,7 @@ HWY_INLINE V alpha_at(const Splat& s, V dx, float dy, V& z, V& cdf) {
   const D d;
   const V power = hn::MulAdd(dx, hn::MulAdd(hn::Set(d, s.qa), dx, hn::Set(d, s.qb * dy)),
                              hn::Set(d, s.qc * dy * dy));
+  // NOLINTNEXTLINE(misc-const-correctness): only where kClipped is false
   V alpha = hn::Mul(hn::Set(d, s.opacity), hn::Exp(d, power));
   if constexpr (kClipped) {
     z = hn::MulAdd(hn::Set(d, s.zx), dx, hn::Set(d, s.z0 + s.zy * dy));

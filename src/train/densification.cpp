@@ -50,7 +50,7 @@ std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
   sources.reserve(count);
   for (size_t k = 0; k < count; ++k) {
     const double u = static_cast<double>(rng.next()) * 0x1p-32 * total;
-    const auto it = std::upper_bound(cumulative.begin(), cumulative.end(), u);
+    const auto it = std::ranges::upper_bound(cumulative, u);
     const auto at = std::min<size_t>(it - cumulative.begin(), alive.size() - 1);
     sources.push_back(alive[at]);
   }

@@ -88,9 +88,9 @@ void Trainer::load_target(const View& view, bool half) {
       float sum[4] = {0, 0, 0, 0};
       for (int sy = 0; sy < scale; ++sy) {
         for (int sx = 0; sx < scale; ++sx) {
-          const size_t source =
-              static_cast<size_t>(y * scale + sy) * view.camera.width + x * scale + sx;
-          const std::uint8_t* in = &view.rgba[source * 4];
+          const size_t row = static_cast<size_t>(y) * scale + sy;
+          const size_t column = static_cast<size_t>(x) * scale + sx;
+          const std::uint8_t* in = &view.rgba[(row * view.camera.width + column) * 4];
           const float alpha = static_cast<float>(in[3]) / 255.0f;
           for (int c = 0; c < 3; ++c) {
             sum[c] += static_cast<float>(in[c]) * alpha;

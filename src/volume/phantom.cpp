@@ -1,9 +1,11 @@
 #include "volume/phantom.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "volume/phantom_body.h"
 
 namespace clipgs {
@@ -17,6 +19,44 @@ Volume air(const IVec3& dims, float spacing) {
   volume.modality = Modality::kCt;
   volume.values.assign(volume.voxels(), -1000.0f);
   return volume;
+}
+
+/// The kernel of a scanner's blur, in voxels: a Gaussian of about 1.6 voxels' full width at half
+/// maximum, normalised.
+std::array<float, 5> scanner_blur() {
+  constexpr float kDeviation = 0.7f;
+  std::array<float, 5> kernel{};
+  float sum = 0;
+  for (int k = 0; k < 5; ++k) {
+    const auto offset = static_cast<float>(k - 2);
+    kernel[k] = std::exp(-0.5f * offset * offset / (kDeviation * kDeviation));
+    sum += kernel[k];
+  }
+  for (float& weight : kernel) {
+    weight /= sum;
+  }
+  return kernel;
+}
+
+/// Blurs along one axis; the volume's edge goes on beyond it.
+void blur_along(Volume& volume, int axis, const std::array<float, 5>& kernel) {
+  const IVec3 dims = volume.dims;
+  const std::vector<float> sharp = volume.values;
+  parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t begin, size_t end) {
+    for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z) {
+      for (int y = 0; y < dims.y; ++y) {
+        for (int x = 0; x < dims.x; ++x) {
+          float sum = 0;
+          for (int k = 0; k < 5; ++k) {
+            IVec3 p(x, y, z);
+            p[axis] = std::clamp(p[axis] + k - 2, 0, dims[axis] - 1);
+            sum += kernel[k] * sharp[volume.offset(p.x, p.y, p.z)];
+          }
+          volume.values[volume.offset(x, y, z)] = sum;
+        }
+      }
+    }
+  });
 }
 
 }  // namespace
@@ -36,6 +76,11 @@ Volume make_phantom(int size, std::uint64_t seed) {
   phantom::paint_vessels(painter, seed);
   phantom::paint_skeleton(painter);
 
+  // No scanner sees edges as sharp as they were painted, and shaded surfaces would show the voxels.
+  const std::array<float, 5> kernel = scanner_blur();
+  for (int axis = 0; axis < 3; ++axis) {
+    blur_along(volume, axis, kernel);
+  }
   // Whole HU, as scanners store them: files stay small and give back the same values.
   for (float& value : volume.values) {
     value = std::round(value);
