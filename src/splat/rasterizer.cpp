@@ -212,15 +212,26 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     }
   });
   // In index order, so that memory is walked forwards: the planes are far apart.
+  has_gradient_.assign(gaussians.size(), 0);
   parallel_for(gaussians.size(), kGaussianGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      if (visible_[i] != 0) {
-        const std::uint32_t k = rank_[i];
-        project_backward(gaussians, i, camera_, plane_, options_, splats_[k], summed_gradient(k),
-                         gradients);
+      if (visible_[i] == 0) {
+        continue;
+      }
+      const std::uint32_t k = rank_[i];
+      const SplatGradient gradient = summed_gradient(k);
+      if (gradient.h != 0 || gradient.r != 0 || gradient.g != 0 || gradient.b != 0) {
+        project_backward(gaussians, i, camera_, plane_, options_, splats_[k], gradient, gradients);
+        has_gradient_[i] = 1;
       }
     }
   });
+  reached_.clear();
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    if (has_gradient_[i] != 0) {
+      reached_.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
 }
 
 SplatGradient Rasterizer::summed_gradient(std::uint32_t splat) const {

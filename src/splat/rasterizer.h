@@ -19,11 +19,13 @@ class Rasterizer {
                        const std::optional<Plane>& plane, const RasterOptions& options);
 
   /// Given ∂L/∂image of the last `forward` (same shape), writes ∂L/∂parameter for every Gaussian
-  /// that it drew. Planes of others are left as they are: ask `drawn`.
+  /// that reached a pixel. Planes of others, whose gradient is 0, are left as they are: ask
+  /// `reached`.
   void backward(const Gaussians& gaussians, const Image& image_gradient, Gaussians& gradients);
 
-  /// Indices of the Gaussians that the last `forward` drew, near to far.
-  const std::vector<std::uint32_t>& drawn() const { return order_; }
+  /// Ascending indices of the Gaussians whose gradient the last `backward` wrote. The rest were cut
+  /// away, out of the frame or hidden behind others.
+  const std::vector<std::uint32_t>& reached() const { return reached_; }
 
  private:
   void project_all(const Gaussians& gaussians);
@@ -54,6 +56,8 @@ class Rasterizer {
   std::vector<std::uint32_t> used_;  // of each tile: entries looked at by the forward pass
   std::vector<std::uint32_t> chunk_counts_;
   std::vector<SplatGradient> instance_gradients_;
+  std::vector<std::uint8_t> has_gradient_;  // of each Gaussian
+  std::vector<std::uint32_t> reached_;
 };
 
 }  // namespace clipgs

@@ -134,6 +134,34 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   }
 }
 
+TEST(Rasterizer, OnlyGaussiansThatReachAPixelHaveAGradient) {
+  // Along the view: three opaque ones, one hidden behind them, and one on the removed side.
+  Gaussians cloud(5, 0);
+  const Camera camera = frame_sphere({{0, 0, 0}, 45}, View{0, 0, 1}, 64, 64);
+  const Vec3 away = glm::normalize(-camera.position);
+  const float along[] = {-10, -5, 0, 20, -30};
+  for (size_t i = 0; i < cloud.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      cloud.plane(Gaussians::kMean + a)[i] = along[i] * away[a];
+      cloud.plane(Gaussians::kLogScale + a)[i] = i < 3 ? 3.0f : 0.0f;
+    }
+    cloud.plane(Gaussians::kRotation)[i] = 1;
+    cloud.plane(Gaussians::kOpacity)[i] = 10;
+  }
+  RasterOptions options;
+  options.clip = ClipOperator::kHard;
+  Rasterizer rasterizer;
+  Image weight = rasterizer.forward(cloud, camera, Plane{away, -20}, options);
+  Gaussians gradients(cloud.size(), 0);
+  constexpr float kUntouched = 123;
+  gradients.plane(Gaussians::kOpacity)[3] = kUntouched;
+  gradients.plane(Gaussians::kOpacity)[4] = kUntouched;
+  rasterizer.backward(cloud, weight, gradients);
+  EXPECT_EQ(rasterizer.reached(), (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(gradients.plane(Gaussians::kOpacity)[3], kUntouched);
+  EXPECT_EQ(gradients.plane(Gaussians::kOpacity)[4], kUntouched);
+}
+
 TEST_P(ClipTest, SameBytesAtOneAndTwoThreads) {
   const Gaussians cloud = random_cloud(20000, 1, 5);
   const Camera camera = test_camera(160, 144);

@@ -27,12 +27,12 @@ float rate_of(int plane, const LearningRates& rates) {
 
 }  // namespace
 
-void Adam::step(const std::vector<std::uint32_t>& drawn, const Gaussians& gradients,
+void Adam::step(const std::vector<std::uint32_t>& reached, const Gaussians& gradients,
                 const LearningRates& rates, Gaussians& gaussians) {
   // In index order memory is walked forwards; a mask keeps the inner loop free of gathers.
   const size_t size = gaussians.size();
-  std::vector<float> correction(size, 0.0f);  // 0: not drawn
-  for (const std::uint32_t i : drawn) {
+  std::vector<float> correction(size, 0.0f);  // 0: not reached
+  for (const std::uint32_t i : reached) {
     const auto t = static_cast<float>(++updates_[i]);
     correction[i] = std::sqrt(1 - std::pow(kBeta2, t)) / (1 - std::pow(kBeta1, t));
   }

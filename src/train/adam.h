@@ -7,18 +7,21 @@
 
 namespace clipgs {
 
-/// Learning rates of the parameter groups, and Adam's constants (method.md §6).
+/// Learning rates of the parameter groups. Colours move faster than in 3DGS, and their view
+/// dependence as fast as their mean: most Gaussians are interior, seen only where a plane cuts, in
+/// one picture of a hundred; and how bright a face is depends on the direction it is seen from.
 struct LearningRates {
   float mean = 0;  ///< mm; the caller decays it
   float log_scale = 5e-3f;
   float rotation = 1e-3f;
   float opacity = 5e-2f;
-  float sh0 = 2.5e-3f;
-  float sh_rest = 2.5e-3f / 20;
+  float sh0 = 1e-2f;
+  float sh_rest = 1e-2f;
 };
 
-/// Adam over the Gaussians that a step has drawn. Others keep their moments: a Gaussian that the
-/// plane has cut away learns nothing from that picture, and momentum alone must not move it. Bias
+/// Adam over the Gaussians that reached a pixel. Others keep their moments: a Gaussian that was cut
+/// away or hidden learns nothing from that picture; momentum alone must not move it, and a second
+/// moment that decays over hundreds of such pictures would make its next step a leap. Bias
 /// correction counts each Gaussian's own updates.
 class Adam {
  public:
@@ -30,8 +33,8 @@ class Adam {
   Adam(size_t size, int sh_degree)
       : first_(size, sh_degree), second_(size, sh_degree), updates_(size, 0) {}
 
-  /// One step for the Gaussians in `drawn` (indices, any order).
-  void step(const std::vector<std::uint32_t>& drawn, const Gaussians& gradients,
+  /// One step for the Gaussians in `reached` (indices, any order).
+  void step(const std::vector<std::uint32_t>& reached, const Gaussians& gradients,
             const LearningRates& rates, Gaussians& gaussians);
 
   /// Forgets the history of Gaussian `i` (it was relocated).

@@ -132,7 +132,7 @@ double Trainer::step() {
   rates.opacity *= decay;
   rates.sh0 *= decay;
   rates.sh_rest *= decay;
-  adam_.step(rasterizer_.drawn(), gradients_, rates, gaussians_);
+  adam_.step(rasterizer_.reached(), gradients_, rates, gaussians_);
 
   ++step_;
   if (progress < options_.relocate_until) {
@@ -145,13 +145,13 @@ double Trainer::step() {
 }
 
 void Trainer::add_penalties() {
-  const std::vector<std::uint32_t>& drawn = rasterizer_.drawn();
-  const auto count = static_cast<float>(std::max<size_t>(1, drawn.size()));
+  const std::vector<std::uint32_t>& reached = rasterizer_.reached();
+  const auto count = static_cast<float>(gaussians_.size());
   const float opacity_scale = options_.opacity_penalty / count;
   const float log_scale_scale = options_.scale_penalty / (3 * count * extent_);
-  parallel_for(drawn.size(), 4096, [&](size_t begin, size_t end) {
+  parallel_for(reached.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = drawn[k];
+      const std::uint32_t i = reached[k];
       const float o = gaussians_.opacity(i);
       gradients_.plane(Gaussians::kOpacity)[i] += opacity_scale * o * (1 - o);
       const Vec3 scale = gaussians_.scale(i);

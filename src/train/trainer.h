@@ -24,7 +24,7 @@ struct TrainOptions {
   float rate_decay = 0.1f;        ///< the other rates end at this share of themselves
   float coarse_share = 0.2f;      ///< of the steps run at half resolution
   float opacity_penalty = 0.01f;  ///< MCMC's pull of opacities …
-  float scale_penalty = 0.01f;    ///< … and scales towards 0, per drawn Gaussian
+  float scale_penalty = 0.01f;    ///< … and scales towards 0, over the number of Gaussians
   size_t relocate_every = 100;    ///< steps between relocations and growth
   float relocate_until = 0.8f;    ///< share of the steps after which the cloud stays as it is
 };
