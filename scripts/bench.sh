@@ -5,13 +5,18 @@
 #   CLIPGS_DATA=... scripts/bench.sh [FOLDER]    FOLDER (default build/bench) keeps cases, figures and
 #                                                reports; a case that is there already is only printed
 #
-# Takes hours. Needs the package `time` for the peak memory.
+# Takes hours. Needs the package `time` for the peak memory. What costs time is measured in a fresh
+# clone without the compiler's cache.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 if [ -z "${CLIPGS_DATA:-}" ]; then
   echo "bench: set CLIPGS_DATA to the folder with head.nrrd, chest.nrrd and abdomen_pelvis_3mm.nii.gz" >&2
   exit 2
+fi
+if [ ! -x /usr/bin/time ]; then
+  echo "bench: /usr/bin/time is missing; install the package time" >&2
+  exit 1
 fi
 folder="${1:-build/bench}"
 readonly clipgs=build/release/src/cli/clipgs
@@ -52,6 +57,17 @@ console.log();
 JS
 }
 
+# minutes_in_clone COMMAND...: how long it takes from a fresh clone to its end.
+minutes_in_clone() {
+  local clone begin
+  clone="$(mktemp -d)"
+  git clone -q . "$clone"
+  begin=$SECONDS
+  (cd "$clone" && CCACHE_DISABLE=1 "$@") >&2
+  awk -v s="$((SECONDS - begin))" 'BEGIN { printf "%.1f", s / 60 }'
+  rm -rf "$clone"
+}
+
 cat <<EOF2
 # Benchmarks
 
@@ -79,3 +95,15 @@ EOF2
 cmake --build --preset release --target train_bench >&2
 build/release/src/train/train_bench --benchmark_min_time=5 2>/dev/null
 echo '```'
+
+demo="$(minutes_in_clone bash scripts/demo.sh --no-serve)"
+tests="$(minutes_in_clone bash scripts/test.sh)"
+cat <<EOF2
+
+## From a clone, packages installed
+
+| command | min |
+|---|---|
+| \`scripts/demo.sh --no-serve\` | $demo |
+| \`scripts/test.sh\` | $tests |
+EOF2

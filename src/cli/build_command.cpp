@@ -191,10 +191,10 @@ Scene build_scene(const BuildArguments& arguments, const Quality& quality, const
   options.seed = arguments.seed;
   fs::path checkpoint = path;
   checkpoint.replace_extension(".checkpoint");
-  const Scene scene = train(dataset, options, checkpoint);
-  write_scene(path, scene);
+  write_scene(path, train(dataset, options, checkpoint));
   fs::remove(checkpoint);
-  return scene;
+  // Turning into the file's axes and back may round: a build that resumes here must end the same.
+  return read_scene(path);
 }
 
 void run_build(const BuildArguments& arguments) {
