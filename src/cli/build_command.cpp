@@ -43,7 +43,7 @@ struct Quality {
 // and noise averages out over them.
 constexpr std::array kQualities = {
     Quality{"draft", 192, 300, 8, 8, 60000, 5000, 1},
-    Quality{"standard", 256, 2000, 20, 10, 118000, 24000, 2},
+    Quality{"standard", 256, 2000, 20, 10, 118000, 36000, 2},
     Quality{"high", 512, 3000, 32, 12, 250000, 40000, 2},
 };
 

@@ -7,13 +7,13 @@
 
 namespace clipgs {
 
-/// Learning rates of the parameter groups. Colours move faster than in 3DGS, and their view
-/// dependence as fast as their mean: most Gaussians are interior, seen only where a plane cuts, in
+/// Learning rates of the parameter groups. All are larger than in 3DGS, and view dependence
+/// moves as fast as colour: most Gaussians are interior, seen only where a plane cuts, in
 /// one picture of a hundred; and how bright a face is depends on the direction it is seen from.
 struct LearningRates {
   float mean = 0;  ///< mm; the caller decays it
-  float log_scale = 5e-3f;
-  float rotation = 1e-3f;
+  float log_scale = 2e-2f;
+  float rotation = 4e-3f;
   float opacity = 5e-2f;
   float sh0 = 1e-2f;
   float sh_rest = 1e-2f;
