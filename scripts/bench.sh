@@ -63,7 +63,8 @@ minutes_in_clone() {
   clone="$(mktemp -d)"
   git clone -q . "$clone"
   begin=$SECONDS
-  (cd "$clone" && CCACHE_DISABLE=1 "$@") >&2
+  # A command substitution does not inherit errexit: a failed run must not be reported as a time.
+  (cd "$clone" && CCACHE_DISABLE=1 "$@") >&2 || return 1
   awk -v s="$((SECONDS - begin))" 'BEGIN { printf "%.1f", s / 60 }'
   rm -rf "$clone"
 }

@@ -61,7 +61,7 @@ struct Fixture {
 };
 
 float offset_along_axis(const Frame& frame) {
-  const Plane plane = frame.plane.value_or(Plane{});
+  const Plane plane = frame.plane.value();
   return plane.normal.z * plane.offset;
 }
 

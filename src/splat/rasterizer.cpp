@@ -37,8 +37,8 @@ template <typename Body>
 void for_tile_pixels(const Image& image, int tile_x, int tile_y, const Body& body) {
   const int x_end = std::min(kTileSize, image.width - tile_x * kTileSize);
   const int y_end = std::min(kTileSize, image.height - tile_y * kTileSize);
+  const int image_x = tile_x * kTileSize;
   for (int y = 0; y < y_end; ++y) {
-    const int image_x = tile_x * kTileSize;
     const size_t row = static_cast<size_t>(tile_y) * kTileSize + y;
     for (int x = 0; x < x_end; ++x) {
       body(y * kTileSize + x, row * image.width + image_x + x);

@@ -7,9 +7,10 @@
 
 namespace clipgs {
 
-/// Learning rates of the parameter groups. All are larger than in 3DGS, and view dependence
-/// moves as fast as colour: most Gaussians are interior, seen only where a plane cuts, in
-/// one picture of a hundred; and how bright a face is depends on the direction it is seen from.
+/// Learning rates of the parameter groups. All but opacity's are larger than in 3DGS, and
+/// view dependence moves as fast as colour: most Gaussians are interior, seen only where a plane
+/// cuts, in one picture of a hundred; and how bright a face is depends on the direction it is seen
+/// from.
 struct LearningRates {
   float mean = 0;  ///< mm; the caller decays it
   float log_scale = 2e-2f;
