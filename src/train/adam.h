@@ -7,16 +7,16 @@
 
 namespace clipgs {
 
-/// Learning rates of the parameter groups. All but opacity's are larger than in 3DGS, and
-/// view dependence moves as fast as colour: most Gaussians are interior, seen only where a plane
-/// cuts, in one picture of a hundred; and how bright a face is depends on the direction it is seen
-/// from.
+/// Learning rates of the parameter groups. All but opacity's are about ten times those of 3DGS, and
+/// view dependence learns half as fast as colour, not a twentieth: most Gaussians are interior,
+/// seen only where a plane cuts, in one picture of a hundred; and how bright a face is depends on
+/// the direction it is seen from.
 struct LearningRates {
   float mean = 0;  ///< mm; the caller decays it
-  float log_scale = 2e-2f;
-  float rotation = 4e-3f;
+  float log_scale = 4e-2f;
+  float rotation = 8e-3f;
   float opacity = 5e-2f;
-  float sh0 = 1e-2f;
+  float sh0 = 2e-2f;
   float sh_rest = 1e-2f;
 };
 

@@ -20,7 +20,7 @@ struct TrainOptions {
   std::uint64_t seed = 1;
   ClipOperator clip = ClipOperator::kExact;
   LossWeights loss;
-  float mean_rate = 1e-3f;        ///< of the scene's extent, decayed to 1 % over the steps
+  float mean_rate = 2e-3f;        ///< of the scene's extent, decayed to 1 % over the steps
   float rate_decay = 0.1f;        ///< the other rates end at this share of themselves
   float coarse_share = 0.2f;      ///< of the steps run at half resolution
   float opacity_penalty = 0.01f;  ///< MCMC's pull of opacities …
