@@ -67,7 +67,7 @@ packages=(
   g++ cmake ninja-build ccache pkg-config
   # libraries
   libinsighttoolkit5-dev libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev
+  nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libeigen3-dev
   libcpp-httplib-dev libssl-dev
   libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's WebAssembly

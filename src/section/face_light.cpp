@@ -1,0 +1,82 @@
+#include "section/face_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cinema/scatter.h"
+
+namespace clipgs {
+namespace {
+
+constexpr float kPi = std::numbers::pi_v<float>;
+const Vec3 kUp(0, 0, 1);  // the sky's gradient runs along S
+
+/// Mean of max(0, n·ω) over a disc of angular radius asin(s) about a direction at cosine `c`,
+/// relative to what it is where the disc faces the plane: exact for a flat disc.
+float disc_cosine(float c, float s) {
+  if (c >= s) {
+    return c;
+  }
+  if (c <= -s) {
+    return 0;
+  }
+  const float u = c / s;
+  const float root = std::sqrt(std::max(0.0f, 1 - u * u));
+  return s * (u * (0.5f + (std::asin(u) + u * root) / kPi) + 2 / (3 * kPi) * root * root * root);
+}
+
+/// (1/π)·∫ max(0, a·ω)·max(0, b·ω) dω over the sphere, for cos of the angle between a and b.
+float overlap(float cosine) {
+  const float c = std::clamp(cosine, -1.0f, 1.0f);
+  const float angle = std::acos(c);
+  return 2 / (3 * kPi) * (std::sin(angle) + (kPi - angle) * c);
+}
+
+Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
+  const float up = glm::dot(kUp, direction);
+  return up >= 0 ? glm::mix(rig.sky_horizon, rig.sky_top, up)
+                 : glm::mix(rig.sky_horizon, rig.sky_bottom, -up);
+}
+
+/// Share of a uniform white sky that the GGX lobe with α = `roughness` returns (after Lazarov's and
+/// Karis's fits of the split sum, for F = 1).
+float lobe_reflectance(float cosine, float roughness) {
+  const float r = std::sqrt(roughness);
+  const float a = 1 - r;
+  const float b = 0.0425f - 0.0275f * r;
+  const float k = std::min(a * a, std::exp2(-9.28f * cosine)) * a + b;
+  const float scale = -1.04f * k + (1.04f - 0.572f * r);
+  const float bias = 1.04f * k + (-0.04f + 0.022f * r);
+  return scale + bias;
+}
+
+}  // namespace
+
+Vec3 face_diffuse(const LightRig& rig, const Vec3& normal) {
+  const float up = glm::dot(kUp, normal);
+  Vec3 sum = rig.sky_horizon + overlap(up) * (rig.sky_top - rig.sky_horizon) +
+             overlap(-up) * (rig.sky_bottom - rig.sky_horizon);
+  for (const KeyLight& key : rig.keys) {
+    const float cosine = glm::dot(normal, glm::normalize(key.direction));
+    sum += disc_cosine(cosine, std::sin(key.angular_radius)) * key.radiance;
+  }
+  return sum;
+}
+
+Vec3 face_gloss(const LightRig& rig, const Vec3& normal, const Vec3& out, float roughness) {
+  const float cosine = glm::dot(normal, out);
+  if (cosine <= 0) {
+    return Vec3(0);
+  }
+  const Vec3 mirrored = 2 * cosine * normal - out;
+  Vec3 sum = lobe_reflectance(cosine, roughness) * sky_radiance(rig, mirrored);
+  for (const KeyLight& key : rig.keys) {
+    const float spread = 0.5f * key.angular_radius;
+    const float wider = std::min(1.0f, std::sqrt(roughness * roughness + spread * spread));
+    sum += ggx::evaluate(normal, out, glm::normalize(key.direction), wider) * kPi * key.radiance;
+  }
+  return sum;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,121 @@
+#include "section/face_rays.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "section/face_light.h"
+
+namespace clipgs {
+namespace {
+
+constexpr float kDepthVoxels = 4;  // of the traced volume: what lies deeper is left to the splats
+
+float mean_spacing(const Vec3& spacing) { return std::cbrt(spacing.x * spacing.y * spacing.z); }
+
+FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t) {
+  return {glm::mix(a.extinction, b.extinction, t), glm::mix(a.specular, b.specular, t),
+          glm::mix(a.roughness, b.roughness, t), glm::mix(a.surface, b.surface, t),
+          glm::mix(a.interior, b.interior, t)};
+}
+
+/// The growth g with first·(g^count − 1)/(g − 1) = sum, for sum ≥ first·count.
+float growth(float first, int count, float sum) {
+  float low = 1;
+  float high = 8;
+  for (int i = 0; i < 40; ++i) {
+    const float g = 0.5f * (low + high);
+    float reached = 0;
+    float length = first;
+    for (int k = 0; k < count; ++k) {
+      reached += length;
+      length *= g;
+    }
+    (reached < sum ? low : high) = g;
+  }
+  return low;
+}
+
+}  // namespace
+
+FaceRays::FaceRays(const Section& section, const Camera& camera, std::span<const Plane> planes,
+                   int taps)
+    : section_(section), camera_(camera), origin_(section.index_from_world(camera.position)) {
+  for (const Plane& plane : planes) {
+    faces_.push_back({-plane.normal, plane.signed_distance(camera.position),
+                      section.surface_depth(plane.normal),
+                      face_diffuse(section.rig, -plane.normal)});
+  }
+  plan_steps(taps);
+  fill_materials();
+}
+
+void FaceRays::plan_steps(int taps) {
+  float most = 0;
+  for (const FaceMaterial& material : section_.materials) {
+    most = std::max(most, material.extinction);
+  }
+  const float depth = kDepthVoxels * mean_spacing(section_.source_spacing);
+  float length = std::min(depth / static_cast<float>(taps), 0.5f / std::max(most, 1e-6f));
+  const float factor = growth(length, taps, depth);
+  float at = 0;
+  for (int i = 0; i < taps; ++i) {
+    steps_.push_back({length, at + 0.5f * length});
+    at += length;
+    length *= factor;
+  }
+}
+
+void FaceRays::fill_materials() {
+  constexpr size_t kLast = ValueCurve::kCodes - 1;
+  materials_.resize(kLast * kPerCode + 1);
+  for (size_t i = 0; i < materials_.size(); ++i) {
+    const size_t code = std::min(i / kPerCode, kLast - 1);
+    const float t = static_cast<float>(i - code * kPerCode) / kPerCode;
+    materials_[i] = mix(section_.materials[code], section_.materials[code + 1], t);
+  }
+}
+
+bool FaceRays::any() const {
+  return std::ranges::any_of(faces_, [](const Face& face) { return face.distance < 0; });
+}
+
+int FaceRays::samples_for_detail() const {
+  const Vec3 center = section_.world_from_index(0.5f * Vec3(section_.dims - 1));
+  const float pixel = glm::length(center - camera_.position) / camera_.fx;
+  return std::clamp(static_cast<int>(std::ceil(pixel / mean_spacing(section_.spacing))), 1, 4);
+}
+
+std::optional<FaceRay> FaceRays::through(float x, float y) const {
+  FaceRay ray;
+  ray.direction = camera_.ray_direction(x, y);
+  ray.leave = std::numeric_limits<float>::max();
+  for (const Face& face : faces_) {
+    const float slope = -glm::dot(face.outward, ray.direction);
+    const float t = -face.distance / slope;
+    if (slope > 0) {
+      if (t > ray.enter) {
+        ray.enter = t;
+        ray.face = &face;
+      }
+    } else if (slope < 0) {
+      ray.leave = std::min(ray.leave, t);
+    } else if (face.distance < 0) {
+      return std::nullopt;
+    }
+  }
+  if (ray.face == nullptr) {
+    return std::nullopt;
+  }
+  ray.step = (ray.direction * section_.direction) / section_.spacing;
+  for (int k = 0; k < 3; ++k) {
+    const float a = -origin_[k] / ray.step[k];
+    const float b = (static_cast<float>(section_.dims[k] - 1) - origin_[k]) / ray.step[k];
+    if (std::min(a, b) > ray.enter) {
+      return std::nullopt;  // in through a side of the box, not through the face
+    }
+    ray.leave = std::min(ray.leave, std::max(a, b));
+  }
+  return ray.enter < ray.leave ? std::optional(ray) : std::nullopt;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/camera.h"
+#include "section/section.h"
+
+namespace clipgs {
+
+/// One face as rays meet it.
+struct Face {
+  Vec3 outward;        ///< unit, RAS, towards the removed side
+  float distance = 0;  ///< of the camera, mm; negative on the removed side
+  float surface = 0;   ///< mm below the face that count as the face itself
+  Vec3 light;          ///< what a white face radiates, linear RGB
+};
+
+/// Where a ray runs through matter behind a face.
+struct FaceRay {
+  const Face* face = nullptr;
+  Vec3 direction;   ///< unit, RAS
+  Vec3 step;        ///< section's voxels per mm
+  float enter = 0;  ///< mm from the camera
+  float leave = 0;
+};
+
+/// The rays of one camera through the faces that planes expose: what drawing a face and fitting its
+/// reflectances share.
+class FaceRays {
+ public:
+  FaceRays(const Section& section, const Camera& camera, std::span<const Plane> planes, int taps);
+
+  /// Whether the camera stands on the removed side of any plane.
+  bool any() const;
+  /// Rays a pixel, along either side, that the section has detail for: 1 to 4.
+  int samples_for_detail() const;
+  /// The ray through image coordinates (x, y), if it meets a face first.
+  std::optional<FaceRay> through(float x, float y) const;
+
+  /// Calls visit(weight, sampled, code, material, surface) for what the ray sees, from the face
+  /// inwards: `weight` is transmittance times opacity, `surface` whether it is matter at the face.
+  /// Returns alpha.
+  template <typename Visit>
+  float march(const FaceRay& ray, const Visit& visit) const {
+    constexpr float kLeastTransmittance = 1.0f / 512;
+    const float slope = -glm::dot(ray.face->outward, ray.direction);
+    float transmittance = 1;
+    for (const Step& step : steps_) {
+      const float t = ray.enter + step.middle;
+      if (t > ray.leave || transmittance < kLeastTransmittance) {
+        break;
+      }
+      const bool surface = step.middle * slope < ray.face->surface;
+      const Vec3 sampled = section_.sample(origin_ + t * ray.step);
+      const float code = section_.code(sampled);
+      const FaceMaterial& material = material_at(code);
+      if (material.extinction <= 0 || (!surface && transmittance == 1)) {
+        // Matter beyond a gap is another surface, with light of its own: the splats show it.
+        if (!surface || transmittance < 1) {
+          break;
+        }
+        continue;
+      }
+      const float alpha = 1 - std::exp(-material.extinction * step.length);
+      visit(transmittance * alpha, sampled, code, material, surface);
+      transmittance *= 1 - alpha;
+    }
+    return 1 - transmittance;
+  }
+
+ private:
+  static constexpr int kPerCode = 16;  // table entries between neighbouring codes
+
+  /// A step of the march, mm: short at the face, where most is seen.
+  struct Step {
+    float length = 0;
+    float middle = 0;
+  };
+
+  void plan_steps(int taps);
+  void fill_materials();
+  const FaceMaterial& material_at(float code) const {
+    return materials_[static_cast<size_t>(code * kPerCode + 0.5f)];
+  }
+
+  const Section& section_;
+  Camera camera_;
+  Vec3 origin_;  // the camera, section's index
+  std::vector<Face> faces_;
+  std::vector<Step> steps_;
+  std::vector<FaceMaterial> materials_;
+};
+
+}  // namespace clipgs

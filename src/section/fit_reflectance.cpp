@@ -1,0 +1,235 @@
+#include "section/fit_reflectance.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "core/parallel.h"
+#include "section/face_light.h"
+#include "section/face_rays.h"
+
+namespace clipgs {
+namespace {
+
+// Reflectances are the preset's albedo times a gain, linear between knots over the codes: once for
+// matter at the face, once for matter beneath it.
+constexpr int kKnots = 18;
+constexpr int kUnknowns = 2 * kKnots;
+constexpr int kTaps = 24;
+constexpr size_t kMaxFrames = 160;
+constexpr int kStride = 2;  // pixels: neighbours say much the same
+constexpr float kOpaque = 0.99f;
+constexpr double kCodesPerKnot = static_cast<double>(ValueCurve::kCodes - 1) / (kKnots - 1);
+
+using Row = Eigen::Matrix<double, kUnknowns, 1>;
+using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+/// Where between knots a code lies.
+struct Place {
+  int knot;
+  double toward_next;
+};
+
+Place place_of(double code) {
+  const double at = code / kCodesPerKnot;
+  const int knot = std::clamp(static_cast<int>(at), 0, kKnots - 2);
+  return {knot, at - knot};
+}
+
+/// The least squares of one colour channel.
+struct Normal {
+  Matrix matrix = Matrix::Zero();
+  Row right = Row::Zero();
+
+  void add(const Row& row, double target, double weight) {
+    matrix.noalias() += weight * row * row.transpose();
+    right += weight * target * row;
+  }
+};
+
+/// What one pixel says: for each channel, light = row·gains + gloss.
+struct Pixel {
+  std::array<Row, 3> rows = {Row::Zero(), Row::Zero(), Row::Zero()};
+  Vec3 gloss{0};
+  float alpha = 0;
+};
+
+Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y, int samples) {
+  Pixel pixel;
+  const float step = 1.0f / static_cast<float>(samples);
+  const float share = step * step;
+  for (int i = 0; i < samples * samples; ++i) {
+    const float u = static_cast<float>(x) + (static_cast<float>(i % samples) + 0.5f) * step;
+    const float v = static_cast<float>(y) + (static_cast<float>(i / samples) + 0.5f) * step;
+    const std::optional<FaceRay> ray = rays.through(u, v);
+    if (!ray) {
+      continue;
+    }
+    const auto add = [&](float weight, const Vec3& sampled, float code,
+                         const FaceMaterial& material, bool surface) {
+      Vec3 light =
+          (share * weight) * (surface ? material.surface : material.interior) * ray->face->light;
+      if (section.channels == 3) {
+        light *= photo_albedo(sampled);
+      }
+      const Place place = place_of(code);
+      const int first = (surface ? 0 : kKnots) + place.knot;
+      for (int c = 0; c < 3; ++c) {
+        pixel.rows[static_cast<size_t>(c)][first] += light[c] * (1 - place.toward_next);
+        pixel.rows[static_cast<size_t>(c)][first + 1] += light[c] * place.toward_next;
+      }
+      if (surface && material.specular > 0) {
+        pixel.gloss +=
+            (share * weight * material.specular) *
+            face_gloss(section.rig, ray->face->outward, -ray->direction, material.roughness);
+      }
+    };
+    pixel.alpha += share * rays.march(*ray, add);
+  }
+  return pixel;
+}
+
+/// Calls use(pixel, truth) for every pixel of the frame where the face is opaque; truth is linear,
+/// before exposure.
+template <typename Use>
+void for_face_pixels(const Section& section, const Dataset& dataset, const Frame& frame,
+                     const Use& use) {
+  const FaceRays rays(section, frame.camera, {&*frame.plane, 1}, kTaps);
+  if (!rays.any()) {
+    return;
+  }
+  const Image truth = dataset.load(frame);
+  const int samples = rays.samples_for_detail();
+  for (int y = 0; y < truth.height; y += kStride) {
+    for (int x = 0; x < truth.width; x += kStride) {
+      const float* rgba = truth.at(x, y);
+      if (truth.channels == 4 && rgba[3] < kOpaque) {
+        continue;
+      }
+      const Pixel pixel = pixel_of(section, rays, x, y, samples);
+      if (pixel.alpha > kOpaque) {
+        use(pixel,
+            Vec3(linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])) /
+                section.exposure);
+      }
+    }
+  }
+}
+
+/// Training frames that show a face, evenly chosen.
+std::vector<const Frame*> frames_with_faces(const Dataset& dataset) {
+  std::vector<const Frame*> all;
+  for (const Frame* frame : dataset.split(Split::kTrain)) {
+    if (frame->plane && frame->plane->signed_distance(frame->camera.position) < 0) {
+      all.push_back(frame);
+    }
+  }
+  const size_t count = std::min(all.size(), kMaxFrames);
+  std::vector<const Frame*> some(count);
+  for (size_t i = 0; i < count; ++i) {
+    some[i] = all[i * all.size() / count];
+  }
+  return some;
+}
+
+/// ∂(display sRGB)/∂(linear light before exposure).
+float display_slope(float linear, float exposure) {
+  constexpr float kStep = 1e-3f;
+  const float at = std::clamp(exposure * linear, kStep, 1 - kStep);
+  return exposure * (srgb_from_linear(at + kStep) - srgb_from_linear(at - kStep)) / (2 * kStep);
+}
+
+/// Gains near 1 where pixels say little, and alike at neighbouring knots.
+Row solve(Normal normal, double pixels) {
+  const double trust = 1e-5 * pixels;
+  const double smooth = 1e-4 * pixels;
+  for (int i = 0; i < kUnknowns; ++i) {
+    normal.matrix(i, i) += trust;
+    normal.right[i] += trust;
+    if ((i + 1) % kKnots != 0) {
+      normal.matrix(i, i) += smooth;
+      normal.matrix(i + 1, i + 1) += smooth;
+      normal.matrix(i, i + 1) -= smooth;
+      normal.matrix(i + 1, i) -= smooth;
+    }
+  }
+  return normal.matrix.ldlt().solve(normal.right);
+}
+
+double psnr(double squared_error, double values) {
+  return values > 0 ? -10 * std::log10(std::max(squared_error / values, 1e-12)) : 0;
+}
+
+}  // namespace
+
+ReflectanceFit fit_reflectance(Section& section, const Dataset& dataset) {
+  const std::vector<const Frame*> frames = frames_with_faces(dataset);
+  struct Sums {
+    std::array<Normal, 3> normals;
+    double squared_error = 0;
+    size_t pixels = 0;
+  };
+  std::vector<Sums> sums(frames.size());
+  const auto display = [&](float linear) { return srgb_from_linear(section.exposure * linear); };
+  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
+    for_face_pixels(section, dataset, *frames[i], [&](const Pixel& pixel, const Vec3& truth) {
+      for (int c = 0; c < 3; ++c) {
+        const Row& row = pixel.rows[static_cast<size_t>(c)];
+        const float slope = display_slope(truth[c], section.exposure);
+        sums[i].normals[static_cast<size_t>(c)].add(row, truth[c] - pixel.gloss[c], slope * slope);
+        const float now = static_cast<float>(row.sum()) + pixel.gloss[c];
+        sums[i].squared_error += std::pow(display(now) - display(truth[c]), 2);
+      }
+      ++sums[i].pixels;
+    });
+  });
+
+  std::array<Normal, 3> normals;
+  ReflectanceFit fit;
+  double before = 0;
+  for (const Sums& sum : sums) {
+    for (size_t c = 0; c < 3; ++c) {
+      normals[c].matrix += sum.normals[c].matrix;
+      normals[c].right += sum.normals[c].right;
+    }
+    before += sum.squared_error;
+    fit.pixels += sum.pixels;
+  }
+  const auto values = 3 * static_cast<double>(fit.pixels);
+  fit.psnr_before = psnr(before, values);
+  fit.psnr_after = fit.psnr_before;
+  if (fit.pixels == 0) {
+    return fit;
+  }
+  for (size_t c = 0; c < 3; ++c) {
+    const Row gains = solve(normals[c], static_cast<double>(fit.pixels));
+    for (size_t code = 0; code < section.materials.size(); ++code) {
+      const Place place = place_of(static_cast<double>(code));
+      const auto gain = [&](int first) {
+        const double g =
+            std::lerp(gains[first + place.knot], gains[first + place.knot + 1], place.toward_next);
+        return static_cast<float>(std::clamp(g, 0.0, 4.0));
+      };
+      const auto channel = static_cast<glm::length_t>(c);
+      section.materials[code].surface[channel] *= gain(0);
+      section.materials[code].interior[channel] *= gain(kKnots);
+    }
+  }
+
+  std::vector<double> errors(frames.size(), 0.0);
+  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
+    for_face_pixels(section, dataset, *frames[i], [&](const Pixel& pixel, const Vec3& truth) {
+      for (int c = 0; c < 3; ++c) {
+        const float now =
+            static_cast<float>(pixel.rows[static_cast<size_t>(c)].sum()) + pixel.gloss[c];
+        errors[i] += std::pow(display(now) - display(truth[c]), 2);
+      }
+    });
+  });
+  fit.psnr_after = psnr(std::accumulate(errors.begin(), errors.end(), 0.0), values);
+  return fit;
+}
+
+}  // namespace clipgs

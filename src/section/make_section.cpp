@@ -1,0 +1,341 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "cinema/visible_matter.h"
+#include "core/error.h"
+#include "core/image.h"
+#include "core/parallel.h"
+#include "section/section.h"
+
+namespace clipgs {
+namespace {
+
+/// One channel of values on a grid, x fastest.
+struct Field {
+  IVec3 dims{0};
+  std::vector<float> values;
+
+  size_t offset(int x, int y, int z) const {
+    return (static_cast<size_t>(z) * dims.y + y) * dims.x + x;
+  }
+};
+
+/// The box of voxel centres of the volume that a section covers, and its own grid within.
+struct Grid {
+  IVec3 low, high;  // voxels of the volume, inclusive
+  IVec3 dims;
+  Vec3 spacing;  // mm
+};
+
+Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
+  constexpr float kMargin = 2;  // voxels: interpolation and resampling reach beyond the matter
+  Vec3 first(volume.dims);
+  Vec3 last(0);
+  for (const Vec3& point : matter.hull) {
+    const Vec3 index = volume.index_from_world(point);
+    first = glm::min(first, index);
+    last = glm::max(last, index);
+  }
+  Grid grid;
+  grid.low = IVec3(glm::clamp(glm::floor(first - kMargin), Vec3(0), Vec3(volume.dims - 1)));
+  grid.high = IVec3(glm::clamp(glm::ceil(last + kMargin), Vec3(0), Vec3(volume.dims - 1)));
+  const Vec3 extent = Vec3(grid.high - grid.low) * volume.spacing;
+  const float finest = std::max({extent.x, extent.y, extent.z}) / static_cast<float>(size - 1);
+  for (int k = 0; k < 3; ++k) {
+    const int voxels = grid.high[k] - grid.low[k];
+    // Less than 2 % coarser is not worth blurring every voxel for.
+    const bool as_it_is = finest < 1.02f * volume.spacing[k];
+    const int steps =
+        as_it_is ? voxels
+                 : std::min(voxels, static_cast<int>(std::ceil(extent[k] / finest - 1e-3f)));
+    grid.dims[k] = steps + 1;
+    grid.spacing[k] = steps > 0 ? extent[k] / static_cast<float>(steps) : volume.spacing[k];
+  }
+  return grid;
+}
+
+/// Samples along one axis: a tent as wide as the coarser of the two spacings, so that detail which
+/// the new grid cannot hold is averaged, not aliased. Exact where the grids are the same.
+Field resample_axis(const Field& in, int axis, int count) {
+  if (in.dims[axis] == count) {
+    return in;
+  }
+  Field out;
+  out.dims = in.dims;
+  out.dims[axis] = count;
+  out.values.resize(static_cast<size_t>(out.dims.x) * out.dims.y * out.dims.z);
+  const float step =
+      count > 1 ? static_cast<float>(in.dims[axis] - 1) / static_cast<float>(count - 1) : 1.0f;
+  const float radius = std::max(1.0f, step);
+  size_t stride = 1;
+  for (int k = 0; k < axis; ++k) {
+    stride *= static_cast<size_t>(in.dims[k]);
+  }
+  parallel_for(static_cast<size_t>(out.dims.z), 1, [&](size_t z, size_t) {
+    for (int y = 0; y < out.dims.y; ++y) {
+      for (int x = 0; x < out.dims.x; ++x) {
+        IVec3 at(x, y, static_cast<int>(z));
+        const float centre = static_cast<float>(at[axis]) * step;
+        const int first = std::max(0, static_cast<int>(std::ceil(centre - radius)));
+        const int last = std::min(in.dims[axis] - 1, static_cast<int>(std::floor(centre + radius)));
+        at[axis] = 0;
+        const float* row = &in.values[in.offset(at.x, at.y, at.z)];
+        float sum = 0;
+        float weights = 0;
+        for (int i = first; i <= last; ++i) {
+          const float weight = 1 - std::abs(static_cast<float>(i) - centre) / radius;
+          sum += weight * row[static_cast<size_t>(i) * stride];
+          weights += weight;
+        }
+        out.values[out.offset(x, y, static_cast<int>(z))] = sum / weights;
+      }
+    }
+  });
+  return out;
+}
+
+/// `get(offset)` of the volume's voxels inside the grid's box, resampled to the grid.
+template <typename Get>
+Field resample(const Volume& volume, const Grid& grid, const Get& get) {
+  Field field;
+  field.dims = grid.high - grid.low + 1;
+  field.values.resize(static_cast<size_t>(field.dims.x) * field.dims.y * field.dims.z);
+  parallel_for(static_cast<size_t>(field.dims.z), 1, [&](size_t z, size_t) {
+    for (int y = 0; y < field.dims.y; ++y) {
+      const size_t from =
+          volume.offset(grid.low.x, grid.low.y + y, grid.low.z + static_cast<int>(z));
+      float* to = &field.values[field.offset(0, y, static_cast<int>(z))];
+      for (int x = 0; x < field.dims.x; ++x) {
+        to[x] = get(from + static_cast<size_t>(x));
+      }
+    }
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    field = resample_axis(field, axis, grid.dims[axis]);
+  }
+  return field;
+}
+
+/// 1 where there is matter within `reach` voxels along every axis.
+std::vector<std::uint8_t> near_matter(const Field& field, const TransferFunction& transfer,
+                                      int reach) {
+  std::vector<std::uint8_t> mask(field.values.size());
+  for (size_t i = 0; i < mask.size(); ++i) {
+    mask[i] = transfer.at(field.values[i]).extinction > 0 ? 1 : 0;
+  }
+  const std::array<size_t, 3> strides = {1, static_cast<size_t>(field.dims.x),
+                                         static_cast<size_t>(field.dims.x) * field.dims.y};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<std::uint8_t> wider = mask;
+    for (int z = 0; z < field.dims.z; ++z) {
+      for (int y = 0; y < field.dims.y; ++y) {
+        for (int x = 0; x < field.dims.x; ++x) {
+          const size_t at = field.offset(x, y, z);
+          if (mask[at] == 0) {
+            continue;
+          }
+          const int place = IVec3(x, y, z)[axis];
+          const int first = std::max(-reach, -place);
+          const int last = std::min(reach, field.dims[axis] - 1 - place);
+          for (int i = first; i <= last; ++i) {
+            wider[at + static_cast<size_t>(i) * strides[axis]] = 1;
+          }
+        }
+      }
+    }
+    mask = std::move(wider);
+  }
+  return mask;
+}
+
+/// 1 for the air around the body: what a flood from the borders of each slice reaches. Air inside,
+/// as in the lungs, is not: its values are worth reading.
+std::vector<std::uint8_t> outside(const Field& field, const TransferFunction& transfer) {
+  constexpr int kReach = 2;
+  std::vector<std::uint8_t> solid = near_matter(field, transfer, kReach);
+  std::vector<std::uint8_t> result(solid.size(), 0);
+  parallel_for(static_cast<size_t>(field.dims.z), 1, [&](size_t slice, size_t) {
+    const int z = static_cast<int>(slice);
+    std::vector<IVec3> stack;
+    const auto visit = [&](int x, int y) {
+      const size_t at = field.offset(x, y, z);
+      if (solid[at] == 0 && result[at] == 0) {
+        result[at] = 1;
+        stack.emplace_back(x, y, z);
+      }
+    };
+    for (int x = 0; x < field.dims.x; ++x) {
+      visit(x, 0);
+      visit(x, field.dims.y - 1);
+    }
+    for (int y = 0; y < field.dims.y; ++y) {
+      visit(0, y);
+      visit(field.dims.x - 1, y);
+    }
+    while (!stack.empty()) {
+      const IVec3 at = stack.back();
+      stack.pop_back();
+      if (at.x > 0) {
+        visit(at.x - 1, at.y);
+      }
+      if (at.x + 1 < field.dims.x) {
+        visit(at.x + 1, at.y);
+      }
+      if (at.y > 0) {
+        visit(at.x, at.y - 1);
+      }
+      if (at.y + 1 < field.dims.y) {
+        visit(at.x, at.y + 1);
+      }
+    }
+  });
+  return result;
+}
+
+/// The value that most of the air around the body has.
+float air_value(const Field& field, const std::vector<std::uint8_t>& air) {
+  std::map<int, size_t> counts;
+  std::map<int, float> example;
+  for (size_t i = 0; i < air.size(); ++i) {
+    if (air[i] != 0) {
+      const int whole = static_cast<int>(std::lround(field.values[i]));
+      ++counts[whole];
+      example.emplace(whole, field.values[i]);
+    }
+  }
+  const auto most = std::ranges::max_element(
+      counts, [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == counts.end() ? *std::ranges::min_element(field.values) : example.at(most->first);
+}
+
+/// How a value looks on a face: display sRGB under white light, and opacity of half a voxel.
+Vec4 look(const Preset& preset, float value, float half_voxel) {
+  const Material& m = preset.transfer.at(value);
+  return {srgb_from_linear(preset.exposure * m.albedo.r),
+          srgb_from_linear(preset.exposure * m.albedo.g),
+          srgb_from_linear(preset.exposure * m.albedo.b), 1 - std::exp(-m.extinction * half_voxel)};
+}
+
+ValueCurve curve_for(const Field& field, const Preset& preset, float half_voxel) {
+  const auto [least, most] = std::ranges::minmax_element(field.values);
+  constexpr size_t kBins = 4096;
+  ValueImportance importance;
+  importance.low = *least;
+  importance.high = std::max(*most, *least + 1e-3f);
+  importance.frequency.assign(kBins, 0.0);
+  importance.sensitivity.resize(kBins);
+  const float width = (importance.high - importance.low) / kBins;
+  for (const float value : field.values) {
+    const auto bin = static_cast<size_t>((value - importance.low) / width);
+    importance.frequency[std::min(bin, kBins - 1)] += 1;
+  }
+  // Seen in grey, a quarter of the range fills the display.
+  const float grey = 4 / (importance.high - importance.low);
+  for (size_t i = 0; i < kBins; ++i) {
+    const float at = importance.low + (static_cast<float>(i) + 0.5f) * width;
+    const Vec4 change = look(preset, at + width, half_voxel) - look(preset, at - width, half_voxel);
+    const float seen = glm::length(change) / (2 * width);
+    importance.sensitivity[i] = std::hypot(grey, seen);
+  }
+  return fit_value_curve(importance);
+}
+
+std::vector<std::uint8_t> to_codes(const Field& field, const ValueCurve& curve) {
+  std::vector<std::uint8_t> codes(field.values.size());
+  for (size_t i = 0; i < codes.size(); ++i) {
+    codes[i] = static_cast<std::uint8_t>(std::lround(curve.code(field.values[i])));
+  }
+  return codes;
+}
+
+std::array<FaceMaterial, ValueCurve::kCodes> materials_of(const Preset& preset,
+                                                          const ValueCurve& curve) {
+  std::array<FaceMaterial, ValueCurve::kCodes> materials;
+  for (size_t i = 0; i < materials.size(); ++i) {
+    const Material& m = preset.transfer.at(curve.values()[i]);
+    const Vec3 diffuse = (1 - m.specular) * m.albedo;
+    materials[i] = {m.extinction, m.specular, m.roughness, diffuse, diffuse};
+  }
+  return materials;
+}
+
+/// Rms of what reading values back from the section gets wrong, over the volume's visible voxels.
+float reading_error(const Section& section, const Volume& volume, const TransferFunction& transfer,
+                    const Grid& grid) {
+  const auto slices = static_cast<size_t>(grid.high.z - grid.low.z + 1);
+  std::vector<double> squares(slices, 0.0);
+  std::vector<double> counts(slices, 0.0);
+  parallel_for(slices, 1, [&](size_t slice, size_t) {
+    const int z = grid.low.z + static_cast<int>(slice);
+    for (int y = grid.low.y; y <= grid.high.y; ++y) {
+      for (int x = grid.low.x; x <= grid.high.x; ++x) {
+        const float value = volume.at(x, y, z);
+        if (transfer.at(value).extinction > 0) {
+          const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
+          const float error = section.curve.value(section.code(section.sample(index))) - value;
+          squares[slice] += static_cast<double>(error) * error;
+          counts[slice] += 1;
+        }
+      }
+    }
+  });
+  const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
+  const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+  return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
+}
+
+void fill_scalar(Section& section, const Volume& volume, const Preset& preset, const Grid& grid) {
+  Field field = resample(volume, grid, [&](size_t i) { return volume.values[i]; });
+  const std::vector<std::uint8_t> air = outside(field, preset.transfer);
+  const float air_now = air_value(field, air);
+  for (size_t i = 0; i < air.size(); ++i) {
+    if (air[i] != 0) {
+      field.values[i] = air_now;
+    }
+  }
+  const Vec3& s = volume.spacing;
+  section.curve = curve_for(field, preset, 0.5f * std::cbrt(s.x * s.y * s.z));
+  section.voxels = to_codes(field, section.curve);
+}
+
+void fill_rgb(Section& section, const Volume& volume, const Grid& grid) {
+  section.channels = 3;
+  section.voxels.resize(section.voxel_count() * 3);
+  for (size_t c = 0; c < 3; ++c) {
+    const Field field =
+        resample(volume, grid, [&](size_t i) { return static_cast<float>(volume.rgb[3 * i + c]); });
+    for (size_t i = 0; i < field.values.size(); ++i) {
+      section.voxels[3 * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
+    }
+  }
+}
+
+}  // namespace
+
+Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options) {
+  if (options.size < 8 || options.size > 1024) {
+    throw Error("section: a size of {} voxels is out of range; use 8 to 1024", options.size);
+  }
+  const Grid grid = plan_grid(volume, visible_matter(volume, preset.transfer), options.size);
+  Section section;
+  section.dims = grid.dims;
+  section.spacing = grid.spacing;
+  section.direction = volume.direction;
+  section.origin = volume.world_from_index(Vec3(grid.low));
+  section.modality = volume.modality;
+  section.source_spacing = volume.spacing;
+  section.rig = preset.rig;
+  section.exposure = preset.exposure;
+  if (volume.rgb.empty()) {
+    fill_scalar(section, volume, preset, grid);
+  } else {
+    fill_rgb(section, volume, grid);
+  }
+  section.materials = materials_of(preset, section.curve);
+  section.value_error = reading_error(section, volume, preset.transfer, grid);
+  return section;
+}
+
+}  // namespace clipgs

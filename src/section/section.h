@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry.h"
+#include "section/value_curve.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// What an exposed face shows of matter with one code.
+struct FaceMaterial {
+  float extinction = 0;  ///< σ_t, 1/mm
+  float specular = 0;    ///< weight of the gloss, 0…1
+  float roughness = 0.5f;
+  Vec3 surface{0};   ///< reflectance of matter at the face, linear RGB, gloss not counted
+  Vec3 interior{0};  ///< … of matter seen through the face, beyond `Section::surface_depth`
+};
+
+/// The compact volume that exposed faces are drawn from, and how they are lit (method.md §8).
+///
+///   voxels  [nz, ny, nx] u8     codes of `curve`, or
+///           [nz, ny, nx, 3] u8  sRGB for photographs, whose code is their luminance
+///
+/// The first voxel's centre is a corner of the box that is drawn, the last one's the opposite.
+struct Section {
+  IVec3 dims{0};
+  Vec3 spacing{1};    ///< mm between voxel centres
+  Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
+  Vec3 origin{0};     ///< RAS mm of the centre of voxel (0, 0, 0)
+  int channels = 1;   ///< 1 or 3
+  std::vector<std::uint8_t> voxels;
+
+  Modality modality = Modality::kUnknown;
+  ValueCurve curve;        ///< code → HU for CT, stored units otherwise
+  float value_error = 0;   ///< rms of |value read back − volume's value| in tissue, value units
+  Vec3 source_spacing{1};  ///< mm, of the volume that was traced
+
+  std::array<FaceMaterial, ValueCurve::kCodes> materials{};
+  LightRig rig;
+  float exposure = 1;
+
+  size_t voxel_count() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
+  Vec3 index_from_world(const Vec3& world) const {
+    return ((world - origin) * direction) / spacing;
+  }
+  Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }
+  /// Trilinear voxel, each channel in 0…255, at an index in [0, dims − 1]; beyond, the nearest.
+  Vec3 sample(const Vec3& index) const;
+  /// Code of what `sample` returned.
+  float code(const Vec3& sampled) const;
+  /// Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep than this is
+  /// lit as the face itself.
+  float surface_depth(const Vec3& normal) const;
+};
+
+/// Linear albedo of a photograph's colour as Section::sample() returns it.
+Vec3 photo_albedo(const Vec3& sampled);
+
+struct SectionOptions {
+  int size = 256;  ///< voxels along the longest side, at most; never finer than the volume
+};
+
+/// The part of `volume` that `preset` shows, resampled; air around the body is made one code.
+/// Reflectances start as the preset's albedo; fit_reflectance() makes them right. Throws Error if
+/// nothing is visible or the size is out of range.
+Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
+
+}  // namespace clipgs

@@ -1,0 +1,126 @@
+#include "section/section.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "cinema/test_scenes.h"
+#include "core/error.h"
+#include "core/random.h"
+
+namespace clipgs {
+namespace {
+
+using test::make_preset;
+using test::make_volume;
+using test::point;
+
+/// A body of CT-like values, air around it and in a cavity within.
+Volume make_body(int size) {
+  const Vec3 middle(0.5f * static_cast<float>(size - 1));
+  return make_volume(IVec3(size), [&](const IVec3& at) {
+    const float r = glm::length(Vec3(at) - middle) / static_cast<float>(size);
+    if (r > 0.4f) {
+      return -1000.0f - static_cast<float>(at.x % 3);  // noise of a scanner
+    }
+    return r < 0.12f ? -850.0f : 40 + 200 * (r - 0.25f) + static_cast<float>(at.z % 2);
+  });
+}
+
+Preset tissue() { return make_preset({point(-300, 0), point(-200, 4)}, test::white_sky()); }
+
+TEST(ValueCurve, CodeAndValueAreInverse) {
+  std::vector<float> values;
+  for (int i = 0; i < 256; ++i) {
+    values.push_back(-1000 + 0.03f * static_cast<float>(i * i));
+  }
+  const ValueCurve curve(values);
+  for (float code = 0; code <= 255; code += 0.37f) {
+    EXPECT_NEAR(curve.code(curve.value(code)), code, 0.02f);
+  }
+  EXPECT_EQ(curve.code(-5000), 0);
+  EXPECT_EQ(curve.code(5000), 255);
+}
+
+TEST(ValueCurve, RefusesOneThatDoesNotIncrease) {
+  std::vector<float> values(256, 1.0f);
+  EXPECT_THROW(ValueCurve{values}, Error);
+  EXPECT_THROW(ValueCurve{std::vector<float>(3)}, Error);
+}
+
+TEST(ValueCurve, SpendsCodesWhereValuesAreCommonAndVisible) {
+  ValueImportance importance{0, 1000, std::vector<double>(100, 1), std::vector<double>(100, 1)};
+  importance.frequency[50] = 1000;    // values 500 … 510
+  importance.sensitivity[20] = 1000;  // values 200 … 210
+  const ValueCurve curve = fit_value_curve(importance);
+  const auto codes_in = [&](float low, float high) { return curve.code(high) - curve.code(low); };
+  EXPECT_GT(codes_in(500, 510), 4 * codes_in(800, 810));
+  EXPECT_GT(codes_in(200, 210), 4 * codes_in(800, 810));
+  EXPECT_GT(codes_in(800, 810), 0.2f);
+}
+
+TEST(Section, KeepsEveryVoxelWhereItIsAsFineAsTheVolume) {
+  const Volume volume = make_body(40);
+  const Section section = make_section(volume, tissue(), {64});
+  EXPECT_EQ(section.spacing, volume.spacing);
+  EXPECT_EQ(section.channels, 1);
+  // A curve of 256 codes over −1002…70 HU: steps of about a unit where tissue is.
+  EXPECT_LT(section.value_error, 1);
+  for (const IVec3 at : {IVec3(20, 20, 31), IVec3(10, 22, 19), IVec3(20, 20, 20)}) {
+    const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(at)));
+    EXPECT_NEAR(section.curve.value(section.code(section.sample(index))),
+                volume.at(at.x, at.y, at.z), 4);
+  }
+}
+
+TEST(Section, CoversTheMatterAtTheGivenSize) {
+  const Volume volume = make_body(80);
+  const Section section = make_section(volume, tissue(), {32});
+  EXPECT_EQ(std::max({section.dims.x, section.dims.y, section.dims.z}), 32);
+  for (const Vec3 corner : {Vec3(-0.4f), Vec3(0.4f)}) {
+    const Vec3 index = section.index_from_world(corner * 79.0f / std::sqrt(3.0f));
+    EXPECT_TRUE(glm::all(glm::greaterThan(index, Vec3(0))));
+    EXPECT_TRUE(glm::all(glm::lessThan(index, Vec3(section.dims - 1))));
+  }
+  // Linear along the radius, so that averaging changes little but at the boundaries.
+  const Vec3 inside = volume.world_from_index(Vec3(40, 40, 60));
+  const Vec3 index = section.index_from_world(inside);
+  EXPECT_NEAR(section.curve.value(section.code(section.sample(index))), volume.sample(inside), 5);
+}
+
+TEST(Section, AirAroundTheBodyIsOneCodeAndAirInsideIsKept) {
+  const Volume volume = make_body(40);
+  const Section section = make_section(volume, tissue(), {64});
+  EXPECT_EQ(section.voxels.front(), section.voxels[1]);
+  const Vec3 cavity = section.index_from_world(volume.world_from_index(Vec3(20, 20, 20)));
+  EXPECT_NEAR(section.curve.value(section.code(section.sample(cavity))), -850, 4);
+  const float around = section.curve.value(section.voxels.front());
+  EXPECT_NEAR(around, -1001, 2);
+}
+
+TEST(Section, PhotographsKeepTheirColours) {
+  Volume volume = make_body(24);
+  volume.modality = Modality::kPhoto;
+  volume.rgb.resize(volume.voxels() * 3);
+  for (size_t i = 0; i < volume.voxels(); ++i) {
+    const bool body = volume.values[i] > 0;
+    volume.rgb[3 * i] = body ? 200 : 0;
+    volume.rgb[3 * i + 1] = body ? 100 : 0;
+    volume.rgb[3 * i + 2] = body ? 50 : 0;
+    volume.values[i] = body ? 117.65f : 0.0f;
+  }
+  const Preset preset = make_preset({point(20, 0), point(40, 4)}, test::white_sky());
+  const Section section = make_section(volume, preset, {64});
+  EXPECT_EQ(section.channels, 3);
+  const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(12, 12, 18)));
+  EXPECT_EQ(section.sample(index), Vec3(200, 100, 50));
+  EXPECT_NEAR(section.code(section.sample(index)), 117.65f, 0.1f);
+}
+
+TEST(Section, RefusesBadSizes) {
+  const Volume volume = make_body(16);
+  EXPECT_THROW(make_section(volume, tissue(), {4}), Error);
+  EXPECT_THROW(make_section(volume, tissue(), {5000}), Error);
+}
+
+}  // namespace
+}  // namespace clipgs
