@@ -145,7 +145,9 @@ void Rasterizer::bin_into_tiles() {
 }
 
 const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camera,
-                                 const std::optional<Plane>& plane, const RasterOptions& options) {
+                                 const std::optional<Plane>& plane, const RasterOptions& options,
+                                 const Image* front) {
+  front_ = front != nullptr ? *front : Image();
   camera_ = camera;
   plane_ = plane;
   options_ = options;
@@ -166,6 +168,7 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
     const int ty = static_cast<int>(tile_index) / tiles_x_;
     const std::uint32_t begin = tile_begin_[tile_index];
     Tile tile;
+    load_front(tx, ty, tile);
     used_[tile_index] = static_cast<std::uint32_t>(tile_forward(
         splats_.data(), list_.data() + begin, tile_begin_[tile_index + 1] - begin,
         static_cast<float>(tx * kTileSize), static_cast<float>(ty * kTileSize), limits, tile));
@@ -187,9 +190,10 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
   parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
     const int tx = static_cast<int>(tile_index) % tiles_x_;
     const int ty = static_cast<int>(tile_index) / tiles_x_;
-    Tile tile{};
+    Tile before;
+    load_front(tx, ty, before);
+    Tile tile = before;
     Tile gradient{};
-    std::fill(tile.t, tile.t + kTilePixels, 1.0f);
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
       const float* in = &image_.data[pixel * 4];
       const float* g = &image_gradient.data[pixel * 4];
@@ -206,7 +210,7 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     const std::uint32_t used = used_[tile_index];
     tile_backward(splats_.data(), list_.data() + begin, slots_.data() + begin, used,
                   static_cast<float>(tx * kTileSize), static_cast<float>(ty * kTileSize), limits,
-                  tile, gradient, instance_gradients_.data());
+                  before, tile, gradient, instance_gradients_.data());
     for (std::uint32_t k = begin + used; k < tile_begin_[tile_index + 1]; ++k) {
       instance_gradients_[slots_[k]] = {};
     }
@@ -232,6 +236,21 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
       reached_.push_back(static_cast<std::uint32_t>(i));
     }
   }
+}
+
+void Rasterizer::load_front(int tx, int ty, Tile& tile) const {
+  tile = Tile{};
+  std::fill(tile.t, tile.t + kTilePixels, 1.0f);
+  if (front_.data.empty()) {
+    return;
+  }
+  for_tile_pixels(front_, tx, ty, [&](int at, size_t pixel) {
+    const float* in = &front_.data[pixel * 4];
+    tile.r[at] = in[0];
+    tile.g[at] = in[1];
+    tile.b[at] = in[2];
+    tile.t[at] = 1.0f - in[3];
+  });
 }
 
 SplatGradient Rasterizer::summed_gradient(std::uint32_t splat) const {

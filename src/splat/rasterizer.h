@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "splat/projection.h"
+#include "splat/tile_kernel.h"
 
 namespace clipgs {
 
@@ -14,9 +15,12 @@ namespace clipgs {
 /// depth order, and gradients of one Gaussian are added up in the order of its tiles.
 class Rasterizer {
  public:
-  /// Draws `gaussians` into [height, width, 4]: premultiplied display sRGB and alpha.
+  /// Draws `gaussians` into [height, width, 4]: premultiplied display sRGB and alpha. They lie
+  /// behind `front` (same shape and convention; null: nothing), such as the faces that a plane
+  /// exposes.
   const Image& forward(const Gaussians& gaussians, const Camera& camera,
-                       const std::optional<Plane>& plane, const RasterOptions& options);
+                       const std::optional<Plane>& plane, const RasterOptions& options,
+                       const Image* front = nullptr);
 
   /// Given ∂L/∂image of the last `forward` (same shape), writes ∂L/∂parameter for every Gaussian
   /// that reached a pixel. Planes of others, whose gradient is 0, are left as they are: ask
@@ -31,12 +35,14 @@ class Rasterizer {
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
+  void load_front(int tx, int ty, Tile& tile) const;
   SplatGradient summed_gradient(std::uint32_t splat) const;
 
   Camera camera_;
   std::optional<Plane> plane_;
   RasterOptions options_;
   Image image_;
+  Image front_;  // empty: nothing
   int tiles_x_ = 0;
   int tiles_y_ = 0;
 

@@ -40,6 +40,20 @@ const Plane kPlane{glm::normalize(Vec3(0.3f, 0.5f, -0.8f)), 1.5f};
 
 std::vector<double> as_doubles(const Gaussians& g) { return {g.data().begin(), g.data().end()}; }
 
+/// Something in front of the splats, that covers pixels more or less, and some in full.
+Image random_front(const Camera& camera, std::uint64_t seed) {
+  Image front(camera.width, camera.height, 4);
+  Rng rng(seed);
+  for (size_t i = 0; i < front.data.size(); i += 4) {
+    const float alpha = std::clamp(1.6f * rng.uniform() - 0.3f, 0.0f, 1.0f);
+    for (size_t c = 0; c < 3; ++c) {
+      front.data[i + c] = alpha * rng.uniform();
+    }
+    front.data[i + 3] = alpha;
+  }
+  return front;
+}
+
 class ClipTest : public testing::TestWithParam<ClipOperator> {};
 
 TEST_P(ClipTest, FastPictureEqualsReference) {
@@ -62,6 +76,20 @@ TEST_P(ClipTest, FastPictureEqualsReference) {
     // A contribution just at 1/255 may fall on either side.
     EXPECT_LT(worst, 1.5 / 255);
     EXPECT_LT(total / static_cast<double>(slow.size()), 2e-5);
+  }
+}
+
+TEST_P(ClipTest, SplatsLieBehindWhatIsInFront) {
+  const Gaussians cloud = random_cloud(400, 1, 5);
+  const Camera camera = test_camera(75, 50);
+  RasterOptions options;
+  options.clip = GetParam();
+  const Image front = random_front(camera, 6);
+  const Image alone = Rasterizer().forward(cloud, camera, kPlane, options);
+  const Image behind = Rasterizer().forward(cloud, camera, kPlane, options, &front);
+  for (size_t i = 0; i < front.data.size(); ++i) {
+    const float open = 1 - front.data[i / 4 * 4 + 3];
+    ASSERT_NEAR(behind.data[i], front.data[i] + open * alone.data[i], 1e-3f);
   }
 }
 
@@ -98,8 +126,9 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   for (float& w : weight.data) {
     w = rng.uniform() - 0.3f;
   }
+  const Image front = random_front(camera, 5);
   Rasterizer rasterizer;
-  rasterizer.forward(cloud, camera, kPlane, options);
+  rasterizer.forward(cloud, camera, kPlane, options, &front);
   Gaussians gradients(cloud.size(), kDegree);
   rasterizer.backward(cloud, weight, gradients);
 
@@ -109,7 +138,7 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
         reference_render(parameters, cloud.size(), kDegree, camera, kPlane, options);
     double sum = 0;
     for (size_t i = 0; i < image.size(); ++i) {
-      sum += image[i] * weight.data[i];
+      sum += (1 - front.data[i / 4 * 4 + 3]) * image[i] * weight.data[i];
     }
     return sum;
   };

@@ -109,11 +109,10 @@ bool all_finished(const Tile& tile, float transmittance_min) {
 
 size_t forward(const Splat* splats, const std::uint32_t* list, size_t count, float x0, float y0,
                const TileLimits& limits, Tile& tile) {
-  std::fill(tile.r, tile.r + kTilePixels, 0.0f);
-  std::fill(tile.g, tile.g + kTilePixels, 0.0f);
-  std::fill(tile.b, tile.b + kTilePixels, 0.0f);
-  std::fill(tile.t, tile.t + kTilePixels, 1.0f);
   constexpr size_t kCheckEvery = 16;
+  if (all_finished(tile, limits.transmittance_min)) {
+    return 0;
+  }
   for (size_t k = 0; k < count; ++k) {
     const Splat& s = splats[list[k]];
     if (s.clipped != 0) {
@@ -206,13 +205,14 @@ void blend_backward(const Splat& s, float x0, float y0, const TileLimits& limits
 }
 
 void backward(const Splat* splats, const std::uint32_t* list, const std::uint32_t* slots,
-              size_t count, float x0, float y0, const TileLimits& limits, const Tile& tile,
-              const Tile& gradient, SplatGradient* out) {
+              size_t count, float x0, float y0, const TileLimits& limits, const Tile& before,
+              const Tile& after, const Tile& gradient, SplatGradient* out) {
   Walk walk;
   for (int i = 0; i < kTilePixels; ++i) {
-    walk.t[i] = 1.0f;
-    walk.rest[i] = gradient.r[i] * tile.r[i] + gradient.g[i] * tile.g[i] +
-                   gradient.b[i] * tile.b[i] - gradient.t[i] * tile.t[i];
+    walk.t[i] = before.t[i];
+    walk.rest[i] = gradient.r[i] * (after.r[i] - before.r[i]) +
+                   gradient.g[i] * (after.g[i] - before.g[i]) +
+                   gradient.b[i] * (after.b[i] - before.b[i]) - gradient.t[i] * after.t[i];
   }
   for (size_t k = 0; k < count; ++k) {
     const Splat& s = splats[list[k]];
@@ -241,9 +241,10 @@ size_t tile_forward(const Splat* splats, const std::uint32_t* list, size_t count
 }
 
 void tile_backward(const Splat* splats, const std::uint32_t* list, const std::uint32_t* slots,
-                   size_t count, float x0, float y0, const TileLimits& limits, const Tile& tile,
-                   const Tile& gradient, SplatGradient* out) {
-  HWY_DYNAMIC_DISPATCH(backward)(splats, list, slots, count, x0, y0, limits, tile, gradient, out);
+                   size_t count, float x0, float y0, const TileLimits& limits, const Tile& before,
+                   const Tile& after, const Tile& gradient, SplatGradient* out) {
+  HWY_DYNAMIC_DISPATCH(backward)(splats, list, slots, count, x0, y0, limits, before, after,
+                                 gradient, out);
 }
 
 }  // namespace clipgs
