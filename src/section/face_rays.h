@@ -45,12 +45,12 @@ class FaceRays {
   /// Returns alpha.
   template <typename Visit>
   float march(const FaceRay& ray, const Visit& visit) const {
-    constexpr float kLeastTransmittance = 1.0f / 512;
+    constexpr float kLeastTransmittance = 1.0f / 256;
     const float slope = -glm::dot(ray.face->outward, ray.direction);
     float transmittance = 1;
     for (const Step& step : steps_) {
       const float t = ray.enter + step.middle;
-      if (t > ray.leave || transmittance < kLeastTransmittance) {
+      if (t > ray.leave) {
         break;
       }
       const bool surface = step.middle * slope < ray.face->surface;
@@ -65,6 +65,11 @@ class FaceRays {
         continue;
       }
       const float alpha = 1 - std::exp(-material.extinction * step.length);
+      if (transmittance * (1 - alpha) < kLeastTransmittance) {
+        // As good as opaque: the rest is this tissue's, so that nothing behind counts as seen.
+        visit(transmittance, sampled, code, material, surface);
+        return 1;
+      }
       visit(transmittance * alpha, sampled, code, material, surface);
       transmittance *= 1 - alpha;
     }

@@ -7,43 +7,79 @@
 namespace clipgs {
 namespace {
 
-/// Linear premultiplied radiance before exposure, and alpha, along one ray.
-Vec4 shade(const Section& section, const FaceRays& rays, const FaceRay& ray) {
-  Vec3 light(0);
-  const auto add = [&](float weight, const Vec3& sampled, float, const FaceMaterial& material,
-                       bool surface) {
-    Vec3 radiance = (surface ? material.surface : material.interior) * ray.face->light;
-    if (section.channels == 3) {
-      radiance *= photo_albedo(sampled);
-    }
-    if (surface && material.specular > 0) {
-      radiance += material.specular *
-                  face_gloss(section.rig, ray.face->outward, -ray.direction, material.roughness);
-    }
-    light += weight * radiance;
-  };
-  const float alpha = rays.march(ray, add);
-  return {light, alpha};
-}
+/// Sums what the rays of one pixel see.
+class PixelSum {
+ public:
+  PixelSum(const Section& section, const FaceRays& rays) : section_(section), rays_(rays) {}
 
-/// Premultiplied display sRGB and alpha of pixel (x, y).
-Vec4 shade_pixel(const Section& section, const FaceRays& rays, int x, int y, int samples) {
-  Vec4 sum(0);
+  void add(const FaceRay& ray) {
+    if (ray.face != face_) {
+      finish_gloss();
+      face_ = ray.face;
+      out_ = -ray.direction;
+    }
+    Vec3 light(0);
+    const auto visit = [&](float weight, const Vec3& sampled, float, const FaceMaterial& material,
+                           bool surface) {
+      Vec3 reflected = weight * (surface ? material.surface : material.interior);
+      if (section_.channels == 3) {
+        reflected *= photo_albedo(sampled);
+      }
+      light += reflected;
+      if (surface) {
+        specular_ += weight * material.specular;
+        roughness_ += weight * material.specular * material.roughness;
+      }
+    };
+    alpha_ += rays_.march(ray, visit);
+    light_ += light * face_->light;
+  }
+
+  /// Premultiplied display sRGB and alpha, for `count` rays, some of which met no face.
+  Vec4 display(int count) {
+    if (alpha_ <= 0) {
+      return Vec4(0);
+    }
+    finish_gloss();
+    const float alpha = alpha_ / static_cast<float>(count);
+    const Vec3 light = section_.exposure / alpha_ * light_;
+    return {alpha * srgb_from_linear(light.r), alpha * srgb_from_linear(light.g),
+            alpha * srgb_from_linear(light.b), alpha};
+  }
+
+ private:
+  // Gloss changes slowly: one lobe, of the mean roughness, is right for a pixel's part of a face.
+  void finish_gloss() {
+    if (specular_ > 0) {
+      light_ += specular_ * face_gloss(section_.rig, face_->outward, out_, roughness_ / specular_);
+    }
+    specular_ = 0;
+    roughness_ = 0;
+  }
+
+  const Section& section_;
+  const FaceRays& rays_;
+  const Face* face_ = nullptr;
+  Vec3 out_{0};  // towards the camera
+  Vec3 light_{0};
+  float alpha_ = 0;
+  float specular_ = 0;   // weights of the face's gloss …
+  float roughness_ = 0;  // … and their sum with its roughness
+};
+
+Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int samples) {
+  PixelSum sum(section, rays);
   const float step = 1.0f / static_cast<float>(samples);
-  for (int i = 0; i < samples * samples; ++i) {
-    const float u = static_cast<float>(x) + (static_cast<float>(i % samples) + 0.5f) * step;
-    const float v = static_cast<float>(y) + (static_cast<float>(i / samples) + 0.5f) * step;
-    if (const std::optional<FaceRay> ray = rays.through(u, v)) {
-      sum += shade(section, rays, *ray);
+  for (int i = 0; i < samples; ++i) {
+    const float v = static_cast<float>(y) + (static_cast<float>(i) + 0.5f) * step;
+    for (int j = 0; j < samples; ++j) {
+      const float u = static_cast<float>(x) + (static_cast<float>(j) + 0.5f) * step;
+      if (const std::optional<FaceRay> ray = rays.through(u, v)) {
+        sum.add(*ray);
+      }
     }
   }
-  sum *= step * step;
-  if (sum.a <= 0) {
-    return Vec4(0);
-  }
-  const float scale = section.exposure / sum.a;
-  return {sum.a * srgb_from_linear(scale * sum.r), sum.a * srgb_from_linear(scale * sum.g),
-          sum.a * srgb_from_linear(scale * sum.b), sum.a};
+  return sum.display(samples * samples);
 }
 
 }  // namespace
@@ -60,7 +96,7 @@ Image draw_faces(const Section& section, const Camera& camera, std::span<const P
     for (size_t row = begin; row < end; ++row) {
       const int y = static_cast<int>(row);
       for (int x = 0; x < camera.width; ++x) {
-        const Vec4 color = shade_pixel(section, rays, x, y, samples);
+        const Vec4 color = draw_pixel(section, rays, x, y, samples);
         float* out = image.at(x, y);
         for (int c = 0; c < 4; ++c) {
           out[c] = color[c];

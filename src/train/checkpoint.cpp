@@ -10,7 +10,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '1'};
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '2'};
 
 struct Header {
   char magic[8];
@@ -22,6 +22,7 @@ struct Header {
   std::int32_t sh_degree;
   std::int32_t clip;
   std::uint64_t views;
+  std::uint64_t has_section;
 };
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
@@ -42,12 +43,15 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
   header.sh_degree = options_.sh_degree;
   header.clip = static_cast<std::int32_t>(options_.clip);
   header.views = views_.size();
+  header.has_section = has_section_ ? 1 : 0;
   std::vector<std::uint8_t> bytes;
   append(bytes, &header, sizeof header);
   for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
     append(bytes, cloud->data().data(), cloud->data().size() * sizeof(float));
   }
-  append(bytes, adam_.updates().data(), adam_.updates().size() * sizeof(std::uint32_t));
+  for (const std::vector<std::uint32_t>* counts : {&adam_.updates(), &last_reached_}) {
+    append(bytes, counts->data(), counts->size() * sizeof(std::uint32_t));
+  }
   write_file(path, bytes.data(), bytes.size());
 }
 
@@ -66,12 +70,13 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
   }
   if (header.steps != options_.steps || header.seed != options_.seed ||
       header.budget != options_.budget || header.sh_degree != options_.sh_degree ||
-      header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size()) {
+      header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size() ||
+      header.has_section != (has_section_ ? 1U : 0U)) {
     throw Error("{}: was written with other options; delete it, or give the ones it had",
                 path.string());
   }
   const auto planes = static_cast<size_t>(Gaussians::planes(options_.sh_degree));
-  const size_t per_gaussian = 3 * planes * sizeof(float) + sizeof(std::uint32_t);
+  const size_t per_gaussian = 3 * planes * sizeof(float) + 2 * sizeof(std::uint32_t);
   if (header.size > options_.budget || bytes.size() != sizeof header + header.size * per_gaussian) {
     throw Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
   }
@@ -84,7 +89,11 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     std::memcpy(cloud->data().data(), at, cloud->data().size() * sizeof(float));
     at += cloud->data().size() * sizeof(float);
   }
-  std::memcpy(adam_.updates().data(), at, adam_.updates().size() * sizeof(std::uint32_t));
+  last_reached_.resize(header.size);
+  for (std::vector<std::uint32_t>* counts : {&adam_.updates(), &last_reached_}) {
+    std::memcpy(counts->data(), at, counts->size() * sizeof(std::uint32_t));
+    at += counts->size() * sizeof(std::uint32_t);
+  }
   order_.clear();
   return true;
 }

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
+#include "section/faces.h"
 #include "train/densification.h"
 #include "train/seeding.h"
 
@@ -31,33 +32,88 @@ Camera half_size(const Camera& camera) {
   return half;
 }
 
+/// Straight colours of transparent pixels mean nothing; premultiplied they can be averaged.
+Image premultiplied(const Image& image) {
+  Image out(image.width, image.height, 4);
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    const float* in = &image.data[i * image.channels];
+    const float alpha = image.channels == 4 ? in[3] : 1.0f;
+    for (int c = 0; c < 3; ++c) {
+      out.data[i * 4 + c] = alpha * in[c];
+    }
+    out.data[i * 4 + 3] = alpha;
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> to_bytes(const Image& image) {
+  std::vector<std::uint8_t> bytes(image.data.size());
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    bytes[i] = static_cast<std::uint8_t>(std::lround(255 * image.data[i]));
+  }
+  return bytes;
+}
+
+/// The mean of `scale` × `scale` pixels each, as an image.
+void from_bytes(const std::vector<std::uint8_t>& bytes, const Camera& camera, int scale,
+                Image& out) {
+  const int width = camera.width / scale;
+  const int height = camera.height / scale;
+  if (out.width != width || out.height != height) {
+    out = Image(width, height, 4);
+  }
+  const float norm = 1.0f / static_cast<float>(scale * scale * 255);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      int sum[4] = {0, 0, 0, 0};
+      for (int sy = 0; sy < scale; ++sy) {
+        for (int sx = 0; sx < scale; ++sx) {
+          const size_t row = static_cast<size_t>(y) * scale + sy;
+          const size_t column = static_cast<size_t>(x) * scale + sx;
+          const std::uint8_t* in = &bytes[(row * camera.width + column) * 4];
+          for (int c = 0; c < 4; ++c) {
+            sum[c] += in[c];
+          }
+        }
+      }
+      for (int c = 0; c < 4; ++c) {
+        out.at(x, y)[c] = static_cast<float>(sum[c]) * norm;
+      }
+    }
+  }
+}
+
 }  // namespace
 
-Trainer::Trainer(const Dataset& dataset, const TrainOptions& options)
-    : options_(options), extent_(dataset.sphere.radius) {
+Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section)
+    : options_(options), extent_(dataset.sphere.radius), has_section_(section != nullptr) {
   const std::vector<const Frame*> frames = dataset.split(Split::kTrain);
   if (frames.empty()) {
     throw Error("{}: has no training frames; make the dataset again", dataset.folder.string());
   }
   views_.resize(frames.size());
-  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
-    const Image image = dataset.load(*frames[i]);
+  const auto load = [&](size_t i) {
     View& view = views_[i];
     view.camera = frames[i]->camera;
     view.plane = frames[i]->plane;
-    view.rgba.resize(image.pixels() * 4);
-    for (size_t p = 0; p < image.pixels(); ++p) {
-      for (int c = 0; c < 4; ++c) {
-        const float v = c < image.channels ? image.data[p * image.channels + c] : 1.0f;
-        view.rgba[p * 4 + c] = static_cast<std::uint8_t>(std::lround(v * 255));
-      }
+    view.rgba = to_bytes(premultiplied(dataset.load(*frames[i])));
+    if (section != nullptr && view.plane && view.plane->signed_distance(view.camera.position) < 0) {
+      view.faces = to_bytes(draw_faces(*section, view.camera, {&*view.plane, 1}));
     }
-  });
+  };
+  Progress progress("loading", frames.size());
+  constexpr size_t kBatch = 32;
+  for (size_t begin = 0; begin < frames.size(); begin += kBatch) {
+    const size_t count = std::min(kBatch, frames.size() - begin);
+    parallel_for(count, 1, [&](size_t i, size_t) { load(begin + i); });
+    progress.update(begin + count);
+  }
   gaussians_ =
       start_from_points(load_seed_points(dataset.folder), std::min(options_.start, options_.budget),
                         options_.sh_degree, options_.seed);
   gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
   adam_ = Adam(gaussians_.size(), options_.sh_degree);
+  last_reached_.assign(gaussians_.size(), 0);
 }
 
 const Trainer::View& Trainer::next_view() {
@@ -74,49 +130,22 @@ const Trainer::View& Trainer::next_view() {
   return views_[order_[within]];
 }
 
-void Trainer::load_target(const View& view, bool half) {
-  const int scale = half ? 2 : 1;
-  const int width = view.camera.width / scale;
-  const int height = view.camera.height / scale;
-  if (target_.width != width || target_.height != height) {
-    target_ = Image(width, height, 4);
-  }
-  // Premultiply, then average: straight colours of transparent pixels mean nothing.
-  const float norm = 1.0f / static_cast<float>(scale * scale * 255);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      float sum[4] = {0, 0, 0, 0};
-      for (int sy = 0; sy < scale; ++sy) {
-        for (int sx = 0; sx < scale; ++sx) {
-          const size_t row = static_cast<size_t>(y) * scale + sy;
-          const size_t column = static_cast<size_t>(x) * scale + sx;
-          const std::uint8_t* in = &view.rgba[(row * view.camera.width + column) * 4];
-          const float alpha = static_cast<float>(in[3]) / 255.0f;
-          for (int c = 0; c < 3; ++c) {
-            sum[c] += static_cast<float>(in[c]) * alpha;
-          }
-          sum[3] += static_cast<float>(in[3]);
-        }
-      }
-      float* out = target_.at(x, y);
-      for (int c = 0; c < 4; ++c) {
-        out[c] = sum[c] * norm;
-      }
-    }
-  }
-}
-
 double Trainer::step() {
   const View& view = next_view();
   const auto steps = static_cast<float>(options_.steps);
   const float progress = static_cast<float>(step_) / steps;
   const bool half = progress < options_.coarse_share;
-  load_target(view, half);
+  const int scale = half ? 2 : 1;
+  from_bytes(view.rgba, view.camera, scale, target_);
+  if (!view.faces.empty()) {
+    from_bytes(view.faces, view.camera, scale, front_);
+  }
 
   RasterOptions raster;
   raster.clip = options_.clip;
   const Camera camera = half ? half_size(view.camera) : view.camera;
-  const Image& image = rasterizer_.forward(gaussians_, camera, view.plane, raster);
+  const Image& image = rasterizer_.forward(gaussians_, camera, view.plane, raster,
+                                           view.faces.empty() ? nullptr : &front_);
   Rng rng(options_.seed, Rng::mix(step_) ^ kBackground);
   const Vec3 background(rng.uniform(), rng.uniform(), rng.uniform());
   const double loss = loss_.evaluate(image, target_, background, options_.loss, image_gradient_);
@@ -135,6 +164,7 @@ double Trainer::step() {
   adam_.step(rasterizer_.reached(), gradients_, rates, gaussians_);
 
   ++step_;
+  note_reached();
   if (progress < options_.relocate_until) {
     if (step_ % options_.relocate_every == 0) {
       densify();
@@ -162,11 +192,33 @@ void Trainer::add_penalties() {
   });
 }
 
+void Trainer::note_reached() {
+  for (const std::uint32_t i : rasterizer_.reached()) {
+    last_reached_[i] = static_cast<std::uint32_t>(step_);
+  }
+}
+
+/// Behind a section the inside of what is solid is never seen: Gaussians there are worth more
+/// elsewhere. Made transparent, they are moved like others that have died.
+void Trainer::retire_idle() {
+  constexpr float kTransparent = -12;  // logit
+  for (size_t i = 0; i < gaussians_.size(); ++i) {
+    if (last_reached_[i] + options_.idle_steps < step_) {
+      gaussians_.plane(Gaussians::kOpacity)[i] = kTransparent;
+      last_reached_[i] = static_cast<std::uint32_t>(step_);
+    }
+  }
+}
+
 void Trainer::densify() {
+  if (has_section_) {
+    retire_idle();
+  }
   relocate_dead(gaussians_, adam_, Rng(options_.seed, Rng::mix(step_) ^ kRelocation));
   grow(gaussians_, adam_, options_.budget, Rng(options_.seed, Rng::mix(step_) ^ kGrowth));
   if (gradients_.size() != gaussians_.size()) {
     gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
+    last_reached_.resize(gaussians_.size(), static_cast<std::uint32_t>(step_));
   }
 }
 
@@ -181,8 +233,8 @@ Scene scene_of(const Dataset& dataset) {
 }
 
 Scene train(const Dataset& dataset, const TrainOptions& options,
-            const std::filesystem::path& checkpoint) {
-  Trainer trainer(dataset, options);
+            const std::filesystem::path& checkpoint, const Section* section) {
+  Trainer trainer(dataset, options, section);
   if (!checkpoint.empty()) {
     trainer.load_checkpoint(checkpoint);
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cinema/dataset.h"
+#include "section/section.h"
 #include "splat/rasterizer.h"
 #include "splat/scene.h"
 #include "train/adam.h"
@@ -27,6 +28,8 @@ struct TrainOptions {
   float scale_penalty = 0.01f;    ///< … and scales towards 0, over the number of Gaussians
   size_t relocate_every = 100;    ///< steps between relocations and growth
   float relocate_until = 0.8f;    ///< share of the steps after which the cloud stays as it is
+  size_t idle_steps = 1000;       ///< with a section: a Gaussian that no picture needed for as long
+                                  ///< is dead
 };
 
 /// Fits Gaussians to the training frames of a dataset. Everything random is drawn from (seed,
@@ -34,8 +37,10 @@ struct TrainOptions {
 /// not.
 class Trainer {
  public:
-  /// Loads the training frames (kept in memory, 4 bytes a pixel) and the seed points. Throws Error.
-  Trainer(const Dataset& dataset, const TrainOptions& options);
+  /// Loads the training frames (kept in memory, 4 bytes a pixel, as much again where a face is
+  /// seen) and the seed points. With a `section`, which may be null, its faces lie in front of the
+  /// splats: these then need to show outer and inner surfaces only. Throws Error.
+  Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section = nullptr);
 
   /// One step: draw a training frame, compare, move. Returns the loss.
   double step();
@@ -52,11 +57,13 @@ class Trainer {
   struct View {
     Camera camera;
     std::optional<Plane> plane;
-    std::vector<std::uint8_t> rgba;  // display sRGB, straight alpha
+    std::vector<std::uint8_t> rgba;   // display sRGB, premultiplied
+    std::vector<std::uint8_t> faces;  // the same, or empty
   };
 
   const View& next_view();
-  void load_target(const View& view, bool half);
+  void note_reached();
+  void retire_idle();
   void add_penalties();
   void densify();
 
@@ -68,16 +75,19 @@ class Trainer {
   Gaussians gaussians_;
   Gaussians gradients_;
   Adam adam_;
+  bool has_section_ = false;
+  std::vector<std::uint32_t> last_reached_;  // step, of each Gaussian
   Rasterizer rasterizer_;
   ImageLoss loss_;
   Image target_;  // premultiplied
+  Image front_;   // the same; what the section shows
   Image image_gradient_;
 };
 
 /// Trains from start to finish, or on from `checkpoint` if that file is there; writes it every few
 /// minutes (pass an empty path for none), and shows progress. Throws Error.
 Scene train(const Dataset& dataset, const TrainOptions& options,
-            const std::filesystem::path& checkpoint);
+            const std::filesystem::path& checkpoint, const Section* section = nullptr);
 
 /// The scene of a dataset without its Gaussians.
 Scene scene_of(const Dataset& dataset);

@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "section/faces.h"
 #include "splat/render.h"
 #include "volume/phantom.h"
 #include "volume/preset.h"
@@ -107,6 +108,38 @@ TEST_F(TrainerTest, ResumesFromACheckpointToTheSameBytes) {
   ASSERT_TRUE(second.load_checkpoint(checkpoint));
   EXPECT_EQ(second.steps_done(), 137U);
   EXPECT_EQ(trained(second), expected);
+}
+
+TEST_F(TrainerTest, WithASectionFacesAreRightAndTheSplatsFillTheRest) {
+  const Dataset data = dataset();
+  const Section section =
+      make_section(make_ball(32, 11, 300, -1000), load_preset("soft-tissue"), {32});
+  const auto error = [&](const Trainer& trainer, bool faces) {
+    double sum = 0;
+    for (const Frame* frame : data.split(Split::kTrain)) {
+      Image picture = Rasterizer().forward(trainer.gaussians(), frame->camera, frame->plane, {});
+      if (faces && frame->plane) {
+        put_in_front(draw_faces(section, frame->camera, {&*frame->plane, 1}), picture);
+      }
+      const Image truth = composite(data.load(*frame), 0, 0, 0);
+      for (size_t i = 0; i < truth.data.size(); ++i) {
+        sum += std::pow(truth.data[i] - picture.data[i / 3 * 4 + i % 3], 2);
+      }
+    }
+    return sum;
+  };
+  Trainer without(data, options());
+  Trainer with(data, options(), &section);
+  trained(without);
+  trained(with);
+  EXPECT_LT(error(with, true), error(without, false));
+  EXPECT_LT(error(with, true), error(with, false));
+
+  // A checkpoint of one is not taken for the other's.
+  const fs::path checkpoint = folder_ / "with";
+  with.save_checkpoint(checkpoint);
+  EXPECT_THROW(without.load_checkpoint(checkpoint), Error);
+  EXPECT_TRUE(with.load_checkpoint(checkpoint));
 }
 
 TEST_F(TrainerTest, RefusesCorruptAndForeignCheckpoints) {
