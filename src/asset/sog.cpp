@@ -11,6 +11,7 @@
 #include "asset/palette.h"
 #include "asset/webp.h"
 #include "core/error.h"
+#include "core/json_reader.h"
 #include "core/parallel.h"
 #include "splat/scene_file.h"
 

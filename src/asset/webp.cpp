@@ -65,6 +65,17 @@ Bytes encode_webp(const Texels& texels) {
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
 
+Bytes encode_webp_data(const Texels& texels, float quality) {
+  WebPConfig config;
+  WebPConfigInit(&config);
+  config.quality = quality;
+  config.method = 6;
+  config.sns_strength = 0;
+  config.filter_strength = 0;
+  config.use_sharp_yuv = 1;
+  return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
+}
+
 Bytes encode_webp(const Image& image, float quality) {
   if (image.channels != 3 && image.channels != 4) {
     throw Error("a picture has 3 or 4 channels, not {}", image.channels);

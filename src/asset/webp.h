@@ -25,6 +25,10 @@ struct Texels {
 /// Lossless, texel for texel (RGB under alpha 0 as well). Throws Error.
 Bytes encode_webp(const Texels& texels);
 
+/// Data that may change a little: evenly good everywhere, with nothing done for the eye's sake.
+/// `quality` 0 to 100. Alpha must be 255. Throws Error.
+Bytes encode_webp_data(const Texels& texels, float quality);
+
 /// A picture to look at: 3 or 4 channels in [0, 1], lossy, `quality` 0 to 100. Throws Error.
 Bytes encode_webp(const Image& image, float quality);
 

@@ -2,6 +2,7 @@
 
 #include "asset/case.h"
 #include "cli/info_kinds.h"
+#include "core/json_reader.h"
 #include "splat/scene_file.h"
 
 namespace clipgs {

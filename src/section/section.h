@@ -44,6 +44,9 @@ struct Section {
   float exposure = 1;
 
   size_t voxel_count() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
+  size_t offset(int x, int y, int z) const {
+    return (static_cast<size_t>(z) * dims.y + y) * dims.x + x;
+  }
   Vec3 index_from_world(const Vec3& world) const {
     return ((world - origin) * direction) / spacing;
   }

@@ -1,11 +1,11 @@
 #include "splat/scene_file.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_reader.h"
 #include "splat/ply.h"
 
 namespace clipgs {
@@ -15,7 +15,6 @@ using nlohmann::json;
 namespace {
 
 constexpr int kVersion = 1;
-constexpr size_t kMaxText = 256;
 constexpr std::uintmax_t kMaxJson = 1 << 20;
 
 std::filesystem::path sidecar_path(std::filesystem::path path) {
@@ -36,87 +35,7 @@ json to_json(const glm::dmat4& matrix) {
   return rows;
 }
 
-/// Reads the values of one JSON object, with errors that say which key of which file is wrong.
-class Reader {
- public:
-  Reader(const json& object, std::string name) : object_(object), name_(std::move(name)) {
-    if (!object_.is_object()) {
-      throw Error("{}: a JSON object was expected; the file is corrupt", name_);
-    }
-  }
-
-  Reader child(const char* key) const { return {at(key), name_ + "." + key}; }
-
-  float number(const char* key) const { return finite(at(key), key); }
-
-  template <int N>
-  glm::vec<N, float> vector(const char* key) const {
-    const json& values = at(key);
-    if (!values.is_array() || values.size() != N) {
-      fail(key);
-    }
-    glm::vec<N, float> result;
-    for (int i = 0; i < N; ++i) {
-      result[i] = finite(values[i], key);
-    }
-    return result;
-  }
-
-  glm::dmat4 matrix(const char* key) const {
-    const json& rows = at(key);
-    if (!rows.is_array() || rows.size() != 4) {
-      fail(key);
-    }
-    glm::dmat4 result;
-    for (int r = 0; r < 4; ++r) {
-      if (!rows[r].is_array() || rows[r].size() != 4) {
-        fail(key);
-      }
-      for (int c = 0; c < 4; ++c) {
-        if (!rows[r][c].is_number()) {
-          fail(key);
-        }
-        result[c][r] = rows[r][c].get<double>();
-      }
-    }
-    return result;
-  }
-
-  std::string text(const char* key) const {
-    const json& value = at(key);
-    if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxText) {
-      fail(key);
-    }
-    return value.get<std::string>();
-  }
-
-  [[noreturn]] void fail(const char* key) const {
-    throw Error("{}: \"{}\" is missing or out of range", name_, key);
-  }
-
- private:
-  const json& at(const char* key) const {
-    const auto found = object_.find(key);
-    if (found == object_.end()) {
-      fail(key);
-    }
-    return *found;
-  }
-
-  float finite(const json& value, const char* key) const {
-    if (!value.is_number() || !std::isfinite(value.get<float>())) {
-      fail(key);
-    }
-    return value.get<float>();
-  }
-
-  const json& object_;
-  std::string name_;
-};
-
 }  // namespace
-
-json json_number(float value) { return std::strtod(fmt::format("{}", value).c_str(), nullptr); }
 
 json scene_to_json(const Scene& scene, const Similarity& world) {
   json result = {
@@ -137,7 +56,7 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
 }
 
 Similarity scene_from_json(const json& object, const std::string& name, Scene& scene) {
-  const Reader reader(object, name);
+  const JsonReader reader(object, name);
   if (reader.number("version") != kVersion) {
     throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
   }
@@ -149,19 +68,19 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   if (scene.extent.x > scene.extent.y) {
     reader.fail("extent");
   }
-  const Reader sphere = reader.child("sphere");
+  const JsonReader sphere = reader.child("sphere");
   scene.sphere.center = sphere.vector<3>("center");
   scene.sphere.radius = sphere.number("radius");
   if (scene.sphere.radius < 0) {
     sphere.fail("radius");
   }
-  const Reader bounds = reader.child("bounds");
+  const JsonReader bounds = reader.child("bounds");
   scene.bounds.min = bounds.vector<3>("min");
   scene.bounds.max = bounds.vector<3>("max");
   scene.title = reader.text("title");
   scene.preset = reader.text("preset");
   scene.created = reader.text("created");
-  const Reader world = reader.child("world");
+  const JsonReader world = reader.child("world");
   try {
     return Similarity::from_matrix(world.matrix("scene_to_ras_mm"));
   } catch (const Error&) {

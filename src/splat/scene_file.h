@@ -24,7 +24,4 @@ nlohmann::json scene_to_json(const Scene& scene, const Similarity& world);
 /// `name` is what errors call it. Throws Error.
 Similarity scene_from_json(const nlohmann::json& object, const std::string& name, Scene& scene);
 
-/// The shortest decimal that reads back as the same float, as a JSON number.
-nlohmann::json json_number(float value);
-
 }  // namespace clipgs

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_reader.h"
 #include "splat/ply.h"
 #include "splat/sh.h"
 #include "splat/test_scene.h"

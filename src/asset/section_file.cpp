@@ -1,0 +1,341 @@
+#include "asset/section_file.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "asset/webp.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/json_reader.h"
+
+namespace clipgs {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr int kVersion = 1;
+constexpr int kMaxSide = 1024;
+constexpr int kMaxImage = 16383;
+constexpr int kBlock = 16;  // side of the blocks that lossy WebP codes: slices do not share one
+constexpr size_t kMaxKeys = 8;
+constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
+constexpr const char* kImageFile = "section.webp";
+constexpr const char* kMetaFile = "section.json";
+
+constexpr std::array kModalities = {Modality::kUnknown, Modality::kCt, Modality::kMr,
+                                    Modality::kPhoto};
+
+/// How slices lie in the image: row by row, each padded to whole blocks by its last voxels.
+struct Mosaic {
+  int tile_width;
+  int tile_height;
+  int columns;
+  int rows;
+
+  explicit Mosaic(const IVec3& dims)
+      : tile_width(whole_blocks(dims.x)), tile_height(whole_blocks(dims.y)) {
+    const double square = std::sqrt(static_cast<double>(dims.z) * tile_height / tile_width);
+    columns = std::clamp(static_cast<int>(std::ceil(square)), 1,
+                         std::min(dims.z, kMaxImage / tile_width));
+    rows = (dims.z + columns - 1) / columns;
+  }
+  int width() const { return columns * tile_width; }
+  int height() const { return rows * tile_height; }
+
+  /// Texel of voxel (x, y) of slice z; x and y may lie in the padding.
+  size_t texel(int x, int y, int z) const {
+    const size_t row = static_cast<size_t>(z / columns) * tile_height + y;
+    return row * width() + static_cast<size_t>(z % columns) * tile_width + x;
+  }
+
+ private:
+  static int whole_blocks(int n) { return (n + kBlock - 1) / kBlock * kBlock; }
+};
+
+Texels to_texels(const Section& section, const Mosaic& mosaic) {
+  Texels texels(mosaic.width(), mosaic.height());
+  for (int z = 0; z < section.dims.z; ++z) {
+    for (int y = 0; y < mosaic.tile_height; ++y) {
+      for (int x = 0; x < mosaic.tile_width; ++x) {
+        const int from_x = std::min(x, section.dims.x - 1);
+        const int from_y = std::min(y, section.dims.y - 1);
+        const size_t voxel = section.offset(from_x, from_y, z) * section.channels;
+        std::uint8_t* to = &texels.rgba[4 * mosaic.texel(x, y, z)];
+        for (int c = 0; c < 3; ++c) {
+          to[c] = section.voxels[voxel + (section.channels == 3 ? c : 0)];
+        }
+      }
+    }
+  }
+  return texels;
+}
+
+std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, const IVec3& dims,
+                                    int channels) {
+  std::vector<std::uint8_t> voxels(static_cast<size_t>(dims.x) * dims.y * dims.z * channels);
+  std::uint8_t* to = voxels.data();
+  for (int z = 0; z < dims.z; ++z) {
+    for (int y = 0; y < dims.y; ++y) {
+      for (int x = 0; x < dims.x; ++x) {
+        const std::uint8_t* from = &texels.rgba[4 * mosaic.texel(x, y, z)];
+        for (int c = 0; c < channels; ++c) {
+          *to++ = from[c];
+        }
+      }
+    }
+  }
+  return voxels;
+}
+
+/// Rms by which coding moved the values of what is not air (code 0).
+double coding_error(const Section& section, const std::vector<std::uint8_t>& decoded) {
+  double squares = 0;
+  double count = 0;
+  for (size_t i = 0; i < decoded.size(); i += section.channels) {
+    Vec3 before(0);
+    Vec3 after(0);
+    for (int c = 0; c < section.channels; ++c) {
+      before[c] = section.voxels[i + c];
+      after[c] = decoded[i + c];
+    }
+    const float code = section.code(before);
+    if (code > 0) {
+      squares +=
+          std::pow(section.curve.value(section.code(after)) - section.curve.value(code), 2.0);
+      ++count;
+    }
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+/// Four significant digits are more than a table of colours needs.
+json short_number(float value) {
+  return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
+}
+
+json to_json(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
+
+template <typename Get>
+json table(const Section& section, const Get& get) {
+  json list = json::array();
+  for (const FaceMaterial& material : section.materials) {
+    list.push_back(short_number(get(material)));
+  }
+  return list;
+}
+
+json materials_json(const Section& section) {
+  json result = {{"extinction", table(section, [](const auto& m) { return m.extinction; })},
+                 {"specular", table(section, [](const auto& m) { return m.specular; })},
+                 {"roughness", table(section, [](const auto& m) { return m.roughness; })}};
+  for (int c = 0; c < 3; ++c) {
+    const std::string channel(1, "rgb"[c]);
+    result["surface_" + channel] = table(section, [&](const auto& m) { return m.surface[c]; });
+    result["interior_" + channel] = table(section, [&](const auto& m) { return m.interior[c]; });
+  }
+  return result;
+}
+
+json lights_json(const Section& section) {
+  json keys = json::array();
+  for (const KeyLight& key : section.rig.keys) {
+    keys.push_back({{"direction", to_json(key.direction)},
+                    {"radiance", to_json(key.radiance)},
+                    {"angular_radius", json_number(key.angular_radius)}});
+  }
+  return {{"sky_top", to_json(section.rig.sky_top)},
+          {"sky_horizon", to_json(section.rig.sky_horizon)},
+          {"sky_bottom", to_json(section.rig.sky_bottom)},
+          {"keys", keys},
+          {"exposure", json_number(section.exposure)}};
+}
+
+Vec3 not_negative(const JsonReader& reader, const char* key) {
+  const Vec3 value = reader.vector<3>(key);
+  if (glm::any(glm::lessThan(value, Vec3(0)))) {
+    reader.fail(key);
+  }
+  return value;
+}
+
+Vec3 positive(const JsonReader& reader, const char* key) {
+  const Vec3 value = reader.vector<3>(key);
+  if (!glm::all(glm::greaterThan(value, Vec3(0)))) {
+    reader.fail(key);
+  }
+  return value;
+}
+
+Vec3 unit(const JsonReader& reader, const char* key) {
+  const Vec3 value = reader.vector<3>(key);
+  if (std::abs(glm::length(value) - 1) > 1e-3f) {
+    reader.fail(key);
+  }
+  return glm::normalize(value);
+}
+
+void read_lights(const JsonReader& reader, Section& section) {
+  section.rig.sky_top = not_negative(reader, "sky_top");
+  section.rig.sky_horizon = not_negative(reader, "sky_horizon");
+  section.rig.sky_bottom = not_negative(reader, "sky_bottom");
+  for (const JsonReader& key : reader.children("keys", kMaxKeys)) {
+    KeyLight light;
+    light.direction = unit(key, "direction");
+    light.radiance = not_negative(key, "radiance");
+    light.angular_radius = key.number("angular_radius");
+    if (light.angular_radius < 0 || light.angular_radius > 1.6f) {
+      key.fail("angular_radius");
+    }
+    section.rig.keys.push_back(light);
+  }
+  section.exposure = reader.number("exposure");
+  if (!(section.exposure > 0)) {
+    reader.fail("exposure");
+  }
+}
+
+void read_materials(const JsonReader& reader, Section& section) {
+  const auto fill = [&](const std::string& key, float high, const auto& place) {
+    const std::vector<float> values = reader.numbers(key.c_str(), ValueCurve::kCodes);
+    for (size_t i = 0; i < values.size(); ++i) {
+      if (values[i] < 0 || values[i] > high) {
+        reader.fail(key.c_str());
+      }
+      place(section.materials[i]) = values[i];
+    }
+  };
+  constexpr float kMostExtinction = 1e6f;
+  constexpr float kMostReflectance = 100;
+  fill("extinction", kMostExtinction, [](FaceMaterial& m) -> float& { return m.extinction; });
+  fill("specular", 1, [](FaceMaterial& m) -> float& { return m.specular; });
+  fill("roughness", 1, [](FaceMaterial& m) -> float& { return m.roughness; });
+  for (int c = 0; c < 3; ++c) {
+    const std::string channel(1, "rgb"[c]);
+    fill("surface_" + channel, kMostReflectance,
+         [c](FaceMaterial& m) -> float& { return m.surface[c]; });
+    fill("interior_" + channel, kMostReflectance,
+         [c](FaceMaterial& m) -> float& { return m.interior[c]; });
+  }
+}
+
+void read_grid(const JsonReader& reader, Section& section) {
+  const std::vector<float> dims = reader.numbers("dims", 3);
+  for (int k = 0; k < 3; ++k) {
+    const float n = dims[static_cast<size_t>(k)];
+    if (n < 1 || n > kMaxSide || n != std::floor(n)) {
+      reader.fail("dims");
+    }
+    section.dims[k] = static_cast<int>(n);
+  }
+  section.spacing = positive(reader, "spacing");
+  section.origin = reader.vector<3>("origin");
+  section.source_spacing = positive(reader, "source_spacing");
+  for (int k = 0; k < 3; ++k) {
+    constexpr std::array kNames = {"axis_x", "axis_y", "axis_z"};
+    section.direction[k] = unit(reader, kNames[static_cast<size_t>(k)]);
+  }
+  if (std::abs(glm::determinant(section.direction) - 1) > 1e-2f) {
+    reader.fail("axis_z");
+  }
+}
+
+}  // namespace
+
+json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files) {
+  const Mosaic mosaic(section.dims);
+  if (mosaic.width() > kMaxImage || mosaic.height() > kMaxImage) {
+    throw Error("a section of {} × {} × {} voxels does not fit into an image; make it smaller",
+                section.dims.x, section.dims.y, section.dims.z);
+  }
+  const Texels texels = to_texels(section, mosaic);
+  Bytes image = quality >= kLossless ? encode_webp(texels) : encode_webp_data(texels, quality);
+  const std::vector<std::uint8_t> decoded =
+      to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
+                section.dims, section.channels);
+  const double error = std::hypot(section.value_error, coding_error(section, decoded));
+  files.push_back({kImageFile, std::move(image)});
+
+  json curve = json::array();
+  for (const float value : section.curve.values()) {
+    curve.push_back(json_number(value));
+  }
+  return {{"version", kVersion},
+          {"file", kImageFile},
+          {"dims", {section.dims.x, section.dims.y, section.dims.z}},
+          {"tile", {mosaic.tile_width, mosaic.tile_height}},
+          {"columns", mosaic.columns},
+          {"channels", section.channels},
+          {"spacing", to_json(section.spacing)},
+          {"origin", to_json(section.origin)},
+          {"axis_x", to_json(section.direction[0])},
+          {"axis_y", to_json(section.direction[1])},
+          {"axis_z", to_json(section.direction[2])},
+          {"source_spacing", to_json(section.source_spacing)},
+          {"modality", modality_name(section.modality)},
+          {"curve", curve},
+          {"value_error", short_number(static_cast<float>(error))},
+          {"materials", materials_json(section)},
+          {"lights", lights_json(section)}};
+}
+
+Section decode_section(const json& object, const std::map<std::string, Bytes>& files,
+                       const std::string& name) {
+  const JsonReader reader(object, name);
+  if (reader.number("version") != kVersion) {
+    throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
+  }
+  Section section;
+  read_grid(reader, section);
+  section.channels = reader.integer("channels", 1, 3);
+  if (section.channels == 2) {
+    reader.fail("channels");
+  }
+  const std::string modality = reader.text("modality");
+  for (const Modality known : kModalities) {
+    section.modality = modality == modality_name(known) ? known : section.modality;
+  }
+  try {
+    section.curve = ValueCurve(reader.numbers("curve", ValueCurve::kCodes));
+  } catch (const Error&) {
+    reader.fail("curve");
+  }
+  section.value_error = reader.number("value_error");
+  read_materials(reader.child("materials"), section);
+  read_lights(reader.child("lights"), section);
+
+  const Mosaic mosaic(section.dims);
+  if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
+    reader.fail("columns");
+  }
+  const std::string file = reader.text("file");
+  const auto image = files.find(file);
+  if (image == files.end()) {
+    reader.fail("file");
+  }
+  const Texels texels = decode_webp(image->second, mosaic.width(), mosaic.height(),
+                                    fmt::format("{}: {}", name, file));
+  section.voxels = to_voxels(texels, mosaic, section.dims, section.channels);
+  return section;
+}
+
+void write_section(const std::filesystem::path& path, const Section& section) {
+  std::vector<ZipEntry> files;
+  const std::string text = encode_section(section, kLossless, files).dump();
+  files.push_back({kMetaFile, Bytes(text.begin(), text.end())});
+  const Bytes bytes = write_zip(files);
+  write_file(path, bytes.data(), bytes.size());
+}
+
+Section read_section(const std::filesystem::path& path) {
+  const std::map<std::string, Bytes> files = read_zip(read_file(path, kMaxFile), path.string());
+  const auto meta = files.find(kMetaFile);
+  if (meta == files.end()) {
+    throw Error("{}: has no {}; is it a section?", path.string(), kMetaFile);
+  }
+  const json object = json::parse(meta->second.begin(), meta->second.end(), nullptr, false);
+  return decode_section(object, files, path.string());
+}
+
+}  // namespace clipgs

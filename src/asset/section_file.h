@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "asset/zip.h"
+#include "section/section.h"
+
+namespace clipgs {
+
+/// Quality of the image that holds a section's voxels: 100 is lossless. The default loses 0.1 dB on
+/// the picture of a face and half of the bytes (docs/benchmarks.md).
+constexpr float kSectionQuality = 90;
+constexpr float kLossless = 100;
+
+/// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with
+/// which values can be read back, as the JSON states it, includes what the image's coding loses.
+/// Throws Error.
+nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files);
+
+/// The section of such JSON. Throws Error, `name` in it, on whatever is missing, out of range or
+/// undecodable; nothing larger than the image warrants is allocated.
+Section decode_section(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
+                       const std::string& name);
+
+/// A section by itself, lossless, as work in progress keeps it. Written whole or not at all. Throws
+/// Error.
+void write_section(const std::filesystem::path& path, const Section& section);
+Section read_section(const std::filesystem::path& path);
+
+}  // namespace clipgs

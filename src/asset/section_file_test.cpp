@@ -1,0 +1,131 @@
+#include "asset/section_file.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/random.h"
+#include "volume/phantom.h"
+#include "volume/preset.h"
+#include "volume/test_folder.h"
+
+namespace clipgs {
+namespace {
+
+using nlohmann::json;
+
+Section make(int channels) {
+  Section section = make_section(make_ball(40, 15, 250, -1000), load_preset("skin-and-bone"), {64});
+  Rng rng(1);  // a scanner's noise, where there is tissue
+  for (std::uint8_t& code : section.voxels) {
+    code = code > 20 ? static_cast<std::uint8_t>(code - rng.below(16)) : code;
+  }
+  if (channels == 3) {
+    section.channels = 3;
+    std::vector<std::uint8_t> rgb;
+    for (const std::uint8_t code : section.voxels) {
+      rgb.insert(rgb.end(), {code, static_cast<std::uint8_t>(code / 2), 30});
+    }
+    section.voxels = rgb;
+    section.curve = ValueCurve();
+  }
+  return section;
+}
+
+void expect_same(const Section& a, const Section& b) {
+  EXPECT_EQ(a.dims, b.dims);
+  EXPECT_EQ(a.channels, b.channels);
+  EXPECT_EQ(a.spacing, b.spacing);
+  EXPECT_EQ(a.origin, b.origin);
+  EXPECT_EQ(a.source_spacing, b.source_spacing);
+  EXPECT_EQ(a.modality, b.modality);
+  EXPECT_EQ(a.curve.values(), b.curve.values());
+  EXPECT_EQ(a.exposure, b.exposure);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT(glm::length(a.direction[k] - b.direction[k]), 1e-6f);
+  }
+  ASSERT_EQ(a.rig.keys.size(), b.rig.keys.size());
+  for (size_t i = 0; i < a.rig.keys.size(); ++i) {
+    EXPECT_LT(glm::length(a.rig.keys[i].direction - b.rig.keys[i].direction), 1e-6f);
+    EXPECT_EQ(a.rig.keys[i].radiance, b.rig.keys[i].radiance);
+  }
+  for (size_t i = 0; i < a.materials.size(); ++i) {
+    EXPECT_NEAR(a.materials[i].extinction, b.materials[i].extinction, 1e-3f);
+    EXPECT_LT(glm::length(a.materials[i].surface - b.materials[i].surface), 1e-3f);
+    EXPECT_LT(glm::length(a.materials[i].interior - b.materials[i].interior), 1e-3f);
+  }
+}
+
+class SectionFileTest : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Channels, SectionFileTest, testing::Values(1, 3));
+
+TEST_P(SectionFileTest, RoundTripIsLossless) {
+  const Section section = make(GetParam());
+  const TestFolder folder;
+  write_section(folder / "a.zip", section);
+  const Section back = read_section(folder / "a.zip");
+  expect_same(section, back);
+  EXPECT_EQ(section.voxels, back.voxels);
+  write_section(folder / "b.zip", section);
+  EXPECT_EQ(read_text(folder / "a.zip"), read_text(folder / "b.zip"));
+}
+
+TEST_P(SectionFileTest, LossyCodingStatesItsError) {
+  const Section section = make(GetParam());
+  std::vector<ZipEntry> lossless;
+  std::vector<ZipEntry> lossy;
+  const json exact = encode_section(section, kLossless, lossless);
+  const json coded = encode_section(section, 50, lossy);
+  EXPECT_LT(lossy[0].bytes.size(), lossless[0].bytes.size());
+  EXPECT_GT(coded["value_error"].get<float>(), exact["value_error"].get<float>());
+  const Section back = decode_section(coded, {{lossy[0].name, lossy[0].bytes}}, "test");
+  expect_same(section, back);
+  double squares = 0;
+  for (size_t i = 0; i < section.voxels.size(); ++i) {
+    squares += std::pow(static_cast<double>(section.voxels[i]) - back.voxels[i], 2);
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(section.voxels.size())), 12);
+}
+
+TEST(SectionFile, RefusesWhatIsMissingOrOutOfRange) {
+  std::vector<ZipEntry> files;
+  const json good = encode_section(make(1), kLossless, files);
+  const std::map<std::string, Bytes> images = {{files[0].name, files[0].bytes}};
+  EXPECT_NO_THROW(decode_section(good, images, "test"));
+  for (const auto& [key, value] : good.items()) {
+    json bad = good;
+    bad.erase(key);
+    if (key != "tile") {
+      EXPECT_THROW(decode_section(bad, images, "test"), Error) << key;
+    }
+    bad[key] = "nonsense";
+    if (key != "tile" && key != "modality") {
+      EXPECT_THROW(decode_section(bad, images, "test"), Error) << key;
+    }
+  }
+  const auto refused = [&](const char* pointer, const json& value) {
+    json bad = good;
+    bad[json::json_pointer(pointer)] = value;
+    EXPECT_THROW(decode_section(bad, images, "test"), Error) << pointer;
+  };
+  refused("/dims/0", 1e9);
+  refused("/dims/0", 2.5);
+  refused("/dims/0", 900);  // not what the image holds
+  refused("/spacing/1", 0);
+  refused("/axis_x/0", 5);
+  refused("/channels", 2);
+  refused("/curve/7", -1e6);
+  refused("/materials/specular/3", 2);
+  refused("/materials/surface_g/3", -1);
+  refused("/lights/exposure", 0);
+  refused("/lights/keys/0/direction/0", 9);
+  EXPECT_THROW(decode_section(good, {}, "test"), Error);
+  Bytes cut = files[0].bytes;
+  cut.resize(cut.size() / 2);
+  EXPECT_THROW(decode_section(good, {{files[0].name, cut}}, "test"), Error);
+}
+
+}  // namespace
+}  // namespace clipgs

@@ -1,0 +1,103 @@
+#include "core/json_reader.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace clipgs {
+
+using nlohmann::json;
+
+JsonReader::JsonReader(const json& object, std::string name)
+    : object_(object), name_(std::move(name)) {
+  if (!object_.is_object()) {
+    throw Error("{}: a JSON object was expected; the file is corrupt", name_);
+  }
+}
+
+std::vector<JsonReader> JsonReader::children(const char* key, size_t most) const {
+  const json& list = at(key);
+  if (!list.is_array() || list.size() > most) {
+    fail(key);
+  }
+  std::vector<JsonReader> result;
+  for (size_t i = 0; i < list.size(); ++i) {
+    result.emplace_back(list[i], fmt::format("{}.{}[{}]", name_, key, i));
+  }
+  return result;
+}
+
+int JsonReader::integer(const char* key, int low, int high) const {
+  const json& value = at(key);
+  if (!value.is_number_integer() || value.get<std::int64_t>() < low ||
+      value.get<std::int64_t>() > high) {
+    fail(key);
+  }
+  return value.get<int>();
+}
+
+std::vector<float> JsonReader::numbers(const char* key, size_t count) const {
+  const json& values = at(key);
+  if (!values.is_array() || values.size() != count) {
+    fail(key);
+  }
+  std::vector<float> result;
+  for (const json& value : values) {
+    result.push_back(finite(value, key));
+  }
+  return result;
+}
+
+std::string JsonReader::text(const char* key) const {
+  constexpr size_t kMaxText = 256;
+  const json& value = at(key);
+  if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxText) {
+    fail(key);
+  }
+  return value.get<std::string>();
+}
+
+glm::dmat4 JsonReader::matrix(const char* key) const {
+  const json& rows = at(key);
+  if (!rows.is_array() || rows.size() != 4) {
+    fail(key);
+  }
+  glm::dmat4 result;
+  for (int r = 0; r < 4; ++r) {
+    if (!rows[r].is_array() || rows[r].size() != 4) {
+      fail(key);
+    }
+    for (int c = 0; c < 4; ++c) {
+      if (!rows[r][c].is_number()) {
+        fail(key);
+      }
+      result[c][r] = rows[r][c].get<double>();
+    }
+  }
+  return result;
+}
+
+void JsonReader::fail(const char* key) const {
+  throw Error("{}: \"{}\" is missing or out of range", name_, key);
+}
+
+const json& JsonReader::at(const char* key) const {
+  const auto found = object_.find(key);
+  if (found == object_.end()) {
+    fail(key);
+  }
+  return *found;
+}
+
+float JsonReader::finite(const json& value, const char* key) const {
+  if (!value.is_number() || !std::isfinite(value.get<float>())) {
+    fail(key);
+  }
+  return value.get<float>();
+}
+
+json json_number(float value) { return std::strtod(fmt::format("{}", value).c_str(), nullptr); }
+
+}  // namespace clipgs

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/geometry.h"
+
+namespace clipgs {
+
+/// Reads the values of one JSON object, with errors that say which key of which file is wrong.
+/// Every function throws Error if the key is missing or its value is not of the kind asked for.
+class JsonReader {
+ public:
+  /// `object` must outlive the reader; `name` is what errors call it.
+  JsonReader(const nlohmann::json& object, std::string name);
+
+  JsonReader child(const char* key) const { return {at(key), name_ + "." + key}; }
+  /// The elements of a list of objects, at most `most` of them.
+  std::vector<JsonReader> children(const char* key, size_t most) const;
+
+  float number(const char* key) const { return finite(at(key), key); }
+  /// A whole number in [low, high].
+  int integer(const char* key, int low, int high) const;
+  /// Exactly `count` finite numbers.
+  std::vector<float> numbers(const char* key, size_t count) const;
+  std::string text(const char* key) const;  ///< at most 256 bytes
+
+  template <int N>
+  glm::vec<N, float> vector(const char* key) const {
+    const std::vector<float> values = numbers(key, N);
+    glm::vec<N, float> result;
+    for (int i = 0; i < N; ++i) {
+      result[i] = values[static_cast<size_t>(i)];
+    }
+    return result;
+  }
+  /// Four rows of four numbers.
+  glm::dmat4 matrix(const char* key) const;
+
+  [[noreturn]] void fail(const char* key) const;
+
+ private:
+  const nlohmann::json& at(const char* key) const;
+  float finite(const nlohmann::json& value, const char* key) const;
+
+  const nlohmann::json& object_;
+  std::string name_;
+};
+
+/// The shortest decimal that reads back as the same float, as a JSON number.
+nlohmann::json json_number(float value);
+
+}  // namespace clipgs
