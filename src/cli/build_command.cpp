@@ -117,30 +117,29 @@ std::uint64_t fingerprint(const fs::path& path) {
   return sum;
 }
 
-/// Makes sure that a work folder with results of another build is not mixed with this one's.
-void claim_work_folder(const fs::path& work, const BuildArguments& arguments,
-                       const Quality& quality) {
+/// All that a build's results depend on, for its work folder.
+nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality) {
   const std::optional<Rescale>& hu = arguments.loading.hu;
-  const nlohmann::json claim = {
-      {"input", fingerprint(arguments.volume)},
-      {"preset", arguments.preset},
-      {"size", quality.size},
-      {"train_frames", quality.train_frames},
-      {"test_frames", quality.test_frames},
-      {"train_spp", quality.train_spp},
-      {"budget", quality.budget},
-      {"steps", quality.steps},
-      {"sh_degree", quality.sh_degree},
-      {"seed", arguments.seed},
-      {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
-      {"series", arguments.loading.series}};
-  create_folder(work);
-  const fs::path file = work / "build.json";
-  if (!fs::exists(file)) {
-    write_text(file, claim.dump(1));
-    return;
-  }
-  if (nlohmann::json::parse(read_text(file), nullptr, false) != claim) {
+  return {{"input", fingerprint(arguments.volume)},
+          {"preset", arguments.preset},
+          {"size", quality.size},
+          {"train_frames", quality.train_frames},
+          {"test_frames", quality.test_frames},
+          {"train_spp", quality.train_spp},
+          {"budget", quality.budget},
+          {"steps", quality.steps},
+          {"sh_degree", quality.sh_degree},
+          {"seed", arguments.seed},
+          {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
+          {"series", arguments.loading.series}};
+}
+
+constexpr const char* kClaimFile = "build.json";
+
+/// Makes sure that a work folder with results of another build is not mixed with this one's.
+void check_work_folder(const fs::path& work, const nlohmann::json& claim) {
+  const fs::path file = work / kClaimFile;
+  if (fs::exists(file) && nlohmann::json::parse(read_text(file), nullptr, false) != claim) {
     throw Error(
         "{}: holds the work of a build with another input or other options; delete it, or "
         "give this build its own with --work",
@@ -158,13 +157,17 @@ std::string today() {
 void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
 
 Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
-                      const fs::path& folder) {
+                      const nlohmann::json& claim, const fs::path& work) {
+  const fs::path folder = work / "dataset";
   if (fs::exists(folder / "transforms.json")) {
     say_step(2, "pictures: done before");
     return load_dataset(folder);
   }
   const Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_preset(arguments.preset, volume);
+  // Only now, so that an input that cannot be used leaves nothing behind.
+  create_folder(work);
+  write_text(work / kClaimFile, claim.dump(1));
   say_step(2, fmt::format("pictures: {} training, {} test, {}x{}, preset {}", quality.train_frames,
                           2 * quality.test_frames, quality.size, quality.size, preset.name));
   DatasetOptions options;
@@ -206,8 +209,9 @@ void run_build(const BuildArguments& arguments) {
     throw Error("{}: does not exist; give a DICOM folder or a NIfTI, NRRD or MetaImage file",
                 arguments.volume);
   }
-  claim_work_folder(work, arguments, quality);
-  const Dataset dataset = build_dataset(arguments, quality, work / "dataset");
+  const nlohmann::json claim = claim_of(arguments, quality);
+  check_work_folder(work, claim);
+  const Dataset dataset = build_dataset(arguments, quality, claim, work);
   Scene scene = build_scene(arguments, quality, dataset, work / "scene.ply");
   say_step(4, "case");
   scene.title = arguments.title.empty() ? scene.preset : arguments.title;

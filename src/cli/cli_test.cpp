@@ -1,5 +1,7 @@
 // The program as a user runs it: real processes, real files.
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
@@ -17,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 using testing_support::Finished;
 using testing_support::run_clipgs;
 using testing_support::run_clipgs_and_kill;
@@ -221,6 +224,26 @@ TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
   fs::remove(at("interrupted.sog"));
   ASSERT_EQ(run_clipgs(interrupted).status, 0);
   EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);
+}
+
+TEST_F(CliTest, BuildOfAnUnusableVolumeLeavesNothing) {
+  // A NIfTI of size zero: its library has something to say as well.
+  std::string header(352, '\0');
+  const auto put = [&](size_t at, std::int16_t number) {
+    std::memcpy(&header[at], &number, sizeof number);
+  };
+  put(0, 348);
+  for (const auto& [at, number] : {std::pair{40, 3}, {42, 0}, {44, 16}, {46, 16}, {70, 16}}) {
+    put(static_cast<size_t>(at), static_cast<std::int16_t>(number));
+  }
+  std::memcpy(&header[344], "n+1", 4);
+  write_text(at("zero.nii"), header);
+  const Finished finished = run_clipgs({"build", at("zero.nii"), "-o", at("zero.sog")});
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.err, HasSubstr("zero.nii: "));
+  EXPECT_THAT(finished.err, Not(HasSubstr("** ERROR")));
+  EXPECT_FALSE(fs::exists(at("zero.clipgs-work")));
+  EXPECT_FALSE(fs::exists(at("zero.sog")));
 }
 
 TEST_F(CliTest, BuildRefusesAWorkFolderOfAnotherBuild) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fcntl.h>
 #include <gdcmImageReader.h>
 #include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
@@ -15,6 +16,7 @@
 #include <itkRGBPixel.h>
 #include <sstream>
 #include <string>
+#include <unistd.h>
 
 #include "core/error.h"
 
@@ -154,7 +156,34 @@ StoredImage read_checked(itk::ImageIOBase* io, const fs::path& path) {
   return stored;
 }
 
+/// Sends standard error to nowhere while it lives: the NIfTI library prints its errors there,
+/// whatever its settings, beside the one line that we say.
+class QuietStandardError {
+ public:
+  QuietStandardError() : saved_(dup(STDERR_FILENO)) {
+    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (saved_ >= 0 && nowhere >= 0) {
+      dup2(nowhere, STDERR_FILENO);
+    }
+    if (nowhere >= 0) {
+      close(nowhere);
+    }
+  }
+  ~QuietStandardError() {
+    if (saved_ >= 0) {
+      dup2(saved_, STDERR_FILENO);
+      close(saved_);
+    }
+  }
+  QuietStandardError(const QuietStandardError&) = delete;
+  QuietStandardError& operator=(const QuietStandardError&) = delete;
+
+ private:
+  int saved_;
+};
+
 StoredImage read_with(itk::ImageIOBase* io, const fs::path& path) {
+  const QuietStandardError quiet;
   try {
     if (!io->CanReadFile(path.string().c_str())) {
       throw Error("{}: not a file of its kind: its header is corrupt or truncated", path.string());
