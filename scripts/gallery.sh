@@ -5,7 +5,7 @@
 #   scripts/gallery.sh [FOLDER]    FOLDER keeps the cases (default build/gallery); those that are there
 #                                  already are not built again
 #
-# QUALITY (default standard) and SPP (default 512, of the path tracer) trade time for looks.
+# QUALITY (default standard, draft for the phantom) and SPP (default 512, of the path tracer) trade time for looks.
 # Needs ImageMagick besides what scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -69,7 +69,7 @@ picture() {
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
-picture phantom "$folder/phantom.nii.gz" "Phantom torso" 30,25
+QUALITY="${QUALITY:-draft}" picture phantom "$folder/phantom.nii.gz" "Phantom torso" 30,25
 
 if [ -n "${CLIPGS_DATA:-}" ]; then
   picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
