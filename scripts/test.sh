@@ -78,13 +78,13 @@ step "format" bash scripts/format.sh --check
 step "build release" configure_and_build release
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan core volume cinema splat train asset measure serve
+step "build asan ubsan" configure_and_build asan core volume cinema splat section train asset measure serve
 step "tests asan ubsan" run_tests asan -L fast
 count_tests "tests asan ubsan"
 # The rooms that work on several threads.
-step "build tsan" configure_and_build tsan core cinema splat train measure
+step "build tsan" configure_and_build tsan core cinema splat section train measure
 # Statistics over many samples and finite differences take minutes there and start no new threads.
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|AsTheTracer|Gloss|FastIsTheReference|FitReflectance'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.
 step "tidy" bash scripts/tidy.sh src/core src/measure
