@@ -23,6 +23,7 @@ std::vector<JsonReader> JsonReader::children(const char* key, size_t most) const
     fail(key);
   }
   std::vector<JsonReader> result;
+  result.reserve(list.size());
   for (size_t i = 0; i < list.size(); ++i) {
     result.emplace_back(list[i], fmt::format("{}.{}[{}]", name_, key, i));
   }
@@ -44,6 +45,7 @@ std::vector<float> JsonReader::numbers(const char* key, size_t count) const {
     fail(key);
   }
   std::vector<float> result;
+  result.reserve(count);
   for (const json& value : values) {
     result.push_back(finite(value, key));
   }
