@@ -115,8 +115,6 @@ json short_number(float value) {
   return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
 }
 
-json to_json(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
-
 template <typename Get>
 json table(const Section& section, const Get& get) {
   json list = json::array();
@@ -141,13 +139,13 @@ json materials_json(const Section& section) {
 json lights_json(const Section& section) {
   json keys = json::array();
   for (const KeyLight& key : section.rig.keys) {
-    keys.push_back({{"direction", to_json(key.direction)},
-                    {"radiance", to_json(key.radiance)},
+    keys.push_back({{"direction", json_vector(key.direction)},
+                    {"radiance", json_vector(key.radiance)},
                     {"angular_radius", json_number(key.angular_radius)}});
   }
-  return {{"sky_top", to_json(section.rig.sky_top)},
-          {"sky_horizon", to_json(section.rig.sky_horizon)},
-          {"sky_bottom", to_json(section.rig.sky_bottom)},
+  return {{"sky_top", json_vector(section.rig.sky_top)},
+          {"sky_horizon", json_vector(section.rig.sky_horizon)},
+          {"sky_bottom", json_vector(section.rig.sky_bottom)},
           {"keys", keys},
           {"exposure", json_number(section.exposure)}};
 }
@@ -267,12 +265,12 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
           {"tile", {mosaic.tile_width, mosaic.tile_height}},
           {"columns", mosaic.columns},
           {"channels", section.channels},
-          {"spacing", to_json(section.spacing)},
-          {"origin", to_json(section.origin)},
-          {"axis_x", to_json(section.direction[0])},
-          {"axis_y", to_json(section.direction[1])},
-          {"axis_z", to_json(section.direction[2])},
-          {"source_spacing", to_json(section.source_spacing)},
+          {"spacing", json_vector(section.spacing)},
+          {"origin", json_vector(section.origin)},
+          {"axis_x", json_vector(section.direction[0])},
+          {"axis_y", json_vector(section.direction[1])},
+          {"axis_z", json_vector(section.direction[2])},
+          {"source_spacing", json_vector(section.source_spacing)},
           {"modality", modality_name(section.modality)},
           {"curve", curve},
           {"value_error", short_number(static_cast<float>(error))},

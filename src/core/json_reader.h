@@ -50,5 +50,6 @@ class JsonReader {
 
 /// The shortest decimal that reads back as the same float, as a JSON number.
 nlohmann::json json_number(float value);
+nlohmann::json json_vector(const Vec3& v);  ///< three of them
 
 }  // namespace clipgs

@@ -40,6 +40,22 @@ class FaceRays {
   /// The ray through image coordinates (x, y), if it meets a face first.
   std::optional<FaceRay> through(float x, float y) const;
 
+  /// Calls use(ray) for the rays of pixel (x, y) that meet a face first; `samples` × `samples` are
+  /// spread evenly over it.
+  template <typename Use>
+  void for_rays(int x, int y, int samples, const Use& use) const {
+    const float step = 1.0f / static_cast<float>(samples);
+    for (int i = 0; i < samples; ++i) {
+      const float v = static_cast<float>(y) + (static_cast<float>(i) + 0.5f) * step;
+      for (int j = 0; j < samples; ++j) {
+        const float u = static_cast<float>(x) + (static_cast<float>(j) + 0.5f) * step;
+        if (const std::optional<FaceRay> ray = through(u, v)) {
+          use(*ray);
+        }
+      }
+    }
+  }
+
   /// Calls visit(weight, sampled, code, material, surface) for what the ray sees, from the face
   /// inwards: `weight` is transmittance times opacity, `surface` whether it is matter at the face.
   /// Returns alpha.

@@ -69,16 +69,7 @@ class PixelSum {
 
 Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int samples) {
   PixelSum sum(section, rays);
-  const float step = 1.0f / static_cast<float>(samples);
-  for (int i = 0; i < samples; ++i) {
-    const float v = static_cast<float>(y) + (static_cast<float>(i) + 0.5f) * step;
-    for (int j = 0; j < samples; ++j) {
-      const float u = static_cast<float>(x) + (static_cast<float>(j) + 0.5f) * step;
-      if (const std::optional<FaceRay> ray = rays.through(u, v)) {
-        sum.add(*ray);
-      }
-    }
-  }
+  rays.for_rays(x, y, samples, [&](const FaceRay& ray) { sum.add(ray); });
   return sum.display(samples * samples);
 }
 

@@ -58,19 +58,12 @@ struct Pixel {
 
 Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y, int samples) {
   Pixel pixel;
-  const float step = 1.0f / static_cast<float>(samples);
-  const float share = step * step;
-  for (int i = 0; i < samples * samples; ++i) {
-    const float u = static_cast<float>(x) + (static_cast<float>(i % samples) + 0.5f) * step;
-    const float v = static_cast<float>(y) + (static_cast<float>(i / samples) + 0.5f) * step;
-    const std::optional<FaceRay> ray = rays.through(u, v);
-    if (!ray) {
-      continue;
-    }
+  const float share = 1.0f / static_cast<float>(samples * samples);
+  rays.for_rays(x, y, samples, [&](const FaceRay& ray) {
     const auto add = [&](float weight, const Vec3& sampled, float code,
                          const FaceMaterial& material, bool surface) {
       Vec3 light =
-          (share * weight) * (surface ? material.surface : material.interior) * ray->face->light;
+          (share * weight) * (surface ? material.surface : material.interior) * ray.face->light;
       if (section.channels == 3) {
         light *= photo_albedo(sampled);
       }
@@ -83,11 +76,11 @@ Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y, int s
       if (surface && material.specular > 0) {
         pixel.gloss +=
             (share * weight * material.specular) *
-            face_gloss(section.rig, ray->face->outward, -ray->direction, material.roughness);
+            face_gloss(section.rig, ray.face->outward, -ray.direction, material.roughness);
       }
     };
-    pixel.alpha += share * rays.march(*ray, add);
-  }
+    pixel.alpha += share * rays.march(ray, add);
+  });
   return pixel;
 }
 

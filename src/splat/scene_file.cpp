@@ -24,8 +24,6 @@ std::filesystem::path sidecar_path(std::filesystem::path path) {
   return path.replace_extension(".json");
 }
 
-json to_json(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
-
 /// Four rows of four numbers.
 json to_json(const glm::dmat4& matrix) {
   json rows = json::array();
@@ -41,11 +39,12 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
   json result = {
       {"version", kVersion},
       {"world", {{"scene_to_ras_mm", to_json(world.matrix())}, {"mm_per_unit", world.scale}}},
-      {"axis", to_json(scene.axis)},
+      {"axis", json_vector(scene.axis)},
       {"extent", {json_number(scene.extent.x), json_number(scene.extent.y)}},
       {"sphere",
-       {{"center", to_json(scene.sphere.center)}, {"radius", json_number(scene.sphere.radius)}}},
-      {"bounds", {{"min", to_json(scene.bounds.min)}, {"max", to_json(scene.bounds.max)}}},
+       {{"center", json_vector(scene.sphere.center)},
+        {"radius", json_number(scene.sphere.radius)}}},
+      {"bounds", {{"min", json_vector(scene.bounds.min)}, {"max", json_vector(scene.bounds.max)}}},
       {"title", scene.title},
       {"preset", scene.preset},
       {"created", scene.created},
