@@ -45,8 +45,10 @@ FaceRays::FaceRays(const Section& section, const Camera& camera, std::span<const
                       section.surface_depth(plane.normal),
                       face_diffuse(section.rig, -plane.normal)});
   }
-  plan_steps(taps);
-  fill_materials();
+  if (any()) {
+    fill_materials();
+    plan_steps(taps);
+  }
 }
 
 void FaceRays::plan_steps(int taps) {
@@ -59,7 +61,11 @@ void FaceRays::plan_steps(int taps) {
   const float factor = growth(length, taps, depth);
   float at = 0;
   for (int i = 0; i < taps; ++i) {
-    steps_.push_back({length, at + 0.5f * length});
+    Step step{length, at + 0.5f * length, {}};
+    for (const FaceMaterial& material : materials_) {
+      step.alphas.push_back(1 - std::exp(-material.extinction * length));
+    }
+    steps_.push_back(std::move(step));
     at += length;
     length *= factor;
   }

@@ -40,6 +40,9 @@ class FaceRays {
   /// The ray through image coordinates (x, y), if it meets a face first.
   std::optional<FaceRay> through(float x, float y) const;
 
+  /// Section's index of the point `t` mm from the camera.
+  Vec3 index_at(const FaceRay& ray, float t) const { return origin_ + t * ray.step; }
+
   /// Calls use(ray) for the rays of pixel (x, y) that meet a face first; `samples` × `samples` are
   /// spread evenly over it.
   template <typename Use>
@@ -70,17 +73,18 @@ class FaceRays {
         break;
       }
       const bool surface = step.middle * slope < ray.face->surface;
-      const Vec3 sampled = section_.sample(origin_ + t * ray.step);
+      const Vec3 sampled = section_.sample(index_at(ray, t));
       const float code = section_.code(sampled);
-      const FaceMaterial& material = material_at(code);
-      if (material.extinction <= 0 || (!surface && transmittance == 1)) {
+      const auto entry = static_cast<size_t>(code * kPerCode + 0.5f);
+      const float alpha = step.alphas[entry];
+      if (alpha <= 0 || (!surface && transmittance == 1)) {
         // Matter beyond a gap is another surface, with light of its own: the splats show it.
         if (!surface || transmittance < 1) {
           break;
         }
         continue;
       }
-      const float alpha = 1 - std::exp(-material.extinction * step.length);
+      const FaceMaterial& material = materials_[entry];
       if (transmittance * (1 - alpha) < kLeastTransmittance) {
         // As good as opaque: the rest is this tissue's, so that nothing behind counts as seen.
         visit(transmittance, sampled, code, material, surface);
@@ -93,26 +97,24 @@ class FaceRays {
   }
 
  private:
-  static constexpr int kPerCode = 16;  // table entries between neighbouring codes
+  static constexpr int kPerCode = 4;  // table entries between neighbouring codes
 
   /// A step of the march, mm: short at the face, where most is seen.
   struct Step {
     float length = 0;
     float middle = 0;
+    std::vector<float> alphas;  // what a step through matter of each code hides, kPerCode a code
   };
 
   void plan_steps(int taps);
   void fill_materials();
-  const FaceMaterial& material_at(float code) const {
-    return materials_[static_cast<size_t>(code * kPerCode + 0.5f)];
-  }
 
   const Section& section_;
   Camera camera_;
   Vec3 origin_;  // the camera, section's index
   std::vector<Face> faces_;
   std::vector<Step> steps_;
-  std::vector<FaceMaterial> materials_;
+  std::vector<FaceMaterial> materials_;  // kPerCode a code
 };
 
 }  // namespace clipgs

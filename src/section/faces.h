@@ -8,9 +8,23 @@
 
 namespace clipgs {
 
+/// Values that are shown from black to white, value units (HU for CT).
+struct Window {
+  float center = 40;
+  float width = 400;
+};
+
+/// How a face looks: 0 cinematic … 1 grey, as radiologists read it: values through the window,
+/// unlit (photographs: their own colours).
+struct FaceStyle {
+  float grey = 0;
+  Window window;
+};
+
 struct FaceOptions {
   int taps = 8;     ///< samples along a ray, from the face inwards
   int samples = 0;  ///< rays a pixel along either side; 0: as many as the section has detail for
+  FaceStyle style = {};
 };
 
 /// Draws the faces that `planes` expose of what lies on the kept side of all of them, as far as
@@ -24,8 +38,5 @@ Image draw_faces(const Section& section, const Camera& camera, std::span<const P
 /// The same in double precision by many small steps: what the fast one is held to.
 Image draw_faces_reference(const Section& section, const Camera& camera,
                            std::span<const Plane> planes, int samples);
-
-/// Puts `faces` in front of `picture`, both [h, w, 4], premultiplied.
-void put_in_front(const Image& faces, Image& picture);
 
 }  // namespace clipgs

@@ -204,15 +204,39 @@ TEST(Faces, SlabThinnerThanItsMatterIsSeenThrough) {
   EXPECT_NEAR(image.at(16, 16)[3], 1 - std::exp(-1.0f), 0.05f);
 }
 
-TEST(Faces, InFrontIsOver) {
-  Image faces(1, 1, 4);
-  faces.data = {0.3f, 0.2f, 0.1f, 0.5f};
-  Image picture(1, 1, 4);
-  picture.data = {0.8f, 0.6f, 0.4f, 1};
-  put_in_front(faces, picture);
-  const std::array expected = {0.7f, 0.5f, 0.3f, 1.0f};
-  for (size_t c = 0; c < 4; ++c) {
-    EXPECT_FLOAT_EQ(picture.data[c], expected[c]);
+TEST(Faces, GreyShowsValuesThroughTheWindow) {
+  const Section section = make_section(make_body(), opaque(), {64});
+  const Plane plane{Vec3(0, 0, 1), 2};
+  const Camera camera = frame_sphere({Vec3(0), 20}, Vec3(0.2f, 0.1f, -1), 1, 64, 64);
+  FaceOptions options{8, 1, {1, {110, 100}}};
+  const Image grey = draw_faces(section, camera, {&plane, 1}, options);
+  size_t inside = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const Vec3 ray =
+          camera.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      const float t = -plane.signed_distance(camera.position) / glm::dot(plane.normal, ray);
+      const Vec3 at = camera.position + t * ray;
+      const float* rgba = grey.at(x, y);
+      if (glm::length(at) > 18.5f) {
+        EXPECT_EQ(rgba[3], 0);  // air around the body
+      } else if (glm::length(at) < 14) {
+        const float value =
+            section.curve.value(section.code(section.sample(section.index_from_world(at))));
+        EXPECT_EQ(rgba[3], 1);
+        EXPECT_NEAR(rgba[0], std::clamp((value - 60) / 100, 0.0f, 1.0f), 1e-3f);
+        EXPECT_EQ(rgba[0], rgba[2]);
+        ++inside;
+      }
+    }
+  }
+  EXPECT_GT(inside, 200u);
+
+  const Image cinematic = draw_faces(section, camera, {&plane, 1}, {8, 1});
+  options.style.grey = 0.25f;
+  const Image blend = draw_faces(section, camera, {&plane, 1}, options);
+  for (size_t i = 0; i < blend.data.size(); ++i) {
+    EXPECT_NEAR(blend.data[i], 0.75f * cinematic.data[i] + 0.25f * grey.data[i], 1e-5f);
   }
 }
 

@@ -3,10 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/progress.h"
 #include "section/face_light.h"
 #include "section/face_rays.h"
 
@@ -38,15 +38,23 @@ Place place_of(double code) {
   return {knot, at - knot};
 }
 
-/// The least squares of one colour channel.
+/// The least squares of one colour channel: Σ weight·(row·gains − target)².
 struct Normal {
   Matrix matrix = Matrix::Zero();
   Row right = Row::Zero();
+  double targets = 0;
 
   void add(const Row& row, double target, double weight) {
     matrix.noalias() += weight * row * row.transpose();
     right += weight * target * row;
+    targets += weight * target * target;
   }
+  void add(const Normal& other) {
+    matrix += other.matrix;
+    right += other.right;
+    targets += other.targets;
+  }
+  double error(const Row& gains) const { return gains.dot(matrix * gains - 2 * right) + targets; }
 };
 
 /// What one pixel says: for each channel, light = row·gains + gloss.
@@ -151,6 +159,21 @@ Row solve(Normal normal, double pixels) {
   return normal.matrix.ldlt().solve(normal.right);
 }
 
+/// Multiplies the tables of one colour channel by what was found.
+void apply_gains(const Row& gains, glm::length_t channel, Section& section) {
+  constexpr double kMostGain = 4;
+  for (size_t code = 0; code < section.materials.size(); ++code) {
+    const Place place = place_of(static_cast<double>(code));
+    const auto gain = [&](int first) {
+      const int knot = first + place.knot;
+      const double between = std::lerp(gains[knot], gains[knot + 1], place.toward_next);
+      return static_cast<float>(std::clamp(between, 0.0, kMostGain));
+    };
+    section.materials[code].surface[channel] *= gain(0);
+    section.materials[code].interior[channel] *= gain(kKnots);
+  }
+}
+
 double psnr(double squared_error, double values) {
   return values > 0 ? -10 * std::log10(std::max(squared_error / values, 1e-12)) : 0;
 }
@@ -161,67 +184,49 @@ ReflectanceFit fit_reflectance(Section& section, const Dataset& dataset) {
   const std::vector<const Frame*> frames = frames_with_faces(dataset);
   struct Sums {
     std::array<Normal, 3> normals;
-    double squared_error = 0;
     size_t pixels = 0;
   };
+  // A sum for every frame, so that the order in which threads finish changes nothing.
   std::vector<Sums> sums(frames.size());
-  const auto display = [&](float linear) { return srgb_from_linear(section.exposure * linear); };
-  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
+  const auto read = [&](size_t i) {
     for_face_pixels(section, dataset, *frames[i], [&](const Pixel& pixel, const Vec3& truth) {
       for (int c = 0; c < 3; ++c) {
-        const Row& row = pixel.rows[static_cast<size_t>(c)];
         const float slope = display_slope(truth[c], section.exposure);
-        sums[i].normals[static_cast<size_t>(c)].add(row, truth[c] - pixel.gloss[c], slope * slope);
-        const float now = static_cast<float>(row.sum()) + pixel.gloss[c];
-        sums[i].squared_error += std::pow(display(now) - display(truth[c]), 2);
+        sums[i].normals[static_cast<size_t>(c)].add(pixel.rows[static_cast<size_t>(c)],
+                                                    truth[c] - pixel.gloss[c], slope * slope);
       }
       ++sums[i].pixels;
     });
-  });
+  };
+  constexpr size_t kBatch = 16;
+  Progress progress("face light", frames.size());
+  for (size_t first = 0; first < frames.size(); first += kBatch) {
+    const size_t count = std::min(kBatch, frames.size() - first);
+    parallel_for(count, 1, [&](size_t i, size_t) { read(first + i); });
+    progress.update(first + count);
+  }
 
   std::array<Normal, 3> normals;
   ReflectanceFit fit;
-  double before = 0;
   for (const Sums& sum : sums) {
     for (size_t c = 0; c < 3; ++c) {
-      normals[c].matrix += sum.normals[c].matrix;
-      normals[c].right += sum.normals[c].right;
+      normals[c].add(sum.normals[c]);
     }
-    before += sum.squared_error;
     fit.pixels += sum.pixels;
   }
-  const auto values = 3 * static_cast<double>(fit.pixels);
-  fit.psnr_before = psnr(before, values);
-  fit.psnr_after = fit.psnr_before;
   if (fit.pixels == 0) {
     return fit;
   }
+  double before = 0;
+  double after = 0;
   for (size_t c = 0; c < 3; ++c) {
     const Row gains = solve(normals[c], static_cast<double>(fit.pixels));
-    for (size_t code = 0; code < section.materials.size(); ++code) {
-      const Place place = place_of(static_cast<double>(code));
-      const auto gain = [&](int first) {
-        const double g =
-            std::lerp(gains[first + place.knot], gains[first + place.knot + 1], place.toward_next);
-        return static_cast<float>(std::clamp(g, 0.0, 4.0));
-      };
-      const auto channel = static_cast<glm::length_t>(c);
-      section.materials[code].surface[channel] *= gain(0);
-      section.materials[code].interior[channel] *= gain(kKnots);
-    }
+    before += normals[c].error(Row::Ones());
+    after += normals[c].error(gains);
+    apply_gains(gains, static_cast<glm::length_t>(c), section);
   }
-
-  std::vector<double> errors(frames.size(), 0.0);
-  parallel_for(frames.size(), 1, [&](size_t i, size_t) {
-    for_face_pixels(section, dataset, *frames[i], [&](const Pixel& pixel, const Vec3& truth) {
-      for (int c = 0; c < 3; ++c) {
-        const float now =
-            static_cast<float>(pixel.rows[static_cast<size_t>(c)].sum()) + pixel.gloss[c];
-        errors[i] += std::pow(display(now) - display(truth[c]), 2);
-      }
-    });
-  });
-  fit.psnr_after = psnr(std::accumulate(errors.begin(), errors.end(), 0.0), values);
+  fit.psnr_before = psnr(before, 3 * static_cast<double>(fit.pixels));
+  fit.psnr_after = psnr(after, 3 * static_cast<double>(fit.pixels));
   return fit;
 }
 

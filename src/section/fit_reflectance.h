@@ -5,8 +5,9 @@
 
 namespace clipgs {
 
-/// How well a section's faces matched the pictures they were fitted to: PSNR in display sRGB over
-/// the pixels where a face is opaque, dB, before and after.
+/// How well a section's faces matched the pictures they were fitted to, before and after: PSNR over
+/// the pixels where a face is opaque, dB, of errors in linear light times the slope of the
+/// display's sRGB curve.
 struct ReflectanceFit {
   double psnr_before = 0;
   double psnr_after = 0;

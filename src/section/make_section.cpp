@@ -1,26 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "cinema/visible_matter.h"
 #include "core/error.h"
 #include "core/image.h"
 #include "core/parallel.h"
+#include "section/field.h"
 #include "section/section.h"
 
 namespace clipgs {
 namespace {
-
-/// One channel of values on a grid, x fastest.
-struct Field {
-  IVec3 dims{0};
-  std::vector<float> values;
-
-  size_t offset(int x, int y, int z) const {
-    return (static_cast<size_t>(z) * dims.y + y) * dims.x + x;
-  }
-};
 
 /// The box of voxel centres of the volume that a section covers, and its own grid within.
 struct Grid {
@@ -56,49 +46,9 @@ Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
   return grid;
 }
 
-/// Samples along one axis: a tent as wide as the coarser of the two spacings, so that detail which
-/// the new grid cannot hold is averaged, not aliased. Exact where the grids are the same.
-Field resample_axis(const Field& in, int axis, int count) {
-  if (in.dims[axis] == count) {
-    return in;
-  }
-  Field out;
-  out.dims = in.dims;
-  out.dims[axis] = count;
-  out.values.resize(static_cast<size_t>(out.dims.x) * out.dims.y * out.dims.z);
-  const float step =
-      count > 1 ? static_cast<float>(in.dims[axis] - 1) / static_cast<float>(count - 1) : 1.0f;
-  const float radius = std::max(1.0f, step);
-  size_t stride = 1;
-  for (int k = 0; k < axis; ++k) {
-    stride *= static_cast<size_t>(in.dims[k]);
-  }
-  parallel_for(static_cast<size_t>(out.dims.z), 1, [&](size_t z, size_t) {
-    for (int y = 0; y < out.dims.y; ++y) {
-      for (int x = 0; x < out.dims.x; ++x) {
-        IVec3 at(x, y, static_cast<int>(z));
-        const float centre = static_cast<float>(at[axis]) * step;
-        const int first = std::max(0, static_cast<int>(std::ceil(centre - radius)));
-        const int last = std::min(in.dims[axis] - 1, static_cast<int>(std::floor(centre + radius)));
-        at[axis] = 0;
-        const float* row = &in.values[in.offset(at.x, at.y, at.z)];
-        float sum = 0;
-        float weights = 0;
-        for (int i = first; i <= last; ++i) {
-          const float weight = 1 - std::abs(static_cast<float>(i) - centre) / radius;
-          sum += weight * row[static_cast<size_t>(i) * stride];
-          weights += weight;
-        }
-        out.values[out.offset(x, y, static_cast<int>(z))] = sum / weights;
-      }
-    }
-  });
-  return out;
-}
-
 /// `get(offset)` of the volume's voxels inside the grid's box, resampled to the grid.
 template <typename Get>
-Field resample(const Volume& volume, const Grid& grid, const Get& get) {
+Field resample_volume(const Volume& volume, const Grid& grid, const Get& get) {
   Field field;
   field.dims = grid.high - grid.low + 1;
   field.values.resize(static_cast<size_t>(field.dims.x) * field.dims.y * field.dims.z);
@@ -112,18 +62,23 @@ Field resample(const Volume& volume, const Grid& grid, const Get& get) {
       }
     }
   });
-  for (int axis = 0; axis < 3; ++axis) {
-    field = resample_axis(field, axis, grid.dims[axis]);
-  }
-  return field;
+  return resample(std::move(field), grid.dims);
 }
 
-/// 1 where there is matter within `reach` voxels along every axis.
-std::vector<std::uint8_t> near_matter(const Field& field, const TransferFunction& transfer,
-                                      int reach) {
+/// Whether a value can be that of the air around the body. What the preset hides is no air for
+/// that: in grey it is looked at.
+bool may_be_air(float value, const Volume& volume, const TransferFunction& transfer) {
+  constexpr float kMostAir = -400;  // HU
+  const bool hidden = transfer.at(value).extinction <= 0;
+  return hidden && (volume.modality != Modality::kCt || value < kMostAir);
+}
+
+/// 1 where there is no air within `reach` voxels along every axis.
+template <typename IsAir>
+std::vector<std::uint8_t> near_matter(const Field& field, const IsAir& is_air, int reach) {
   std::vector<std::uint8_t> mask(field.values.size());
   for (size_t i = 0; i < mask.size(); ++i) {
-    mask[i] = transfer.at(field.values[i]).extinction > 0 ? 1 : 0;
+    mask[i] = is_air(field.values[i]) ? 0 : 1;
   }
   const std::array<size_t, 3> strides = {1, static_cast<size_t>(field.dims.x),
                                          static_cast<size_t>(field.dims.x) * field.dims.y};
@@ -152,9 +107,10 @@ std::vector<std::uint8_t> near_matter(const Field& field, const TransferFunction
 
 /// 1 for the air around the body: what a flood from the borders of each slice reaches. Air inside,
 /// as in the lungs, is not: its values are worth reading.
-std::vector<std::uint8_t> outside(const Field& field, const TransferFunction& transfer) {
-  constexpr int kReach = 2;
-  std::vector<std::uint8_t> solid = near_matter(field, transfer, kReach);
+template <typename IsAir>
+std::vector<std::uint8_t> outside(const Field& field, const IsAir& is_air) {
+  constexpr int kReach = 1;  // interpolation at the surface needs the values on both sides
+  const std::vector<std::uint8_t> solid = near_matter(field, is_air, kReach);
   std::vector<std::uint8_t> result(solid.size(), 0);
   parallel_for(static_cast<size_t>(field.dims.z), 1, [&](size_t slice, size_t) {
     const int z = static_cast<int>(slice);
@@ -194,22 +150,6 @@ std::vector<std::uint8_t> outside(const Field& field, const TransferFunction& tr
   return result;
 }
 
-/// The value that most of the air around the body has.
-float air_value(const Field& field, const std::vector<std::uint8_t>& air) {
-  std::map<int, size_t> counts;
-  std::map<int, float> example;
-  for (size_t i = 0; i < air.size(); ++i) {
-    if (air[i] != 0) {
-      const int whole = static_cast<int>(std::lround(field.values[i]));
-      ++counts[whole];
-      example.emplace(whole, field.values[i]);
-    }
-  }
-  const auto most = std::ranges::max_element(
-      counts, [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == counts.end() ? *std::ranges::min_element(field.values) : example.at(most->first);
-}
-
 /// How a value looks on a face: display sRGB under white light, and opacity of half a voxel.
 Vec4 look(const Preset& preset, float value, float half_voxel) {
   const Material& m = preset.transfer.at(value);
@@ -218,8 +158,8 @@ Vec4 look(const Preset& preset, float value, float half_voxel) {
           srgb_from_linear(preset.exposure * m.albedo.b), 1 - std::exp(-m.extinction * half_voxel)};
 }
 
-ValueCurve curve_for(const Field& field, const Preset& preset, float half_voxel) {
-  const auto [least, most] = std::ranges::minmax_element(field.values);
+ValueCurve curve_for(const std::vector<float>& values, const Preset& preset, float half_voxel) {
+  const auto [least, most] = std::ranges::minmax_element(values);
   constexpr size_t kBins = 4096;
   ValueImportance importance;
   importance.low = *least;
@@ -227,7 +167,7 @@ ValueCurve curve_for(const Field& field, const Preset& preset, float half_voxel)
   importance.frequency.assign(kBins, 0.0);
   importance.sensitivity.resize(kBins);
   const float width = (importance.high - importance.low) / kBins;
-  for (const float value : field.values) {
+  for (const float value : values) {
     const auto bin = static_cast<size_t>((value - importance.low) / width);
     importance.frequency[std::min(bin, kBins - 1)] += 1;
   }
@@ -239,15 +179,13 @@ ValueCurve curve_for(const Field& field, const Preset& preset, float half_voxel)
     const float seen = glm::length(change) / (2 * width);
     importance.sensitivity[i] = std::hypot(grey, seen);
   }
-  return fit_value_curve(importance);
+  return fit_value_curve(importance, Section::kFirstInside);
 }
 
-std::vector<std::uint8_t> to_codes(const Field& field, const ValueCurve& curve) {
-  std::vector<std::uint8_t> codes(field.values.size());
-  for (size_t i = 0; i < codes.size(); ++i) {
-    codes[i] = static_cast<std::uint8_t>(std::lround(curve.code(field.values[i])));
-  }
-  return codes;
+/// Of matter, not of the air around it.
+std::uint8_t nearest_code(float code) {
+  return static_cast<std::uint8_t>(
+      std::lround(std::clamp(code, static_cast<float>(Section::kFirstInside), 255.0f)));
 }
 
 std::array<FaceMaterial, ValueCurve::kCodes> materials_of(const Preset& preset,
@@ -286,26 +224,62 @@ float reading_error(const Section& section, const Volume& volume, const Transfer
   return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
 }
 
+/// Rms difference of the values that two sections of the same box tell, over the voxels of the
+/// first that hold matter.
+float resizing_error(const Section& fine, const Section& coarse) {
+  const Vec3 ratio = fine.spacing / coarse.spacing;
+  const auto slices = static_cast<size_t>(fine.dims.z);
+  std::vector<double> squares(slices, 0.0);
+  std::vector<double> counts(slices, 0.0);
+  parallel_for(slices, 1, [&](size_t z, size_t) {
+    for (int y = 0; y < fine.dims.y; ++y) {
+      for (int x = 0; x < fine.dims.x; ++x) {
+        const Vec3 at(x, y, z);
+        const float code = fine.code(fine.sample(at));
+        if (fine.materials[static_cast<size_t>(code)].extinction > 0) {
+          const double error =
+              fine.curve.value(code) - coarse.curve.value(coarse.code(coarse.sample(at * ratio)));
+          squares[z] += error * error;
+          counts[z] += 1;
+        }
+      }
+    }
+  });
+  const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
+  const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+  return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
+}
+
 void fill_scalar(Section& section, const Volume& volume, const Preset& preset, const Grid& grid) {
-  Field field = resample(volume, grid, [&](size_t i) { return volume.values[i]; });
-  const std::vector<std::uint8_t> air = outside(field, preset.transfer);
-  const float air_now = air_value(field, air);
+  const Field field = resample_volume(volume, grid, [&](size_t i) { return volume.values[i]; });
+  const std::vector<std::uint8_t> air =
+      outside(field, [&](float value) { return may_be_air(value, volume, preset.transfer); });
+  std::vector<float> inside;
   for (size_t i = 0; i < air.size(); ++i) {
-    if (air[i] != 0) {
-      field.values[i] = air_now;
+    if (air[i] == 0) {
+      inside.push_back(field.values[i]);
     }
   }
   const Vec3& s = volume.spacing;
-  section.curve = curve_for(field, preset, 0.5f * std::cbrt(s.x * s.y * s.z));
-  section.voxels = to_codes(field, section.curve);
+  section.curve = curve_for(inside, preset, 0.5f * std::cbrt(s.x * s.y * s.z));
+  section.voxels.resize(field.values.size());
+  for (size_t i = 0; i < air.size(); ++i) {
+    section.voxels[i] = air[i] != 0 ? 0 : nearest_code(section.curve.code(field.values[i]));
+  }
+}
+
+void require_size(int size) {
+  if (size < 8 || size > 1024) {
+    throw Error("section: a size of {} voxels is out of range; use 8 to 1024", size);
+  }
 }
 
 void fill_rgb(Section& section, const Volume& volume, const Grid& grid) {
   section.channels = 3;
   section.voxels.resize(section.voxel_count() * 3);
   for (size_t c = 0; c < 3; ++c) {
-    const Field field =
-        resample(volume, grid, [&](size_t i) { return static_cast<float>(volume.rgb[3 * i + c]); });
+    const Field field = resample_volume(
+        volume, grid, [&](size_t i) { return static_cast<float>(volume.rgb[3 * i + c]); });
     for (size_t i = 0; i < field.values.size(); ++i) {
       section.voxels[3 * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
     }
@@ -315,9 +289,7 @@ void fill_rgb(Section& section, const Volume& volume, const Grid& grid) {
 }  // namespace
 
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options) {
-  if (options.size < 8 || options.size > 1024) {
-    throw Error("section: a size of {} voxels is out of range; use 8 to 1024", options.size);
-  }
+  require_size(options.size);
   const Grid grid = plan_grid(volume, visible_matter(volume, preset.transfer), options.size);
   Section section;
   section.dims = grid.dims;
@@ -336,6 +308,36 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
   section.materials = materials_of(preset, section.curve);
   section.value_error = reading_error(section, volume, preset.transfer, grid);
   return section;
+}
+
+Section resize_section(const Section& section, int size) {
+  require_size(size);
+  const Vec3 steps = Vec3(section.dims - 1);
+  const Vec3 extent = steps * section.spacing;
+  const float finest = std::max({extent.x, extent.y, extent.z}) / static_cast<float>(size - 1);
+  Section small = section;
+  for (int k = 0; k < 3; ++k) {
+    small.dims[k] =
+        1 + std::min(section.dims[k] - 1, static_cast<int>(std::ceil(extent[k] / finest - 1e-3f)));
+    small.spacing[k] = extent[k] / static_cast<float>(std::max(1, small.dims[k] - 1));
+  }
+  if (small.dims == section.dims) {
+    return section;
+  }
+  small.voxels.resize(small.voxel_count() * static_cast<size_t>(small.channels));
+  const auto channels = static_cast<size_t>(section.channels);
+  for (size_t c = 0; c < channels; ++c) {
+    Field field{section.dims, std::vector<float>(section.voxel_count())};
+    for (size_t i = 0; i < field.values.size(); ++i) {
+      field.values[i] = section.voxels[channels * i + c];
+    }
+    field = resample(std::move(field), small.dims);
+    for (size_t i = 0; i < field.values.size(); ++i) {
+      small.voxels[channels * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
+    }
+  }
+  small.value_error = std::hypot(section.value_error, resizing_error(section, small));
+  return small;
 }
 
 }  // namespace clipgs

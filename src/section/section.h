@@ -26,7 +26,11 @@ struct FaceMaterial {
 ///           [nz, ny, nx, 3] u8  sRGB for photographs, whose code is their luminance
 ///
 /// The first voxel's centre is a corner of the box that is drawn, the last one's the opposite.
+/// Air around the body has code 0 and everything else codes from kFirstInside, so that neither
+/// interpolation nor lossy coding makes the one look like the other.
 struct Section {
+  static constexpr int kFirstInside = 16;
+
   IVec3 dims{0};
   Vec3 spacing{1};    ///< mm between voxel centres
   Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
@@ -52,9 +56,29 @@ struct Section {
   }
   Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }
   /// Trilinear voxel, each channel in 0…255, at an index in [0, dims − 1]; beyond, the nearest.
-  Vec3 sample(const Vec3& index) const;
-  /// Code of what `sample` returned.
-  float code(const Vec3& sampled) const;
+  Vec3 sample(const Vec3& index) const {
+    const Vec3 at = glm::clamp(index, Vec3(0), Vec3(dims - 1));
+    const IVec3 low = glm::min(IVec3(at), glm::max(dims - 2, IVec3(0)));
+    const IVec3 step = glm::min(IVec3(1), dims - 1 - low);
+    const Vec3 t = at - Vec3(low);
+    const size_t x = static_cast<size_t>(step.x) * channels;
+    const size_t y = static_cast<size_t>(step.y) * dims.x * channels;
+    const size_t z = static_cast<size_t>(step.z) * dims.x * dims.y * channels;
+    const std::uint8_t* v = &voxels[offset(low.x, low.y, low.z) * channels];
+    Vec3 result(0);
+    for (int c = 0; c < channels; ++c, ++v) {
+      const float near =
+          glm::mix(glm::mix<float>(v[0], v[x], t.x), glm::mix<float>(v[y], v[y + x], t.x), t.y);
+      const float far = glm::mix(glm::mix<float>(v[z], v[z + x], t.x),
+                                 glm::mix<float>(v[z + y], v[z + y + x], t.x), t.y);
+      result[c] = glm::mix(near, far, t.z);
+    }
+    return result;
+  }
+  /// Code of what `sample` returned: photographs are loaded with Rec. 709 luma as their values.
+  float code(const Vec3& sampled) const {
+    return channels == 1 ? sampled.x : glm::dot(sampled, Vec3(0.2126f, 0.7152f, 0.0722f));
+  }
   /// Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep than this is
   /// lit as the face itself.
   float surface_depth(const Vec3& normal) const;
@@ -64,12 +88,17 @@ struct Section {
 Vec3 photo_albedo(const Vec3& sampled);
 
 struct SectionOptions {
-  int size = 256;  ///< voxels along the longest side, at most; never finer than the volume
+  int size = 384;  ///< voxels along the longest side, at most; never finer than the volume
 };
 
-/// The part of `volume` that `preset` shows, resampled; air around the body is made one code.
+/// The part of `volume` that `preset` shows, resampled; air around the body is left out.
 /// Reflectances start as the preset's albedo; fit_reflectance() makes them right. Throws Error if
 /// nothing is visible or the size is out of range.
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
+
+/// The same section with at most `size` voxels along its longest side; as it is if it has no more.
+/// Its value_error grows by what the voxels that are left do not tell. Throws Error if the size is
+/// out of range.
+Section resize_section(const Section& section, int size);
 
 }  // namespace clipgs

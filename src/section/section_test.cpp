@@ -51,7 +51,9 @@ TEST(ValueCurve, SpendsCodesWhereValuesAreCommonAndVisible) {
   ValueImportance importance{0, 1000, std::vector<double>(100, 1), std::vector<double>(100, 1)};
   importance.frequency[50] = 1000;    // values 500 … 510
   importance.sensitivity[20] = 1000;  // values 200 … 210
-  const ValueCurve curve = fit_value_curve(importance);
+  const ValueCurve curve = fit_value_curve(importance, 16);
+  EXPECT_EQ(curve.value(16), 0);
+  EXPECT_LT(curve.value(0), 0);
   const auto codes_in = [&](float low, float high) { return curve.code(high) - curve.code(low); };
   EXPECT_GT(codes_in(500, 510), 4 * codes_in(800, 810));
   EXPECT_GT(codes_in(200, 210), 4 * codes_in(800, 810));
@@ -93,8 +95,35 @@ TEST(Section, AirAroundTheBodyIsOneCodeAndAirInsideIsKept) {
   EXPECT_EQ(section.voxels.front(), section.voxels[1]);
   const Vec3 cavity = section.index_from_world(volume.world_from_index(Vec3(20, 20, 20)));
   EXPECT_NEAR(section.curve.value(section.code(section.sample(cavity))), -850, 4);
-  const float around = section.curve.value(section.voxels.front());
-  EXPECT_NEAR(around, -1001, 2);
+  EXPECT_EQ(section.voxels.front(), 0);
+  for (const std::uint8_t code : section.voxels) {
+    EXPECT_TRUE(code == 0 || code >= Section::kFirstInside);
+  }
+}
+
+TEST(Section, KeepsWhatThePresetHides) {
+  const Volume volume = make_body(40);
+  const Preset dense = make_preset({point(60, 0), point(64, 4)}, test::white_sky());
+  const Section section = make_section(volume, dense, {64});
+  const Vec3 hidden = section.index_from_world(volume.world_from_index(Vec3(20, 20, 30)));
+  EXPECT_LT(volume.at(20, 20, 30), 60);
+  EXPECT_NEAR(section.curve.value(section.code(section.sample(hidden))), volume.at(20, 20, 30), 4);
+}
+
+TEST(Section, ResizedCoversTheSameBoxAndSaysWhatIsLost) {
+  const Volume volume = make_body(60);
+  const Section fine = make_section(volume, tissue(), {64});
+  const Section coarse = resize_section(fine, 24);
+  EXPECT_EQ(std::max({coarse.dims.x, coarse.dims.y, coarse.dims.z}), 24);
+  const Vec3 corner = fine.world_from_index(Vec3(fine.dims - 1));
+  EXPECT_LT(glm::length(coarse.world_from_index(Vec3(coarse.dims - 1)) - corner), 1e-3f);
+  EXPECT_GT(coarse.value_error, fine.value_error);
+  const Section again = make_section(volume, tissue(), {24});
+  EXPECT_EQ(coarse.dims, again.dims);
+  // Averaging codes is averaging values, but where the curve bends.
+  EXPECT_LT(coarse.value_error, 1.5f * again.value_error);
+  EXPECT_EQ(resize_section(fine, 64).voxels, fine.voxels);
+  EXPECT_THROW(resize_section(fine, 4), Error);
 }
 
 TEST(Section, PhotographsKeepTheirColours) {

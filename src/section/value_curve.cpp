@@ -40,9 +40,10 @@ float ValueCurve::code(float value) const {
   return static_cast<float>(above - values_.begin() - 1) + (value - low) / (*above - low);
 }
 
-ValueCurve fit_value_curve(const ValueImportance& importance) {
+ValueCurve fit_value_curve(const ValueImportance& importance, size_t first) {
   const size_t bins = importance.frequency.size();
-  if (bins == 0 || importance.sensitivity.size() != bins || !(importance.low < importance.high)) {
+  if (bins == 0 || importance.sensitivity.size() != bins || !(importance.low < importance.high) ||
+      first + 1 >= ValueCurve::kCodes) {
     throw Error("section: no values to fit a curve to");
   }
   std::vector<double> density(bins);
@@ -63,9 +64,13 @@ ValueCurve fit_value_curve(const ValueImportance& importance) {
   const double width =
       (static_cast<double>(importance.high) - importance.low) / static_cast<double>(bins);
   std::vector<float> values(ValueCurve::kCodes);
+  for (size_t c = 0; c < first; ++c) {
+    values[c] = static_cast<float>(importance.low - static_cast<double>(first - c) * width);
+  }
   size_t bin = 0;
-  for (size_t c = 0; c < values.size(); ++c) {
-    const double target = upto.back() * static_cast<double>(c) / (ValueCurve::kCodes - 1);
+  const auto steps = static_cast<double>(ValueCurve::kCodes - 1 - first);
+  for (size_t c = first; c < values.size(); ++c) {
+    const double target = upto.back() * static_cast<double>(c - first) / steps;
     while (bin + 1 < bins && upto[bin + 1] < target) {
       ++bin;
     }

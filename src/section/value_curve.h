@@ -36,10 +36,11 @@ struct ValueImportance {
   std::vector<double> sensitivity;  ///< how much a change of one value unit is seen, any unit
 };
 
-/// The curve that spends its codes where errors are seen. For many codes the mean squared visible
-/// error Σ frequency·(sensitivity·step)² is least when the density of codes is ∝
+/// The curve that spends its codes, from `first` on, where errors are seen. For many codes the mean
+/// squared visible error Σ frequency·(sensitivity·step)² is least when the density of codes is ∝
 /// ∛(frequency·sensitivity²) (Panter & Dite 1951); a floor keeps the longest step within a few
-/// times the mean step. Throws Error unless low < high and there are bins.
-ValueCurve fit_value_curve(const ValueImportance& importance);
+/// times the mean step. Codes below `first` stand for values just below `low`. Throws Error unless
+/// low < high, there are bins and first < 255.
+ValueCurve fit_value_curve(const ValueImportance& importance, size_t first);
 
 }  // namespace clipgs
