@@ -6,7 +6,6 @@
 #include "asset/webp.h"
 #include "core/error.h"
 #include "core/file.h"
-#include "splat/render.h"
 #include "splat/scene_file.h"
 #include "splat/similarity.h"
 
@@ -17,9 +16,9 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kMetaFile = "meta.json";
+constexpr const char* kSectionKey = "section";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
-constexpr int kThumbnailSize = 256;
 constexpr size_t kMaxMeta = size_t{4} << 20;
 constexpr std::uintmax_t kMaxCase = std::uintmax_t{1} << 30;
 
@@ -50,14 +49,20 @@ OpenCase open_case(std::span<const std::uint8_t> bytes, const std::string& name)
   return result;
 }
 
+std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
+
 }  // namespace
 
-Bytes encode_case(const Scene& scene, const Image* thumbnail) {
+Bytes encode_case(const Case& contents, const Image* thumbnail, float section_quality) {
   const Similarity world = scene_to_world();
+  const Scene& scene = contents.scene;
   json block = scene_to_json(scene, world);
   block["generator"] = "clipgs " CLIPGS_VERSION;
   std::vector<ZipEntry> files;
   json meta = encode_sog(transform(scene.gaussians, world.inverse()), files);
+  if (contents.section) {
+    block[kSectionKey] = encode_section(*contents.section, section_quality, files);
+  }
   if (thumbnail != nullptr) {
     files.push_back({kThumbnailFile, encode_webp(*thumbnail, kThumbnailQuality)});
     block["thumbnail"] = kThumbnailFile;
@@ -68,31 +73,36 @@ Bytes encode_case(const Scene& scene, const Image* thumbnail) {
   return write_zip(files);
 }
 
-void write_case(const std::filesystem::path& path, const Scene& scene, const Image* thumbnail) {
-  const Bytes bytes = encode_case(scene, thumbnail);
+void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail) {
+  const Bytes bytes = encode_case(contents, thumbnail);
   write_file(path, bytes.data(), bytes.size());
 }
 
-Scene read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
+Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
   const OpenCase opened = open_case(bytes, name);
-  Scene scene;
-  const Similarity world = scene_from_json(opened.block, name + ": clipgs", scene);
-  scene.gaussians = transform(decode_sog(opened.meta, opened.files, name), world);
-  return scene;
+  Case result;
+  const Similarity world = scene_from_json(opened.block, name + ": clipgs", result.scene);
+  result.scene.gaussians = transform(decode_sog(opened.meta, opened.files, name), world);
+  if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
+    result.section = decode_section(*section, opened.files, section_name(name));
+  }
+  return result;
 }
 
-Scene read_case(const std::filesystem::path& path) {
+Case read_case(const std::filesystem::path& path) {
   return read_case(read_file(path, kMaxCase), path.string());
 }
 
-Scene load_scene(const std::filesystem::path& path) {
-  return path.extension() == ".ply" ? read_scene(path) : read_case(path);
-}
-
-Image make_thumbnail(const Scene& scene) {
-  const View view{30, 10, 1};
-  const Camera camera = frame_sphere(scene.sphere, view, kThumbnailSize, kThumbnailSize);
-  return render(scene.gaussians, camera, std::nullopt, ClipOperator::kExact);
+Case load_case(const std::filesystem::path& path) {
+  if (path.extension() != ".ply") {
+    return read_case(path);
+  }
+  Case result{read_scene(path)};
+  const std::filesystem::path section = section_path(path);
+  if (std::filesystem::exists(section)) {
+    result.section = read_section(section);
+  }
+  return result;
 }
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name) {
@@ -103,6 +113,9 @@ CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& 
   const SogSummary summary = sog_summary(opened.meta, name);
   info.splats = summary.count;
   info.sh_degree = summary.sh_degree;
+  if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
+    info.section = section_info(*section, opened.files, section_name(name));
+  }
   const auto generator = opened.block.find("generator");
   if (generator != opened.block.end() && generator->is_string()) {
     info.generator = generator->get<std::string>();

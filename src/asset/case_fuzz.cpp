@@ -8,6 +8,7 @@
 
 #include "asset/case.h"
 #include "core/error.h"
+#include "section/test_section.h"
 #include "splat/ply.h"
 #include "splat/test_scene.h"
 
@@ -19,8 +20,9 @@ using clipgs::ZipEntry;
 /// A valid case with entry `which` replaced, under checksums that hold: past the archive's own
 /// checks, which a mutation hardly ever survives.
 Bytes case_with(std::span<const std::uint8_t> content, size_t which) {
-  static const auto kEntries =
-      clipgs::read_zip(clipgs::encode_case(clipgs::random_scene(40, 1, 1), nullptr), "seed");
+  static const auto kEntries = clipgs::read_zip(
+      clipgs::encode_case({clipgs::random_scene(40, 1, 1), clipgs::test::ball_section()}, nullptr),
+      "seed");
   std::vector<ZipEntry> entries;
   for (const auto& [name, bytes] : kEntries) {
     const bool replaced = entries.size() == which % kEntries.size();

@@ -6,11 +6,13 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "asset/draw_case.h"
 #include "asset/webp.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "section/test_section.h"
 #include "splat/scene_file.h"
 #include "splat/sh.h"
 #include "splat/test_scene.h"
@@ -57,8 +59,8 @@ Bytes with_meta(const Bytes& bytes, const json& meta) {
 
 TEST(Case, RoundTripKeepsEveryField) {
   const Scene written = random_scene(500, 2, 21);
-  write_case(temporary("a.sog"), written, nullptr);
-  const Scene read = read_case(temporary("a.sog"));
+  write_case(temporary("a.sog"), {written}, nullptr);
+  const Scene read = read_case(temporary("a.sog")).scene;
   EXPECT_EQ(read.gaussians.size(), 500u);
   EXPECT_EQ(read.gaussians.sh_degree(), 2);
   EXPECT_EQ(read.sphere.center, written.sphere.center);
@@ -76,7 +78,7 @@ TEST(Case, SplatsComeBackWhereAndAsTheyWere) {
   // One splat a scene: codebooks and palette are exact, what is left is the change of frame.
   for (std::uint64_t seed = 1; seed < 20; ++seed) {
     const Scene written = random_scene(1, 3, seed);
-    const Scene read = read_case(encode_case(written, nullptr), "test.sog");
+    const Scene read = read_case(encode_case({written}, nullptr), "test.sog").scene;
     EXPECT_LT(glm::length(read.gaussians.mean(0) - written.gaussians.mean(0)), 1e-3f);
     const Vec3 d = fibonacci_sphere(static_cast<int>(seed), 20);
     EXPECT_LT(glm::length(sh_color(read.gaussians, 0, d) - sh_color(written.gaussians, 0, d)),
@@ -92,7 +94,7 @@ TEST(Case, SplatsComeBackWhereAndAsTheyWere) {
 
 TEST(Case, SceneSpaceIsThatOf3dgs) {
   const Scene scene = random_scene(1, 0, 3);
-  const json meta = meta_of(encode_case(scene, nullptr));
+  const json meta = meta_of(encode_case({scene}, nullptr));
   const Vec3 ras = scene.gaussians.mean(0);
   const double x = -ras.x * 0.001;
   EXPECT_NEAR(meta["means"]["mins"][0].get<double>(), std::copysign(std::log1p(std::abs(x)), x),
@@ -106,7 +108,7 @@ TEST(Case, SceneSpaceIsThatOf3dgs) {
 }
 
 TEST(Case, OnlyKnownKeysAreWritten) {
-  const json block = meta_of(encode_case(random_scene(2, 0, 3), nullptr))["clipgs"];
+  const json block = meta_of(encode_case({random_scene(2, 0, 3)}, nullptr))["clipgs"];
   std::vector<std::string> keys;
   for (const auto& entry : block.items()) {
     keys.push_back(entry.key());
@@ -117,7 +119,7 @@ TEST(Case, OnlyKnownKeysAreWritten) {
 }
 
 TEST(Case, MetaIsTheLastEntry) {
-  const Bytes bytes = encode_case(random_scene(2, 0, 3), nullptr);
+  const Bytes bytes = encode_case({random_scene(2, 0, 3)}, nullptr);
   const std::string text(bytes.begin(), bytes.end());
   const size_t directory_meta = text.rfind("meta.json");
   EXPECT_EQ(directory_meta + std::string("meta.json").size() + 22, text.size());
@@ -126,16 +128,16 @@ TEST(Case, MetaIsTheLastEntry) {
 TEST(Case, SameBytesAtAnyThreadCount) {
   const Scene scene = random_scene(3000, 3, 22);
   set_thread_count(1);
-  const Bytes one = encode_case(scene, nullptr);
+  const Bytes one = encode_case({scene}, nullptr);
   set_thread_count(2);
-  const Bytes two = encode_case(scene, nullptr);
+  const Bytes two = encode_case({scene}, nullptr);
   set_thread_count(0);
   EXPECT_EQ(one, two);
 }
 
 TEST(Case, PackingAgainLosesNothingMore) {
-  const Scene once = read_case(encode_case(random_scene(800, 0, 23), nullptr), "once");
-  const Scene twice = read_case(encode_case(once, nullptr), "twice");
+  const Scene once = read_case(encode_case({random_scene(800, 0, 23)}, nullptr), "once").scene;
+  const Scene twice = read_case(encode_case({once}, nullptr), "twice").scene;
   for (size_t i = 0; i < 800; ++i) {
     EXPECT_LT(glm::length(once.gaussians.mean(i) - twice.gaussians.mean(i)), 2e-3f);
     EXPECT_NEAR(once.gaussians.opacity(i), twice.gaussians.opacity(i), 1e-6f);
@@ -146,7 +148,7 @@ TEST(Case, PackingAgainLosesNothingMore) {
 
 TEST(Case, InfoTellsWithoutDecoding) {
   const Image thumbnail = gradient();
-  const Bytes bytes = encode_case(random_scene(300, 1, 24), &thumbnail);
+  const Bytes bytes = encode_case({random_scene(300, 1, 24)}, &thumbnail);
   const CaseInfo info = read_case_info(bytes, "test.sog");
   EXPECT_EQ(info.splats, 300u);
   EXPECT_EQ(info.sh_degree, 1);
@@ -159,7 +161,7 @@ TEST(Case, InfoTellsWithoutDecoding) {
 }
 
 TEST(Case, ThumbnailShowsTheScene) {
-  const Image thumbnail = make_thumbnail(random_scene(2000, 0, 27));
+  const Image thumbnail = make_thumbnail({random_scene(2000, 0, 27)});
   EXPECT_EQ(thumbnail.width, 256);
   EXPECT_EQ(thumbnail.channels, 4);
   EXPECT_GT(thumbnail.at(128, 128)[3], 0.2f);
@@ -168,9 +170,9 @@ TEST(Case, ThumbnailShowsTheScene) {
 
 TEST(Case, PictureOfTheCaseIsThatOfTheScene) {
   const Scene written = random_scene(3000, 0, 29);
-  const Scene read = read_case(encode_case(written, nullptr), "test.sog");
-  const Image a = composite(make_thumbnail(written), 0, 0, 0);
-  const Image b = composite(make_thumbnail(read), 0, 0, 0);
+  const Scene read = read_case(encode_case({written}, nullptr), "test.sog").scene;
+  const Image a = composite(make_thumbnail({written}), 0, 0, 0);
+  const Image b = composite(make_thumbnail({read}), 0, 0, 0);
   double sum = 0;
   for (size_t i = 0; i < a.data.size(); ++i) {
     sum += std::pow(a.data[i] - b.data[i], 2);
@@ -179,12 +181,33 @@ TEST(Case, PictureOfTheCaseIsThatOfTheScene) {
   EXPECT_GT(psnr, 45);
 }
 
-TEST(Case, LoadSceneReadsBothFiles) {
+TEST(Case, LoadCaseReadsBothFilesAndTheSectionBesideAScene) {
   const Scene scene = random_scene(30, 1, 28);
-  write_case(temporary("either.sog"), scene, nullptr);
+  write_case(temporary("either.sog"), {scene}, nullptr);
   write_scene(temporary("either.ply"), scene);
-  EXPECT_EQ(load_scene(temporary("either.sog")).gaussians.size(), 30u);
-  EXPECT_EQ(load_scene(temporary("either.ply")).title, scene.title);
+  std::filesystem::remove(section_path(temporary("either.ply")));
+  EXPECT_EQ(load_case(temporary("either.sog")).scene.gaussians.size(), 30u);
+  EXPECT_EQ(load_case(temporary("either.ply")).scene.title, scene.title);
+  EXPECT_FALSE(load_case(temporary("either.ply")).section);
+  write_section(section_path(temporary("either.ply")), test::ball_section());
+  EXPECT_EQ(load_case(temporary("either.ply")).section->dims, test::ball_section().dims);
+}
+
+TEST(Case, HoldsItsSection) {
+  const Section section = test::ball_section();
+  const Bytes with = encode_case({random_scene(40, 0, 5), section}, nullptr);
+  const Bytes without = encode_case({random_scene(40, 0, 5)}, nullptr);
+  EXPECT_EQ(read_case(with, "test.sog").section->dims, section.dims);
+  EXPECT_FALSE(read_case(without, "test.sog").section);
+  const CaseInfo info = read_case_info(with, "test.sog");
+  EXPECT_EQ(info.section->dims, section.dims);
+  EXPECT_EQ(info.section->bytes, read_zip(with, "test").at("section.webp").size());
+  EXPECT_FALSE(read_case_info(without, "test.sog").section);
+
+  json meta = meta_of(with);
+  meta["clipgs"]["section"]["spacing"][1] = -1;
+  EXPECT_THAT([&] { read_case(with_meta(with, meta), "test.sog"); },
+              ThrowsMessage<Error>(HasSubstr("test.sog: clipgs.section: \"spacing\"")));
 }
 
 TEST(Case, RefusesOtherFilesInOneLine) {
@@ -199,7 +222,7 @@ TEST(Case, RefusesOtherFilesInOneLine) {
   refuses(write_zip({{"meta.json", {'{', '"'}}}), "not JSON");
   refuses(write_zip({{"meta.json", {'{', '}'}}}), "clipgs");
 
-  const Bytes whole = encode_case(random_scene(50, 1, 25), nullptr);
+  const Bytes whole = encode_case({random_scene(50, 1, 25)}, nullptr);
   const json meta = meta_of(whole);
   const auto changed = [&](const char* pointer, const json& value) {
     json copy = meta;
@@ -226,18 +249,18 @@ TEST(Case, RefusesOtherFilesInOneLine) {
 }
 
 TEST(Case, NewKeysAreIgnored) {
-  const Bytes whole = encode_case(random_scene(50, 0, 25), nullptr);
+  const Bytes whole = encode_case({random_scene(50, 0, 25)}, nullptr);
   json meta = meta_of(whole);
-  meta["clipgs"]["section"] = {{"files", {"section.webp"}}};
+  meta["clipgs"]["states"] = {{"files", {"states.webp"}}};
   meta["other"] = 1;
-  EXPECT_EQ(read_case(with_meta(whole, meta), "test.sog").gaussians.size(), 50u);
+  EXPECT_EQ(read_case(with_meta(whole, meta), "test.sog").scene.gaussians.size(), 50u);
 }
 
 // Whatever is done to the bytes, a reader says no in one line or gives a whole scene.
 void expect_error_or_scene(const Bytes& bytes, const std::string& what) {
   try {
-    const Scene scene = read_case(bytes, "test.sog");
-    for (const float value : scene.gaussians.data()) {
+    const Case read = read_case(bytes, "test.sog");
+    for (const float value : read.scene.gaussians.data()) {
       ASSERT_TRUE(std::isfinite(value)) << what;
     }
   } catch (const Error& e) {
@@ -246,14 +269,14 @@ void expect_error_or_scene(const Bytes& bytes, const std::string& what) {
 }
 
 TEST(CaseFuzz, Truncations) {
-  const Bytes whole = encode_case(random_scene(60, 1, 26), nullptr);
+  const Bytes whole = encode_case({random_scene(60, 1, 26)}, nullptr);
   for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 400) {
     EXPECT_THROW(read_case(std::span(whole).first(size), "test.sog"), Error) << size;
   }
 }
 
 TEST(CaseFuzz, FlippedBytes) {
-  const Bytes whole = encode_case(random_scene(60, 1, 26), nullptr);
+  const Bytes whole = encode_case({random_scene(60, 1, 26)}, nullptr);
   Rng rng(1);
   for (int iteration = 0; iteration < 600; ++iteration) {
     Bytes bytes = whole;
@@ -267,7 +290,8 @@ TEST(CaseFuzz, FlippedBytes) {
 // The same inside the entries, whose checksums are right again: this reaches the image decoder and
 // the checks of meta.json.
 TEST(CaseFuzz, FlippedBytesUnderGoodChecksums) {
-  const auto entries = read_zip(encode_case(random_scene(60, 1, 26), nullptr), "test");
+  const auto entries =
+      read_zip(encode_case({random_scene(60, 1, 26), test::ball_section()}, nullptr), "test");
   Rng rng(2);
   for (int iteration = 0; iteration < 600; ++iteration) {
     std::vector<ZipEntry> changed;

@@ -89,7 +89,7 @@ std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, 
   return voxels;
 }
 
-/// Rms by which coding moved the values of what is not air (code 0).
+/// Rms by which coding moved the values of what is not air around the body.
 double coding_error(const Section& section, const std::vector<std::uint8_t>& decoded) {
   double squares = 0;
   double count = 0;
@@ -101,7 +101,7 @@ double coding_error(const Section& section, const std::vector<std::uint8_t>& dec
       after[c] = decoded[i + c];
     }
     const float code = section.code(before);
-    if (code > 0) {
+    if (code >= Section::kFirstInside) {
       squares +=
           std::pow(section.curve.value(section.code(after)) - section.curve.value(code), 2.0);
       ++count;
@@ -218,15 +218,32 @@ void read_materials(const JsonReader& reader, Section& section) {
   }
 }
 
-void read_grid(const JsonReader& reader, Section& section) {
-  const std::vector<float> dims = reader.numbers("dims", 3);
+IVec3 read_dims(const JsonReader& reader) {
+  const Vec3 dims = reader.vector<3>("dims");
   for (int k = 0; k < 3; ++k) {
-    const float n = dims[static_cast<size_t>(k)];
-    if (n < 1 || n > kMaxSide || n != std::floor(n)) {
+    if (dims[k] < 1 || dims[k] > kMaxSide || dims[k] != std::floor(dims[k])) {
       reader.fail("dims");
     }
-    section.dims[k] = static_cast<int>(n);
   }
+  return IVec3(dims);
+}
+
+void require_version(const JsonReader& reader, const std::string& name) {
+  if (reader.number("version") != kVersion) {
+    throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
+  }
+}
+
+const Bytes& find_image(const JsonReader& reader, const std::map<std::string, Bytes>& files) {
+  const auto image = files.find(reader.text("file"));
+  if (image == files.end()) {
+    reader.fail("file");
+  }
+  return image->second;
+}
+
+void read_grid(const JsonReader& reader, Section& section) {
+  section.dims = read_dims(reader);
   section.spacing = positive(reader, "spacing");
   section.origin = reader.vector<3>("origin");
   section.source_spacing = positive(reader, "source_spacing");
@@ -281,9 +298,7 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
 Section decode_section(const json& object, const std::map<std::string, Bytes>& files,
                        const std::string& name) {
   const JsonReader reader(object, name);
-  if (reader.number("version") != kVersion) {
-    throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
-  }
+  require_version(reader, name);
   Section section;
   read_grid(reader, section);
   section.channels = reader.integer("channels", 1, 3);
@@ -307,15 +322,21 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
     reader.fail("columns");
   }
-  const std::string file = reader.text("file");
-  const auto image = files.find(file);
-  if (image == files.end()) {
-    reader.fail("file");
-  }
-  const Texels texels = decode_webp(image->second, mosaic.width(), mosaic.height(),
-                                    fmt::format("{}: {}", name, file));
+  const Texels texels =
+      decode_webp(find_image(reader, files), mosaic.width(), mosaic.height(), name + ": its image");
   section.voxels = to_voxels(texels, mosaic, section.dims, section.channels);
   return section;
+}
+
+SectionInfo section_info(const json& object, const std::map<std::string, Bytes>& files,
+                         const std::string& name) {
+  const JsonReader reader(object, name);
+  require_version(reader, name);
+  return {read_dims(reader), find_image(reader, files).size()};
+}
+
+std::filesystem::path section_path(std::filesystem::path scene) {
+  return scene.replace_extension(".section.zip");
 }
 
 void write_section(const std::filesystem::path& path, const Section& section) {

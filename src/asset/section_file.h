@@ -26,6 +26,19 @@ nlohmann::json encode_section(const Section& section, float quality, std::vector
 Section decode_section(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
                        const std::string& name);
 
+/// What a case says of its section.
+struct SectionInfo {
+  IVec3 dims{0};
+  size_t bytes = 0;  ///< of its image
+};
+
+/// The same without decoding. Throws Error.
+SectionInfo section_info(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
+                         const std::string& name);
+
+/// Where the section of a scene lies: NAME.section.zip beside NAME.ply.
+std::filesystem::path section_path(std::filesystem::path scene);
+
 /// A section by itself, lossless, as work in progress keeps it. Written whole or not at all. Throws
 /// Error.
 void write_section(const std::filesystem::path& path, const Section& section);

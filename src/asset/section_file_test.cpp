@@ -7,8 +7,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/random.h"
-#include "volume/phantom.h"
-#include "volume/preset.h"
+#include "section/test_section.h"
 #include "volume/test_folder.h"
 
 namespace clipgs {
@@ -17,10 +16,10 @@ namespace {
 using nlohmann::json;
 
 Section make(int channels) {
-  Section section = make_section(make_ball(40, 15, 250, -1000), load_preset("skin-and-bone"), {64});
+  Section section = test::ball_section();
   Rng rng(1);  // a scanner's noise, where there is tissue
   for (std::uint8_t& code : section.voxels) {
-    code = code > 20 ? static_cast<std::uint8_t>(code - rng.below(16)) : code;
+    code = code > 40 ? static_cast<std::uint8_t>(code - rng.below(16)) : code;
   }
   if (channels == 3) {
     section.channels = 3;

@@ -1,6 +1,7 @@
 #include "cli/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -70,6 +71,26 @@ std::optional<Plane> parse_plane(const std::string& text) {
     throw CLI::ValidationError("--plane", "the normal must not be 0,0,0");
   }
   return Plane{normal / length, n[3] / length};
+}
+
+Window parse_window(const std::string& text) {
+  struct NamedWindow {
+    const char* name;
+    Window window;
+  };
+  constexpr std::array kWindows = {
+      NamedWindow{"soft-tissue", {40, 400}}, NamedWindow{"bone", {400, 1800}},
+      NamedWindow{"lung", {-600, 1500}}, NamedWindow{"brain", {40, 80}}};
+  for (const NamedWindow& known : kWindows) {
+    if (text == known.name) {
+      return known.window;
+    }
+  }
+  const std::vector<float> n = parse_numbers(text, 2, 2, "--window");
+  if (!(n[1] > 0)) {
+    throw CLI::ValidationError("--window", "the width must be greater than 0");
+  }
+  return {n[0], n[1]};
 }
 
 void warn_if_plane_misses(const std::optional<Plane>& plane, const Box& bounds) {

@@ -6,6 +6,7 @@
 
 #include "core/camera.h"
 #include "core/geometry.h"
+#include "section/faces.h"
 
 namespace clipgs {
 
@@ -19,6 +20,10 @@ View parse_view(const std::string& text);
 
 /// "nx,ny,nz,c": the kept side is n·x ≥ c in RAS mm; n is normalised, c scaled alike. Empty: none.
 std::optional<Plane> parse_plane(const std::string& text);
+
+/// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
+/// soft-tissue, bone, lung, brain.
+Window parse_window(const std::string& text);
 
 /// "a,b,c…": `count` finite numbers; `option` names the flag in the error.
 std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,

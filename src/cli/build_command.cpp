@@ -8,14 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "asset/case.h"
+#include "asset/draw_case.h"
 #include "cinema/make_dataset.h"
 #include "cli/commands.h"
+#include "cli/section_step.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/random.h"
-#include "splat/render.h"
 #include "splat/scene_file.h"
 #include "train/trainer.h"
 #include "volume/load.h"
@@ -76,6 +76,7 @@ struct BuildArguments {
   std::string title;
   std::uint64_t seed = 1;
   LoadOptions loading;
+  SectionChoice section;
   Overrides overrides;
 };
 
@@ -131,7 +132,8 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"sh_degree", quality.sh_degree},
           {"seed", arguments.seed},
           {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
-          {"series", arguments.loading.series}};
+          {"series", arguments.loading.series},
+          {"section", arguments.section.none ? 0 : arguments.section.size}};
 }
 
 constexpr const char* kClaimFile = "build.json";
@@ -160,8 +162,11 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
                       const nlohmann::json& claim, const fs::path& work) {
   const fs::path folder = work / "dataset";
   if (fs::exists(folder / "transforms.json")) {
-    say_step(2, "pictures: done before");
-    return load_dataset(folder);
+    const Dataset dataset = load_dataset(folder);
+    if (arguments.section.none || read_dataset_section(dataset)) {
+      say_step(2, "pictures: done before");
+      return dataset;
+    }
   }
   const Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_preset(arguments.preset, volume);
@@ -177,14 +182,16 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.train_spp = quality.train_spp;
   options.seed_points = std::max(options.seed_points, quality.budget);
   options.seed = arguments.seed;
-  return make_dataset(volume, preset, folder, options);
+  const Dataset dataset = make_dataset(volume, preset, folder, options);
+  make_dataset_section(volume, preset, dataset, arguments.section);
+  return dataset;
 }
 
-Scene build_scene(const BuildArguments& arguments, const Quality& quality, const Dataset& dataset,
-                  const fs::path& path) {
+Case build_scene(const BuildArguments& arguments, const Quality& quality, const Dataset& dataset,
+                 const fs::path& path) {
   if (fs::exists(path)) {
     say_step(3, "training: done before");
-    return read_scene(path);
+    return load_case(path);
   }
   say_step(3, fmt::format("training: {} Gaussians, {} steps", quality.budget, quality.steps));
   TrainOptions options;
@@ -194,10 +201,14 @@ Scene build_scene(const BuildArguments& arguments, const Quality& quality, const
   options.seed = arguments.seed;
   fs::path checkpoint = path;
   checkpoint.replace_extension(".checkpoint");
-  write_scene(path, train(dataset, options, checkpoint));
+  const std::optional<Section> section = read_dataset_section(dataset);
+  const Section* const faces = section ? &*section : nullptr;
+  const Scene scene = train(dataset, options, checkpoint, faces);
+  write_scene_section(path, faces);
+  write_scene(path, scene);
   fs::remove(checkpoint);
   // Turning into the file's axes and back may round: a build that resumes here must end the same.
-  return read_scene(path);
+  return load_case(path);
 }
 
 void run_build(const BuildArguments& arguments) {
@@ -212,12 +223,13 @@ void run_build(const BuildArguments& arguments) {
   const nlohmann::json claim = claim_of(arguments, quality);
   check_work_folder(work, claim);
   const Dataset dataset = build_dataset(arguments, quality, claim, work);
-  Scene scene = build_scene(arguments, quality, dataset, work / "scene.ply");
+  Case contents = build_scene(arguments, quality, dataset, work / "scene.ply");
+  Scene& scene = contents.scene;
   say_step(4, "case");
   scene.title = arguments.title.empty() ? scene.preset : arguments.title;
   scene.created = today();
-  const Image thumbnail = make_thumbnail(scene);
-  write_case(arguments.output, scene, &thumbnail);
+  const Image thumbnail = make_thumbnail(contents);
+  write_case(arguments.output, contents, &thumbnail);
   fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, scene.gaussians.size(),
              static_cast<double>(fs::file_size(arguments.output)) / 1e6);
 }
@@ -241,6 +253,7 @@ void add_build_command(CLI::App& app) {
                       "Title of the case (default: the preset's name)");
   command->add_option("--seed", arguments->seed, "Seed of everything random")
       ->capture_default_str();
+  add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->loading);
   Overrides& overrides = arguments->overrides;
   command->add_option("--size", overrides.size, "Side of the pictures, px")

@@ -171,6 +171,7 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   const Finished info = run_clipgs({"info", at("case.sog"), "--json"});
   ASSERT_EQ(info.status, 0) << info.err;
   EXPECT_EQ(nlohmann::json::parse(info.out).at("splats"), 1500);
+  EXPECT_GT(nlohmann::json::parse(info.out).at("section").at("bytes"), 1000);
 
   ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("whole.png"), "--size", "64"}).status,
             0);
@@ -187,12 +188,40 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
                   at("eval.json"), "--report", at("report.html")});
   ASSERT_EQ(evaluated.status, 0) << evaluated.err;
   const auto json = nlohmann::json::parse(read_text(at("eval.json")));
-  EXPECT_EQ(json.at("rows").size(), 6U);  // two splits, three operators
+  EXPECT_EQ(json.at("rows").size(), 12U);  // two splits, three operators, volume and splats
   EXPECT_THAT(read_text(at("report.html")), HasSubstr("ot for diagnosis"));
 
   const Finished dataset = run_clipgs({"info", at("case.clipgs-work/dataset"), "--json"});
   ASSERT_EQ(dataset.status, 0) << dataset.err;
   EXPECT_EQ(nlohmann::json::parse(dataset.out).at("train").at("pictures"), 8);
+
+  // Faces by the volume, by splats, and in grey.
+  std::vector<std::vector<float>> pictures;
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{}, {"--section", "splats"}, {"--grey", "1"}}) {
+    std::vector<std::string> arguments = {"render", at("case.sog"), "-o",      at("face.png"),
+                                          "--size", "64",           "--plane", "0,-1,0,0"};
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    ASSERT_EQ(run_clipgs(arguments).status, 0);
+    pictures.push_back(read_png(at("face.png")).data);
+  }
+  EXPECT_NE(pictures[0], pictures[1]);
+  EXPECT_NE(pictures[0], pictures[2]);
+
+  // Unpacked and packed again it is the same case, smaller or without its section if wanted.
+  const auto section_of = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> pack = {"pack", at("again.ply"), "-o", at("again.sog")};
+    pack.insert(pack.end(), options.begin(), options.end());
+    EXPECT_EQ(run_clipgs(pack).status, 0);
+    const Finished said = run_clipgs({"info", at("again.sog"), "--json"});
+    return nlohmann::json::parse(said.out).value("section", nlohmann::json());
+  };
+  ASSERT_EQ(run_clipgs({"unpack", at("case.sog"), "-o", at("again.ply")}).status, 0);
+  EXPECT_EQ(section_of({})["dims"], nlohmann::json::parse(info.out)["section"]["dims"]);
+  EXPECT_EQ(section_of({"--section-size", "12"})["dims"][2], 12);
+  EXPECT_TRUE(section_of({"--no-section"}).is_null());
+  expect_failure({"render", at("again.sog"), "-o", at("none.png"), "--section", "volume"},
+                 "no section", at("none.png"));
 
   // A case cut short is refused.
   const std::string bytes = read_text(at("case.sog"));

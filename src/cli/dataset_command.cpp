@@ -7,6 +7,7 @@
 #include "cinema/make_dataset.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/section_step.h"
 #include "cli/volume_options.h"
 
 namespace clipgs {
@@ -19,6 +20,7 @@ struct DatasetArguments {
   std::string preset = "auto";
   std::string axis = "0,0,1";
   DatasetOptions options;
+  SectionChoice section;
   bool json = false;
 };
 
@@ -41,6 +43,7 @@ void run_dataset(const DatasetArguments& arguments) {
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_preset(arguments.preset, volume);
   const Dataset dataset = make_dataset(volume, preset, arguments.folder, options);
+  make_dataset_section(volume, preset, dataset, arguments.section);
 
   nlohmann::ordered_json json = {{"dataset", arguments.folder.string()},
                                  {"preset", preset.name},
@@ -104,6 +107,7 @@ void add_dataset_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
   command->callback([arguments] { run_dataset(*arguments); });
 }

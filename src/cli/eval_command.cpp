@@ -13,7 +13,6 @@
 #include "core/file.h"
 #include "measure/evaluation.h"
 #include "measure/report.h"
-#include "splat/render.h"
 
 namespace clipgs {
 
@@ -27,6 +26,7 @@ struct EvalArguments {
   std::string json;
   std::string report;
   std::vector<std::string> clips = {"hard", "soft", "exact"};
+  std::vector<std::string> sections;
 };
 
 EvaluationOptions evaluation_options(const EvalArguments& arguments) {
@@ -36,6 +36,12 @@ EvaluationOptions evaluation_options(const EvalArguments& arguments) {
     const ClipOperator clip = parse_clip_operator(name);
     if (std::ranges::find(options.clips, clip) == options.clips.end()) {
       options.clips.push_back(clip);
+    }
+  }
+  for (const std::string& name : arguments.sections) {
+    const FaceSource source = parse_face_source(name);
+    if (std::ranges::find(options.faces, source) == options.faces.end()) {
+      options.faces.push_back(source);
     }
   }
   return options;
@@ -62,15 +68,15 @@ void check_outputs(const EvalArguments& arguments) {
 void run_eval(const EvalArguments& arguments) {
   const EvaluationOptions options = evaluation_options(arguments);
   check_outputs(arguments);
-  const Scene scene = load_scene(arguments.scene);
+  const Case contents = load_case(arguments.scene);
   const Dataset dataset = load_dataset(arguments.dataset);
-  Evaluation evaluation = evaluate(scene, dataset, options);
+  Evaluation evaluation = evaluate(contents, dataset, options);
   evaluation.bytes = fs::file_size(arguments.scene);
   if (!arguments.json.empty()) {
     write_text(arguments.json, evaluation_json(evaluation));
   }
   if (!arguments.report.empty()) {
-    write_text(arguments.report, evaluation_report(scene, dataset, evaluation));
+    write_text(arguments.report, evaluation_report(contents, dataset, evaluation));
   }
   fmt::print("{}", evaluation_table(evaluation));
 }
@@ -91,6 +97,11 @@ void add_eval_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({"hard", "soft", "exact"}))
       ->capture_default_str();
+  command
+      ->add_option("--section", arguments->sections,
+                   "What draws the faces of the cut: volume, splats (default: what the case has)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"volume", "splats"}));
   command->footer(
       "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html");
   command->callback([arguments] { run_eval(*arguments); });

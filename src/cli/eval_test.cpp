@@ -56,10 +56,27 @@ TEST_F(EvalCommandTest, MeasuresASceneAndACase) {
     EXPECT_THAT(finished.out, HasSubstr("test_oblique"));
     const auto json = nlohmann::json::parse(read_text(at("figures.json")));
     EXPECT_EQ(json["bytes"], fs::file_size(scene));
-    EXPECT_EQ(json["rows"].size(), 4u);  // two splits, two operators
+    EXPECT_EQ(json["rows"].size(), 8u);  // two splits, two operators, volume and splats
     EXPECT_GT(json["rows"][0]["psnr_masked"], 3.0);
     EXPECT_THAT(read_text(at("report.html")), HasSubstr("Not for diagnosis"));
   }
+}
+
+TEST_F(EvalCommandTest, MeasuresOnlyWhatIsAskedFor) {
+  const auto rows = [&](const std::string& section) {
+    run({"eval", at("scene.ply"), "--dataset", at("dataset"), "--json", at("figures.json"),
+         "--clip", "exact", "--section", section});
+    return nlohmann::json::parse(read_text(at("figures.json")))["rows"];
+  };
+  EXPECT_EQ(rows("volume")[0]["section"], "volume");
+  EXPECT_EQ(rows("splats").size(), 2u);
+
+  run({"train", at("dataset"), "-o", at("scene.ply"), "--steps", "20", "--budget", "1000",
+       "--no-section"});
+  const Finished finished =
+      run_clipgs({"eval", at("scene.ply"), "--dataset", at("dataset"), "--section", "volume"});
+  EXPECT_EQ(finished.status, 1);
+  EXPECT_THAT(finished.err, HasSubstr("no section"));
 }
 
 TEST_F(EvalCommandTest, RefusesToOverwriteTheScene) {

@@ -19,7 +19,7 @@ struct ExportArguments {
 
 void run_export(const ExportArguments& arguments) {
   require_writable(arguments.output);
-  const Scene scene = load_scene(arguments.input);
+  const Scene scene = load_case(arguments.input).scene;
   write_ply(arguments.output, transform(scene.gaussians, scene_to_world().inverse()));
 }
 

@@ -35,6 +35,10 @@ Json describe_case(const std::filesystem::path& path) {
   json["splats"] = info.splats;
   json["sh_bands"] = info.sh_degree;
   json["bytes"] = info.bytes;
+  if (info.section) {
+    const IVec3& dims = info.section->dims;
+    json["section"] = {{"dims", {dims.x, dims.y, dims.z}}, {"bytes", info.section->bytes}};
+  }
   json["thumbnail"] = !info.thumbnail.empty();
   json["generator"] = info.generator;
   describe(info.scene, json);

@@ -2,10 +2,10 @@
 #include <memory>
 #include <string>
 
-#include "asset/case.h"
+#include "asset/draw_case.h"
 #include "cli/commands.h"
+#include "cli/section_step.h"
 #include "core/file.h"
-#include "splat/scene_file.h"
 
 namespace clipgs {
 
@@ -15,18 +15,24 @@ struct PackArguments {
   std::string scene;
   std::string output;
   std::string title;
+  SectionChoice section;
 };
 
 void run_pack(const PackArguments& arguments) {
   require_writable(arguments.output);
-  Scene scene = read_scene(arguments.scene);
+  Case contents = load_case(arguments.scene);
   if (!arguments.title.empty()) {
-    scene.title = arguments.title;
+    contents.scene.title = arguments.title;
   }
-  const Image thumbnail = make_thumbnail(scene);
-  const Bytes bytes = encode_case(scene, &thumbnail);
+  if (arguments.section.none) {
+    contents.section.reset();
+  } else if (contents.section) {
+    contents.section = resize_section(*contents.section, arguments.section.size);
+  }
+  const Image thumbnail = make_thumbnail(contents);
+  const Bytes bytes = encode_case(contents, &thumbnail);
   write_file(arguments.output, bytes.data(), bytes.size());
-  fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, scene.gaussians.size(),
+  fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, contents.scene.gaussians.size(),
              static_cast<double>(bytes.size()) / 1e6);
 }
 
@@ -35,10 +41,13 @@ void run_pack(const PackArguments& arguments) {
 void add_pack_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("pack", "Make a case of a scene");
   const auto arguments = std::make_shared<PackArguments>();
-  command->add_option("scene", arguments->scene, "Scene (.ply, with its .json beside it)")
+  command
+      ->add_option("scene", arguments->scene,
+                   "Scene (.ply, with its .json and, perhaps, .section.zip beside it)")
       ->required();
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
   command->add_option("--title", arguments->title, "Title of the case (default: the scene's)");
+  add_section_options(*command, arguments->section);
   command->footer("Example: clipgs pack scene.ply -o case.sog --title \"Chest, bone\"");
   command->callback([arguments] { run_pack(*arguments); });
 }

@@ -1,11 +1,11 @@
 #include <memory>
 
-#include "asset/case.h"
+#include "asset/draw_case.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
-#include "splat/render.h"
 
 namespace clipgs {
 
@@ -17,21 +17,41 @@ struct RenderArguments {
   std::string view = "0,0";
   std::string plane;
   std::string clip = "exact";
+  std::string section;
+  float grey = 0;
+  std::string window = "soft-tissue";
   std::string size = "512x512";
   bool reference = false;
 };
+
+/// Volume where the case has one, unless the user says otherwise.
+FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
+  const bool volume_wanted = arguments.section == "volume" || arguments.grey > 0;
+  if (volume_wanted && !contents.section) {
+    throw Error(
+        "{}: has no section volume to draw faces from; build it again, without --no-section",
+        arguments.scene);
+  }
+  if (arguments.section.empty()) {
+    return contents.section ? FaceSource::kVolume : FaceSource::kSplats;
+  }
+  return parse_face_source(arguments.section);
+}
 
 void run_render(const RenderArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
   const std::optional<Plane> plane = parse_plane(arguments.plane);
-  const ClipOperator clip = parse_clip_operator(arguments.clip);
+  DrawOptions options;
+  options.clip = parse_clip_operator(arguments.clip);
+  options.style = {arguments.grey, parse_window(arguments.window)};
+  options.reference = arguments.reference;
   require_writable(arguments.output);
-  const Scene scene = load_scene(arguments.scene);
-  warn_if_plane_misses(plane, scene.bounds);
-  const Camera camera = frame_sphere(scene.sphere, view, size.x, size.y);
-  const auto draw = arguments.reference ? render_reference : render;
-  write_png(arguments.output, draw(scene.gaussians, camera, plane, clip));
+  const Case contents = load_case(arguments.scene);
+  options.faces = face_source(arguments, contents);
+  warn_if_plane_misses(plane, contents.scene.bounds);
+  const Camera camera = frame_sphere(contents.scene.sphere, view, size.x, size.y);
+  write_png(arguments.output, draw_case(contents, camera, plane, options));
 }
 
 }  // namespace
@@ -47,10 +67,29 @@ void add_render_command(CLI::App& app) {
                       "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given");
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
+  command
+      ->add_option("--section", arguments->section,
+                   "What draws the faces of the cut: volume or splats (default: the case's section "
+                   "volume, if it has one)")
+      ->check(CLI::IsMember({"volume", "splats"}));
+  command
+      ->add_option("--grey", arguments->grey,
+                   "Faces as grey values, from 0 (cinematic) to 1 (as radiologists read them)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--window", arguments->window,
+          "Grey values from black to white: center,width in HU, or soft-tissue, bone, lung "
+          "or brain")
+      ->capture_default_str();
   command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
   command->add_flag("--reference", arguments->reference,
-                    "Draw with the slow double-precision reference renderer");
-  command->footer("Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,40");
+                    "Draw with the slow double-precision reference renderers (cinematic faces)");
+  command->footer(
+      "Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,-40\n"
+      "         clipgs render case.sog -o ct.png --view 0,80 --plane 0,0,-1,-40 --grey 1 --window "
+      "bone");
   command->callback([arguments] { run_render(*arguments); });
 }
 

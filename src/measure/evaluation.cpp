@@ -87,15 +87,15 @@ class Mean {
 };
 
 EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& frames, Split split,
-                       ClipOperator clip) {
+                       const Drawing& drawing) {
   EvaluationRow row;
   row.split = split;
-  row.clip = clip;
+  row.drawing = drawing;
   Mean psnr, psnr_masked, ssim, band_ssim;
   Leak leaks;
   bool any_leak = false;
   for (const FrameScores& frame : frames) {
-    if (frame.clip != clip || dataset.frames[frame.frame].split != split) {
+    if (frame.drawing != drawing || dataset.frames[frame.frame].split != split) {
       continue;
     }
     psnr.add(frame.scores.psnr);
@@ -142,15 +142,40 @@ std::string cell(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
+std::vector<Drawing> all_drawings(const Case& contents, const EvaluationOptions& options) {
+  std::vector<FaceSource> faces = options.faces;
+  if (faces.empty()) {
+    faces = contents.section ? std::vector{FaceSource::kVolume, FaceSource::kSplats}
+                             : std::vector{FaceSource::kSplats};
+  }
+  if (!contents.section && std::ranges::find(faces, FaceSource::kVolume) != faces.end()) {
+    throw Error("the case has no section volume to draw faces from; use --section splats");
+  }
+  std::vector<Drawing> drawings;
+  for (const FaceSource source : faces) {
+    for (const ClipOperator clip : options.clips) {
+      drawings.push_back({clip, source});
+    }
+  }
+  return drawings;
+}
+
 }  // namespace
+
+Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing) {
+  return draw_case(contents, frame.camera, frame.plane,
+                   {.clip = drawing.clip, .faces = drawing.faces});
+}
 
 Image load_truth(const Dataset& dataset, const Frame& frame) {
   return load_picture(dataset, frame, frame.file);
 }
 
-Evaluation evaluate(const Scene& scene, const Dataset& dataset, const EvaluationOptions& options) {
+Evaluation evaluate(const Case& contents, const Dataset& dataset,
+                    const EvaluationOptions& options) {
+  const std::vector<Drawing> drawings = all_drawings(contents, options);
   Evaluation evaluation;
-  evaluation.splats = scene.gaussians.size();
+  evaluation.splats = contents.scene.gaussians.size();
   std::vector<size_t> tests;
   for (const Split split : kTestSplits) {
     const std::vector<size_t> frames = frames_of(dataset, split);
@@ -169,15 +194,15 @@ Evaluation evaluate(const Scene& scene, const Dataset& dataset, const Evaluation
   for (size_t i = 0; i < tests.size(); ++i) {
     const Frame& frame = dataset.frames[tests[i]];
     const Truth truth = load_truths(dataset, frame);
-    for (const ClipOperator clip : options.clips) {
-      const Image picture = render(scene.gaussians, frame.camera, frame.plane, clip);
-      evaluation.frames.push_back({tests[i], clip, compare(truth, picture, frame, band)});
+    for (const Drawing& drawing : drawings) {
+      const Image picture = draw_frame(contents, frame, drawing);
+      evaluation.frames.push_back({tests[i], drawing, compare(truth, picture, frame, band)});
     }
     progress.update(i + 1);
   }
   for (const auto& [split, noise] : evaluation.noise_floor_db) {
-    for (const ClipOperator clip : options.clips) {
-      evaluation.rows.push_back(make_row(dataset, evaluation.frames, split, clip));
+    for (const Drawing& drawing : drawings) {
+      evaluation.rows.push_back(make_row(dataset, evaluation.frames, split, drawing));
     }
   }
   return evaluation;
@@ -193,8 +218,8 @@ std::string evaluation_json(const Evaluation& evaluation) {
   json["rows"] = nlohmann::ordered_json::array();
   for (const EvaluationRow& row : evaluation.rows) {
     json["rows"].push_back({{"split", split_name(row.split)},
-                            {"clip", clip_operator_name(row.clip)},
-                            {"section", row.section},
+                            {"clip", clip_operator_name(row.drawing.clip)},
+                            {"section", face_source_name(row.drawing.faces)},
                             {"against", row.against},
                             {"psnr", number(row.mean.psnr)},
                             {"psnr_masked", number(row.mean.psnr_masked)},
@@ -213,11 +238,11 @@ std::string evaluation_table(const Evaluation& evaluation) {
       fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n", "split", "clip",
                   "section", "against", "PSNR dB", "masked", "SSIM", "band", "leak e-2", "images");
   for (const EvaluationRow& row : evaluation.rows) {
-    text +=
-        fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n",
-                    split_name(row.split), clip_operator_name(row.clip), row.section, row.against,
-                    cell(row.mean.psnr, 2), cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
-                    cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
+    text += fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n",
+                        split_name(row.split), clip_operator_name(row.drawing.clip),
+                        face_source_name(row.drawing.faces), row.against, cell(row.mean.psnr, 2),
+                        cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
+                        cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
   }
   for (const auto& [split, noise] : evaluation.noise_floor_db) {
     text += fmt::format("noise floor of {}: {:.1f} dB (no PSNR above it can be trusted)\n",

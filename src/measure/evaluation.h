@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "asset/draw_case.h"
 #include "cinema/dataset.h"
 #include "measure/metrics.h"
-#include "splat/render.h"
-#include "splat/scene.h"
 
 namespace clipgs {
 
@@ -25,10 +24,17 @@ struct Scores {
   std::optional<double> leak_percent() const { return leak ? leak->percent() : std::nullopt; }
 };
 
-/// One test picture under one clip operator.
+/// How a picture was cut and what drew its faces.
+struct Drawing {
+  ClipOperator clip = ClipOperator::kExact;
+  FaceSource faces = FaceSource::kSplats;
+  bool operator==(const Drawing&) const = default;
+};
+
+/// One test picture, drawn in one way.
 struct FrameScores {
   size_t frame = 0;  ///< index into Dataset::frames
-  ClipOperator clip = ClipOperator::kExact;
+  Drawing drawing;
   Scores scores;
 };
 
@@ -38,9 +44,8 @@ struct FrameScores {
 /// the cut leaves almost empty has no ratio of its own worth averaging.
 struct EvaluationRow {
   Split split = Split::kTestAxis;
-  ClipOperator clip = ClipOperator::kExact;
-  std::string section = "splats";  ///< what draws the exposed face
-  std::string against = "truth";   ///< what the pictures are compared with
+  Drawing drawing;
+  std::string against = "truth";  ///< what the pictures are compared with
   Scores mean;
   size_t images = 0;
 };
@@ -50,21 +55,25 @@ struct Evaluation {
   std::uintmax_t bytes = 0;                              ///< size of the scene's file
   std::vector<std::pair<Split, double>> noise_floor_db;  ///< mean over the pictures of the split
   std::vector<EvaluationRow> rows;
-  std::vector<FrameScores> frames;  ///< in the order split, frame, clip
+  std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
 };
 
 struct EvaluationOptions {
   std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,
                                      ClipOperator::kExact};
+  std::vector<FaceSource> faces = {};  ///< empty: the volume, if the case has one, and the splats
 };
 
 /// A test picture of the dataset, checked against its camera's size. Throws Error.
 Image load_truth(const Dataset& dataset, const Frame& frame);
 
-/// Renders every test picture of the dataset with every operator and compares it with the
-/// path-traced truth over black. Throws Error for a dataset without test pictures, pictures that
-/// are missing or of the wrong size.
-Evaluation evaluate(const Scene& scene, const Dataset& dataset,
+/// The picture of a frame, as the evaluation draws it.
+Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing);
+
+/// Draws every test picture of the dataset in every way and compares it with the path-traced truth
+/// over black. Throws Error for a dataset without test pictures, pictures that are missing or of
+/// the wrong size, and a case without the section that is asked for.
+Evaluation evaluate(const Case& contents, const Dataset& dataset,
                     const EvaluationOptions& options = {});
 
 /// {"splats", "bytes", "noise_floor_db": {split: dB}, "rows": [{"split", "clip", "section",

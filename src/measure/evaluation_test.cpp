@@ -10,6 +10,7 @@
 #include "core/progress.h"
 #include "core/random.h"
 #include "measure/report.h"
+#include "section/test_section.h"
 
 namespace clipgs {
 namespace {
@@ -101,12 +102,13 @@ class EvaluationTest : public testing::Test {
 
   fs::path folder_ =
       fs::path(testing::TempDir()) / ("clipgs-evaluation-" + std::to_string(getpid()));
-  Scene scene_ = make_scene();
+  Case contents_{make_scene()};
+  const Scene& scene_ = contents_.scene;
   Dataset dataset_;
 };
 
 TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
-  const Evaluation evaluation = evaluate(scene_, dataset_);
+  const Evaluation evaluation = evaluate(contents_, dataset_);
   EXPECT_EQ(evaluation.splats, 600u);
   ASSERT_EQ(evaluation.rows.size(), 6u);
   EXPECT_EQ(evaluation.frames.size(), 18u);
@@ -114,8 +116,8 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
     const EvaluationRow& hard = evaluation.rows[split * 3];
     const EvaluationRow& soft = evaluation.rows[split * 3 + 1];
     const EvaluationRow& exact = evaluation.rows[split * 3 + 2];
-    EXPECT_EQ(hard.clip, ClipOperator::kHard);
-    EXPECT_EQ(exact.clip, ClipOperator::kExact);
+    EXPECT_EQ(hard.drawing.clip, ClipOperator::kHard);
+    EXPECT_EQ(exact.drawing.clip, ClipOperator::kExact);
     EXPECT_EQ(exact.images, 3u);
     EXPECT_GT(*exact.mean.psnr_masked, 60);
     EXPECT_GT(*exact.mean.psnr_masked, *soft.mean.psnr_masked + 10);
@@ -132,7 +134,7 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
 }
 
 TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
-  Evaluation evaluation = evaluate(scene_, dataset_, {{ClipOperator::kSoft}});
+  Evaluation evaluation = evaluate(contents_, dataset_, {{ClipOperator::kSoft}});
   evaluation.bytes = 1234;
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(evaluation_json(evaluation));
   EXPECT_EQ(json["splats"], 600);
@@ -159,7 +161,7 @@ TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
     frame.uncut_file.clear();
     frame.depth_file.clear();
   }
-  const Evaluation evaluation = evaluate(scene_, dataset_, {{ClipOperator::kExact}});
+  const Evaluation evaluation = evaluate(contents_, dataset_, {{ClipOperator::kExact}});
   const auto json = nlohmann::json::parse(evaluation_json(evaluation));
   EXPECT_TRUE(json["rows"][0]["leak"].is_null());
   EXPECT_TRUE(json["rows"][0]["band_ssim"].is_null());
@@ -167,8 +169,8 @@ TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
 }
 
 TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
-  const Evaluation evaluation = evaluate(scene_, dataset_);
-  const std::string html = evaluation_report(scene_, dataset_, evaluation);
+  const Evaluation evaluation = evaluate(contents_, dataset_);
+  const std::string html = evaluation_report(contents_, dataset_, evaluation);
   EXPECT_THAT(html, testing::HasSubstr("Not for diagnosis"));
   EXPECT_THAT(html, testing::HasSubstr("A &lt;ball&gt; &amp; &quot;more&quot;"));
   EXPECT_THAT(html, testing::Not(testing::HasSubstr("<ball>")));
@@ -181,21 +183,38 @@ TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
   EXPECT_EQ(pictures, 2u * 3 * 5);  // splits × worst, median, best × truth, three operators, error
 }
 
+TEST_F(EvaluationTest, WithASectionBothSourcesOfFacesAreMeasuredAndShown) {
+  EXPECT_THAT([&] { evaluate(contents_, dataset_, {.faces = {FaceSource::kVolume}}); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("no section")));
+  contents_.section = test::ball_section();
+  const Evaluation evaluation = evaluate(contents_, dataset_);
+  ASSERT_EQ(evaluation.rows.size(), 12U);
+  for (size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(evaluation.rows[i].drawing.faces,
+              i % 6 < 3 ? FaceSource::kVolume : FaceSource::kSplats);
+  }
+  // The truth is the splats' own picture here: the volume's faces are others.
+  EXPECT_LT(*evaluation.rows[2].mean.psnr_masked, *evaluation.rows[5].mean.psnr_masked - 10);
+  const std::string html = evaluation_report(contents_, dataset_, evaluation);
+  EXPECT_THAT(html, testing::HasSubstr("class=\"volume\">volume"));
+  EXPECT_THAT(html, testing::HasSubstr("row zoom"));
+}
+
 TEST_F(EvaluationTest, ADatasetWithoutTestPicturesIsAnError) {
   std::erase_if(dataset_.frames, [](const Frame&) { return true; });
-  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("no test pictures")));
 }
 
 TEST_F(EvaluationTest, AMissingPictureIsAnError) {
   fs::remove(folder_ / dataset_.frames[2].depth_file);
-  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("2-depth.png")));
 }
 
 TEST_F(EvaluationTest, APictureOfTheWrongSizeIsAnError) {
   write_png(folder_ / dataset_.frames[1].file, Image(32, 48, 4));
-  EXPECT_THAT([&] { evaluate(scene_, dataset_); },
+  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("32×48")));
 }
 

@@ -15,9 +15,11 @@ namespace {
 
 constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; --ground: #f6f5f2; --card: #ffffff; --ink: #1d1f23;
-  --quiet: #6a6e76; --line: #dddbd5; --exact: #1f6feb; --soft: #c2571a; --hard: #7a7f87; }
+  --quiet: #6a6e76; --line: #dddbd5; --exact: #1f6feb; --soft: #c2571a; --hard: #7a7f87;
+  --volume: #12833f; }
 @media (prefers-color-scheme: dark) { :root { --ground: #111316; --card: #1a1d21; --ink: #e8e9eb;
-  --quiet: #9aa0a8; --line: #30343a; --exact: #6ea8ff; --soft: #f0934e; --hard: #a3a9b2; } }
+  --quiet: #9aa0a8; --line: #30343a; --exact: #6ea8ff; --soft: #f0934e; --hard: #a3a9b2;
+  --volume: #4cc77a; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--ground); color: var(--ink);
   font: 16px/1.55 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; }
@@ -37,6 +39,7 @@ tbody + tbody tr:first-child td { border-top: 1px solid var(--line); }
 th:nth-child(-n+4), td:nth-child(-n+4) { text-align: left; }
 td.best { font-weight: 700; }
 .exact { color: var(--exact); } .soft { color: var(--soft); } .hard { color: var(--hard); }
+.volume { color: var(--volume); }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }
 .plots > figure { background: var(--card); border: 1px solid var(--line); border-radius: 10px;
   padding: .8rem 1rem; }
@@ -50,6 +53,7 @@ figure { margin: 0; }
 .frame > figcaption { margin-bottom: .5rem; }
 .row { display: grid; gap: .5rem; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); }
 .row img { width: 100%; height: auto; display: block; background: #000; border-radius: 8px; }
+.zoom img { image-rendering: pixelated; }
 .row figcaption { font-size: .85rem; padding: .3rem .1rem; }
 .scale { display: inline-block; vertical-align: middle; width: 7rem; height: .7rem;
   border-radius: 4px; background: linear-gradient(90deg, #000, #f00, #ff0, #fff);
@@ -69,6 +73,9 @@ figure to compare.</dd>
 extent of the plane: at the cut.</dd>
 <dt>leak</dt><dd>Colour energy that the picture puts where the cut left nothing, divided by the
 energy of the truth, in units of 10⁻².</dd>
+<dt>section</dt><dd>What draws the face of the cut: the case's own volume, lit like the rest, or the
+splats. Pictures and plots show <i>volume</i> with the exact operator, and the operators by splats
+alone.</dd>
 <dt>noise floor</dt><dd>How well the path-traced truth knows itself, from two independent halves of
 its samples. No PSNR above it can be trusted.</dd>
 </dl>
@@ -136,10 +143,11 @@ std::string table_html(const Evaluation& evaluation) {
       if (row.split != split) {
         continue;
       }
-      const char* clip = clip_operator_name(row.clip);
-      html += fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td>{}</td><td>{}</td>",
-                          split_name(split), clip, clip, escape_html(row.section),
-                          escape_html(row.against));
+      const char* clip = clip_operator_name(row.drawing.clip);
+      const char* faces = face_source_name(row.drawing.faces);
+      html +=
+          fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"{}\">{}</td><td>{}</td>",
+                      split_name(split), clip, clip, faces, faces, escape_html(row.against));
       for (const Column& column : kColumns) {
         const std::optional<double> value = column.value(row.mean);
         const bool best = value && value == best_value(evaluation, split, column);
@@ -153,12 +161,42 @@ std::string table_html(const Evaluation& evaluation) {
   return html + "</table></div>\n";
 }
 
-/// Masked PSNRs of one split and operator, lowest first.
+/// The drawing whose pictures choose the frames shown and are held against the truth first.
+Drawing leading_drawing(const Evaluation& evaluation) {
+  const auto rank = [](const EvaluationRow& row) {
+    return (row.drawing.faces == FaceSource::kVolume ? 2 : 0) +
+           (row.drawing.clip == ClipOperator::kExact ? 1 : 0);
+  };
+  return std::ranges::max_element(evaluation.rows, {}, rank)->drawing;
+}
+
+/// The drawings that pictures and plots show: the leading one first, then those by splats alone,
+/// the best operator first. Under faces of the volume the operators differ little.
+std::vector<Drawing> shown_drawings(const Evaluation& evaluation) {
+  const Drawing leading = leading_drawing(evaluation);
+  std::vector<Drawing> shown;
+  for (const EvaluationRow& row : evaluation.rows) {
+    if (row.split == evaluation.rows.front().split &&
+        (row.drawing == leading || row.drawing.faces == FaceSource::kSplats)) {
+      shown.push_back(row.drawing);
+    }
+  }
+  std::ranges::reverse(shown);
+  std::ranges::stable_partition(shown, [&](const Drawing& drawing) { return drawing == leading; });
+  return shown;
+}
+
+/// Class of style, and name, of a drawing among those shown.
+const char* drawing_name(const Drawing& drawing) {
+  return drawing.faces == FaceSource::kVolume ? "volume" : clip_operator_name(drawing.clip);
+}
+
+/// Masked PSNRs of one split and drawing, lowest first.
 std::vector<double> sorted_psnr(const Dataset& dataset, const Evaluation& evaluation, Split split,
-                                ClipOperator clip) {
+                                const Drawing& drawing) {
   std::vector<double> values;
   for (const FrameScores& frame : evaluation.frames) {
-    if (frame.clip == clip && dataset.frames[frame.frame].split == split &&
+    if (frame.drawing == drawing && dataset.frames[frame.frame].split == split &&
         frame.scores.psnr_masked) {
       values.push_back(*frame.scores.psnr_masked);
     }
@@ -198,14 +236,11 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
   std::string curves;
   std::string legend;
   std::vector<std::pair<const char*, std::vector<double>>> series;
-  for (const EvaluationRow& row : evaluation.rows) {
-    if (row.split == split) {
-      series.emplace_back(clip_operator_name(row.clip),
-                          sorted_psnr(dataset, evaluation, split, row.clip));
-      for (const double value : series.back().second) {
-        plot.low = std::min(plot.low, value);
-        plot.high = std::max(plot.high, value);
-      }
+  for (const Drawing& drawing : shown_drawings(evaluation)) {
+    series.emplace_back(drawing_name(drawing), sorted_psnr(dataset, evaluation, split, drawing));
+    for (const double value : series.back().second) {
+      plot.low = std::min(plot.low, value);
+      plot.high = std::max(plot.high, value);
     }
   }
   const double step = plot.high - plot.low > 40 ? 20 : 5;
@@ -258,16 +293,6 @@ std::string picture_html(const Image& rgb, const std::string& name, const std::s
       data_uri(rgb), rgb.width, rgb.height, name, name, detail);
 }
 
-/// The operator whose pictures choose the frames shown and are held against the truth first.
-ClipOperator leading_clip(const Evaluation& evaluation) {
-  for (const EvaluationRow& row : evaluation.rows) {
-    if (row.clip == ClipOperator::kExact) {
-      return row.clip;
-    }
-  }
-  return evaluation.rows.front().clip;
-}
-
 std::string plane_text(const std::optional<Plane>& plane) {
   if (!plane) {
     return "uncut";
@@ -278,37 +303,88 @@ std::string plane_text(const std::optional<Plane>& plane) {
                      tidy(plane->offset));
 }
 
-/// Truth, ours under every operator (the leading one first) and the error of one test picture.
-std::string frame_html(const Scene& scene, const Dataset& dataset, const Evaluation& evaluation,
+/// A square part of a picture.
+Image cut_out(const Image& picture, int left, int top, int side) {
+  Image part(side, side, picture.channels);
+  for (int y = 0; y < side; ++y) {
+    std::copy_n(picture.at(left, top + y), static_cast<size_t>(side) * picture.channels,
+                part.at(0, y));
+  }
+  return part;
+}
+
+/// Where the middle of the drawn face is; nothing if hardly any is seen.
+std::optional<Vec2> middle_of_face(const Case& contents, const Frame& frame) {
+  if (!contents.section || !frame.plane) {
+    return std::nullopt;
+  }
+  constexpr double kLeast = 64;  // px
+  const Image faces = draw_faces(*contents.section, frame.camera, {&*frame.plane, 1});
+  double count = 0;
+  Vec2 sum(0);
+  for (int y = 0; y < faces.height; ++y) {
+    for (int x = 0; x < faces.width; ++x) {
+      if (faces.at(x, y)[3] > 0.5f) {
+        sum += Vec2(x, y);
+        ++count;
+      }
+    }
+  }
+  return count < kLeast ? std::nullopt : std::optional(sum / static_cast<float>(count));
+}
+
+/// The face, enlarged: truth, drawn from the volume, and drawn by splats.
+std::string zoom_html(const Case& contents, const Frame& frame, const Image& truth,
+                      ClipOperator clip) {
+  const std::optional<Vec2> middle = middle_of_face(contents, frame);
+  if (!middle) {
+    return {};
+  }
+  const int side = std::min(truth.width, truth.height) * 3 / 8;
+  const auto corner = [side](float at, int size) {
+    return std::clamp(static_cast<int>(at) - side / 2, 0, size - side);
+  };
+  const int left = corner(middle->x, truth.width);
+  const int top = corner(middle->y, truth.height);
+  std::string html = "<div class=\"row zoom\">\n";
+  const auto add = [&](const Image& picture, const char* name, const char* detail) {
+    html += picture_html(cut_out(composite(picture, 0, 0, 0), left, top, side), name, detail);
+  };
+  add(truth, "truth", "the face, enlarged");
+  add(draw_frame(contents, frame, {clip, FaceSource::kVolume}), "section", "from the volume");
+  add(draw_frame(contents, frame, {clip, FaceSource::kSplats}), "splats", "as they fill the face");
+  return html + "</div>\n";
+}
+
+/// Truth, ours in every way that is shown and the error of one test picture.
+std::string frame_html(const Case& contents, const Dataset& dataset, const Evaluation& evaluation,
                        size_t index, const char* rank) {
   const Frame& frame = dataset.frames[index];
   const Image truth = load_truth(dataset, frame);
-  std::vector<const FrameScores*> scores;
-  for (const FrameScores& score : evaluation.frames) {
-    if (score.frame == index) {
-      scores.push_back(&score);
-    }
-  }
-  std::ranges::reverse(scores);  // soft before hard
-  const ClipOperator leading = leading_clip(evaluation);
-  std::ranges::stable_partition(scores, [&](const auto* s) { return s->clip == leading; });
-
+  const Drawing leading = leading_drawing(evaluation);
   std::string html = fmt::format(
       "<figure class=\"frame\"><figcaption><b>{}</b> <span class=\"quiet\">{} · {} · noise floor "
       "{:.1f} dB</span></figcaption><div class=\"row\">\n",
       rank, escape_html(frame.file), plane_text(frame.plane), frame.noise_db);
   html += picture_html(composite(truth, 0, 0, 0), "truth", "path traced");
   Image error;
-  for (const FrameScores* score : scores) {
-    const Image picture = render(scene.gaussians, frame.camera, frame.plane, score->clip);
-    if (score->clip == leading) {
+  for (const Drawing& drawing : shown_drawings(evaluation)) {
+    const Image picture = draw_frame(contents, frame, drawing);
+    if (drawing == leading) {
       error = error_map(truth, picture);
     }
-    html += picture_html(composite(picture, 0, 0, 0), clip_operator_name(score->clip),
+    const auto score = std::ranges::find_if(evaluation.frames, [&](const FrameScores& one) {
+      return one.frame == index && one.drawing == drawing;
+    });
+    html += picture_html(composite(picture, 0, 0, 0), drawing_name(drawing),
                          value_text(score->scores.psnr_masked, 2) + " dB");
   }
-  html += picture_html(error, "error", fmt::format("of {}", clip_operator_name(leading)));
-  return html + "</div></figure>\n";
+  html += picture_html(error, "error", fmt::format("of {}", drawing_name(leading)));
+  html += "</div>\n";
+  if (leading.faces == FaceSource::kVolume) {
+    html += zoom_html(contents, frame, truth, leading.clip);
+  }
+  return html + "</figure>\n";
 }
 
 /// The worst, the median and the best picture of a split, each once.
@@ -317,8 +393,8 @@ std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset
                                                           Split split) {
   std::vector<std::pair<double, size_t>> ranked;
   for (const FrameScores& frame : evaluation.frames) {
-    if (frame.clip == leading_clip(evaluation) && dataset.frames[frame.frame].split == split &&
-        frame.scores.psnr_masked) {
+    if (frame.drawing == leading_drawing(evaluation) &&
+        dataset.frames[frame.frame].split == split && frame.scores.psnr_masked) {
       ranked.emplace_back(*frame.scores.psnr_masked, frame.frame);
     }
   }
@@ -338,8 +414,9 @@ std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset
 
 }  // namespace
 
-std::string evaluation_report(const Scene& scene, const Dataset& dataset,
+std::string evaluation_report(const Case& contents, const Dataset& dataset,
                               const Evaluation& evaluation) {
+  const Scene& scene = contents.scene;
   const std::string title = scene.title.empty() ? "Untitled scene" : scene.title;
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
@@ -361,13 +438,13 @@ std::string evaluation_report(const Scene& scene, const Dataset& dataset,
   for (const auto& [split, noise] : evaluation.noise_floor_db) {
     html += fmt::format("<h2>{}: truth and ours</h2>\n", split_title(split));
     for (const auto& [rank, frame] : chosen_frames(dataset, evaluation, split)) {
-      html += frame_html(scene, dataset, evaluation, frame, rank);
+      html += frame_html(contents, dataset, evaluation, frame, rank);
     }
   }
   html += fmt::format(
       "<p class=\"quiet\">Error: mean over RGB, from 0 <span class=\"scale\"></span> to {:.2f} "
       "and more. Pictures are ranked by the masked PSNR of {}.</p>\n",
-      kErrorScale, clip_operator_name(leading_clip(evaluation)));
+      kErrorScale, drawing_name(leading_drawing(evaluation)));
   return html + kDefinitions + "</main></body></html>\n";
 }
 

@@ -41,8 +41,8 @@ class ServerTest : public ::testing::Test {
     folder_ = fs::temp_directory_path() / ("clipgs_serve_" + std::to_string(::getpid()));
     fs::create_directories(folder_ / "cases");
     const Image thumbnail(32, 32, 3);
-    write_case(case_folder() / "head.sog", small_scene("A head"), &thumbnail);
-    write_case(case_folder() / "two words.sog", small_scene("Two words"), nullptr);
+    write_case(case_folder() / "head.sog", {small_scene("A head")}, &thumbnail);
+    write_case(case_folder() / "two words.sog", {small_scene("Two words")}, nullptr);
     const auto bytes = read_file(case_folder() / "head.sog");
     write_file(case_folder() / "broken.sog", bytes.data(), bytes.size() / 2);
     write_text(case_folder() / "notes.txt", "private");
@@ -135,7 +135,7 @@ TEST_F(ServerTest, ChangedCasesAreNoticed) {
   response = get("/cases/head.sog", {{"If-None-Match", etag}});
   EXPECT_EQ(response->status, 304);
   EXPECT_TRUE(response->body.empty());
-  write_case(case_folder() / "head.sog", small_scene("Another head"), nullptr);
+  write_case(case_folder() / "head.sog", {small_scene("Another head")}, nullptr);
   response = get("/cases/head.sog", {{"If-None-Match", etag}});
   EXPECT_EQ(response->status, 200);
   EXPECT_NE(response->get_header_value("ETag"), etag);

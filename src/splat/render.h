@@ -16,11 +16,14 @@ ClipOperator parse_clip_operator(const std::string& name);  ///< throws Error li
 const char* clip_operator_name(ClipOperator clip);
 
 /// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1]. `plane` empty: uncut.
+/// `front`: what the Gaussians lie behind, of the same size, premultiplied display sRGB and alpha;
+/// null: nothing.
 Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
-             ClipOperator clip);
+             ClipOperator clip, const Image* front = nullptr);
 
 /// The same from the slow double-precision reference that the fast rasteriser is held to.
 Image render_reference(const Gaussians& gaussians, const Camera& camera,
-                       const std::optional<Plane>& plane, ClipOperator clip);
+                       const std::optional<Plane>& plane, ClipOperator clip,
+                       const Image* front = nullptr);
 
 }  // namespace clipgs

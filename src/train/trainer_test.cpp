@@ -117,10 +117,13 @@ TEST_F(TrainerTest, WithASectionFacesAreRightAndTheSplatsFillTheRest) {
   const auto error = [&](const Trainer& trainer, bool faces) {
     double sum = 0;
     for (const Frame* frame : data.split(Split::kTrain)) {
-      Image picture = Rasterizer().forward(trainer.gaussians(), frame->camera, frame->plane, {});
+      Image front;
       if (faces && frame->plane) {
-        put_in_front(draw_faces(section, frame->camera, {&*frame->plane, 1}), picture);
+        front = draw_faces(section, frame->camera, {&*frame->plane, 1});
       }
+      Rasterizer rasterizer;
+      const Image& picture = rasterizer.forward(trainer.gaussians(), frame->camera, frame->plane,
+                                                {}, front.data.empty() ? nullptr : &front);
       const Image truth = composite(data.load(*frame), 0, 0, 0);
       for (size_t i = 0; i < truth.data.size(); ++i) {
         sum += std::pow(truth.data[i] - picture.data[i / 3 * 4 + i % 3], 2);

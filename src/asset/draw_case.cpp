@@ -1,0 +1,57 @@
+#include "asset/draw_case.h"
+
+#include "core/error.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr const char* kVolumeName = "volume";
+constexpr const char* kSplatsName = "splats";
+
+/// The faces of the cut, premultiplied; empty if splats show them.
+std::optional<Image> faces_of(const Case& contents, const Camera& camera,
+                              const std::optional<Plane>& plane, const DrawOptions& options) {
+  if (!contents.section || !plane || options.faces == FaceSource::kSplats) {
+    return std::nullopt;
+  }
+  const std::span<const Plane> planes(&*plane, 1);
+  if (options.reference) {
+    constexpr int kSamples = 3;
+    return draw_faces_reference(*contents.section, camera, planes, kSamples);
+  }
+  FaceOptions face_options;
+  face_options.style = options.style;
+  return draw_faces(*contents.section, camera, planes, face_options);
+}
+
+}  // namespace
+
+FaceSource parse_face_source(const std::string& name) {
+  if (name == kVolumeName) {
+    return FaceSource::kVolume;
+  }
+  if (name == kSplatsName) {
+    return FaceSource::kSplats;
+  }
+  throw Error("section \"{}\" does not exist; choose volume or splats", name);
+}
+
+const char* face_source_name(FaceSource source) {
+  return source == FaceSource::kVolume ? kVolumeName : kSplatsName;
+}
+
+Image draw_case(const Case& contents, const Camera& camera, const std::optional<Plane>& plane,
+                const DrawOptions& options) {
+  const std::optional<Image> faces = faces_of(contents, camera, plane, options);
+  const auto draw = options.reference ? render_reference : render;
+  return draw(contents.scene.gaussians, camera, plane, options.clip, faces ? &*faces : nullptr);
+}
+
+Image make_thumbnail(const Case& contents) {
+  constexpr int kSize = 256;
+  const Camera camera = frame_sphere(contents.scene.sphere, View{30, 10, 1}, kSize, kSize);
+  return draw_case(contents, camera, std::nullopt);
+}
+
+}  // namespace clipgs

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "asset/case.h"
+#include "section/faces.h"
+#include "splat/render.h"
+
+namespace clipgs {
+
+/// What draws the faces that a plane exposes.
+enum class FaceSource { kVolume, kSplats };
+
+FaceSource parse_face_source(const std::string& name);  ///< throws Error listing the names
+const char* face_source_name(FaceSource source);
+
+struct DrawOptions {
+  ClipOperator clip = ClipOperator::kExact;
+  FaceSource faces = FaceSource::kVolume;  ///< splats where the case has no section
+  FaceStyle style = {};
+  bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
+};
+
+/// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1]. `plane` empty: uncut.
+Image draw_case(const Case& contents, const Camera& camera, const std::optional<Plane>& plane,
+                const DrawOptions& options = {});
+
+/// A picture of the whole case for a list of cases: 256 × 256, RGBA, straight alpha.
+Image make_thumbnail(const Case& contents);
+
+}  // namespace clipgs

@@ -1,0 +1,55 @@
+#include "cli/section_step.h"
+
+#include <fmt/format.h>
+
+#include "asset/section_file.h"
+#include "section/fit_reflectance.h"
+
+namespace clipgs {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path section_file(const Dataset& dataset) { return dataset.folder / "section.zip"; }
+
+}  // namespace
+
+void add_section_options(CLI::App& command, SectionChoice& choice) {
+  command
+      .add_option("--section-size", choice.size,
+                  "Voxels along the longest side of the section, the volume that cut faces are "
+                  "drawn from")
+      ->check(CLI::Range(8, 1024))
+      ->capture_default_str();
+  command.add_flag("--no-section", choice.none, "No section: splats fill the cut faces");
+}
+
+void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
+                          const SectionChoice& choice) {
+  if (choice.none) {
+    fs::remove(section_file(dataset));
+    return;
+  }
+  Section section = make_section(volume, preset, {choice.size});
+  const ReflectanceFit fit = fit_reflectance(section, dataset);
+  write_section(section_file(dataset), section);
+  fmt::print(stderr,
+             "section: {} x {} x {} voxels, values to {:.2g}, light of the faces {:.1f} dB\n",
+             section.dims.x, section.dims.y, section.dims.z, section.value_error, fit.psnr_after);
+}
+
+std::optional<Section> read_dataset_section(const Dataset& dataset) {
+  const fs::path file = section_file(dataset);
+  return fs::exists(file) ? std::optional(read_section(file)) : std::nullopt;
+}
+
+void write_scene_section(const fs::path& scene, const Section* section) {
+  if (section != nullptr) {
+    write_section(section_path(scene), *section);
+  } else {
+    fs::remove(section_path(scene));
+  }
+}
+
+}  // namespace clipgs

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+
+#include "cinema/dataset.h"
+#include "section/section.h"
+
+namespace clipgs {
+
+// The section on its way from the volume to the case: DATASET/section.zip, SCENE.section.zip, CASE.
+
+/// --section-size and --no-section of the commands that make or pack one.
+struct SectionChoice {
+  int size = SectionOptions().size;  ///< voxels along the longest side
+  bool none = false;
+};
+
+void add_section_options(CLI::App& command, SectionChoice& choice);
+
+/// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them.
+/// `choice.none`: removes the one that is there.
+void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
+                          const SectionChoice& choice);
+
+/// The dataset's section, if it has one.
+std::optional<Section> read_dataset_section(const Dataset& dataset);
+
+/// Puts a section beside a scene; null: removes one that lies there.
+void write_scene_section(const std::filesystem::path& scene, const Section* section);
+
+}  // namespace clipgs
