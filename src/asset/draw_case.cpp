@@ -10,19 +10,18 @@ constexpr const char* kVolumeName = "volume";
 constexpr const char* kSplatsName = "splats";
 
 /// The faces of the cut, premultiplied; empty if splats show them.
-std::optional<Image> faces_of(const Case& contents, const Camera& camera,
-                              const std::optional<Plane>& plane, const DrawOptions& options) {
-  if (!contents.section || !plane || options.faces == FaceSource::kSplats) {
+std::optional<Image> faces_of(const Case& contents, const Camera& camera, const Cut& cut,
+                              const DrawOptions& options) {
+  if (!contents.section || cut.empty() || options.faces == FaceSource::kSplats) {
     return std::nullopt;
   }
-  const std::span<const Plane> planes(&*plane, 1);
   if (options.reference) {
     constexpr int kSamples = 3;
-    return draw_faces_reference(*contents.section, camera, planes, kSamples);
+    return draw_faces_reference(*contents.section, camera, cut.planes(), kSamples);
   }
   FaceOptions face_options;
   face_options.style = options.style;
-  return draw_faces(*contents.section, camera, planes, face_options);
+  return draw_faces(*contents.section, camera, cut.planes(), face_options);
 }
 
 }  // namespace
@@ -41,11 +40,11 @@ const char* face_source_name(FaceSource source) {
   return source == FaceSource::kVolume ? kVolumeName : kSplatsName;
 }
 
-Image draw_case(const Case& contents, const Camera& camera, const std::optional<Plane>& plane,
+Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options) {
-  const std::optional<Image> faces = faces_of(contents, camera, plane, options);
+  const std::optional<Image> faces = faces_of(contents, camera, cut, options);
   const auto draw = options.reference ? render_reference : render;
-  return draw(contents.scene.gaussians, camera, plane, options.clip, faces ? &*faces : nullptr);
+  return draw(contents.scene.gaussians, camera, cut, options.clip, faces ? &*faces : nullptr);
 }
 
 Image make_thumbnail(const Case& contents) {

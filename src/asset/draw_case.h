@@ -1,9 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "asset/case.h"
+#include "core/cut.h"
 #include "section/faces.h"
 #include "splat/render.h"
 
@@ -22,8 +22,8 @@ struct DrawOptions {
   bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
 };
 
-/// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1]. `plane` empty: uncut.
-Image draw_case(const Case& contents, const Camera& camera, const std::optional<Plane>& plane,
+/// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1].
+Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options = {});
 
 /// A picture of the whole case for a list of cases: 256 × 256, RGBA, straight alpha.

@@ -60,17 +60,43 @@ View parse_view(const std::string& text) {
   return view;
 }
 
+namespace {
+
+/// The plane of the first four numbers.
+Plane plane_of(const std::vector<float>& n, const std::string& option) {
+  const Vec3 normal(n[0], n[1], n[2]);
+  const float length = glm::length(normal);
+  if (!(length > 0)) {
+    throw CLI::ValidationError(option, "the normal must not be 0,0,0");
+  }
+  return {normal / length, n[3] / length};
+}
+
+}  // namespace
+
 std::optional<Plane> parse_plane(const std::string& text) {
   if (text.empty()) {
     return std::nullopt;
   }
-  const std::vector<float> n = parse_numbers(text, 4, 4, "--plane");
-  const Vec3 normal(n[0], n[1], n[2]);
-  const float length = glm::length(normal);
-  if (!(length > 0)) {
-    throw CLI::ValidationError("--plane", "the normal must not be 0,0,0");
+  return plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane");
+}
+
+Cut parse_cut(const std::vector<std::string>& planes, const std::string& slab) {
+  std::vector<Plane> result;
+  result.reserve(planes.size() + 2);
+  for (const std::string& text : planes) {
+    result.push_back(plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane"));
   }
-  return Plane{normal / length, n[3] / length};
+  if (!slab.empty()) {
+    const std::vector<float> n = parse_numbers(slab, 5, 5, "--slab");
+    const Plane near = plane_of(n, "--slab");
+    if (!(n[4] > 0)) {
+      throw CLI::ValidationError("--slab", "the thickness must be greater than 0");
+    }
+    result.push_back(near);
+    result.push_back({-near.normal, -(near.offset + n[4])});
+  }
+  return Cut(result);
 }
 
 Window parse_window(const std::string& text) {
@@ -93,16 +119,18 @@ Window parse_window(const std::string& text) {
   return {n[0], n[1]};
 }
 
-void warn_if_plane_misses(const std::optional<Plane>& plane, const Box& bounds) {
-  if (!plane || bounds.empty()) {
+void warn_if_plane_misses(const Cut& cut, const Box& bounds) {
+  if (bounds.empty()) {
     return;
   }
-  const Vec2 extent = project_box(bounds, plane->normal);
-  if (plane->offset <= extent.x || plane->offset >= extent.y) {
-    warn(
-        fmt::format("the plane misses what is visible, which spans {:.1f} to {:.1f} mm along its "
-                    "normal: {} is cut away",
-                    extent.x, extent.y, plane->offset <= extent.x ? "nothing" : "everything"));
+  for (const Plane& plane : cut.planes()) {
+    const Vec2 extent = project_box(bounds, plane.normal);
+    if (plane.offset <= extent.x || plane.offset >= extent.y) {
+      warn(
+          fmt::format("the plane misses what is visible, which spans {:.1f} to {:.1f} mm along its "
+                      "normal: {} is cut away",
+                      extent.x, extent.y, plane.offset <= extent.x ? "nothing" : "everything"));
+    }
   }
 }
 

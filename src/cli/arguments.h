@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/camera.h"
-#include "core/geometry.h"
+#include "core/cut.h"
 #include "section/faces.h"
 
 namespace clipgs {
@@ -21,6 +21,10 @@ View parse_view(const std::string& text);
 /// "nx,ny,nz,c": the kept side is n·x ≥ c in RAS mm; n is normalised, c scaled alike. Empty: none.
 std::optional<Plane> parse_plane(const std::string& text);
 
+/// What `planes` (each as above) and `slab` keep together; "nx,ny,nz,c,thickness" keeps
+/// c <= n·x <= c + thickness.
+Cut parse_cut(const std::vector<std::string>& planes, const std::string& slab);
+
 /// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
 /// soft-tissue, bone, lung, brain.
 Window parse_window(const std::string& text);
@@ -29,7 +33,7 @@ Window parse_window(const std::string& text);
 std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,
                                  const std::string& option);
 
-/// Warns if the plane misses the box: nothing is cut, or everything.
-void warn_if_plane_misses(const std::optional<Plane>& plane, const Box& bounds);
+/// Warns if a plane misses the box: nothing is cut, or everything.
+void warn_if_plane_misses(const Cut& cut, const Box& bounds);
 
 }  // namespace clipgs

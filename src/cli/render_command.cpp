@@ -15,7 +15,8 @@ struct RenderArguments {
   std::string scene;
   std::string output;
   std::string view = "0,0";
-  std::string plane;
+  std::vector<std::string> planes;
+  std::string slab;
   std::string clip = "exact";
   std::string section;
   float grey = 0;
@@ -41,7 +42,7 @@ FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
 void run_render(const RenderArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
-  const std::optional<Plane> plane = parse_plane(arguments.plane);
+  const Cut cut = parse_cut(arguments.planes, arguments.slab);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
@@ -49,9 +50,9 @@ void run_render(const RenderArguments& arguments) {
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
-  warn_if_plane_misses(plane, contents.scene.bounds);
+  warn_if_plane_misses(cut, contents.scene.bounds);
   const Camera camera = frame_sphere(contents.scene.sphere, view, size.x, size.y);
-  write_png(arguments.output, draw_case(contents, camera, plane, options));
+  write_png(arguments.output, draw_case(contents, camera, cut, options));
 }
 
 }  // namespace
@@ -63,8 +64,14 @@ void add_render_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Picture to write (RGBA PNG)")->required();
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
-  command->add_option("--plane", arguments->plane,
-                      "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given");
+  command
+      ->add_option("--plane", arguments->planes,
+                   "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given, and given again: "
+                   "what all of them keep")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--slab", arguments->slab,
+                      "Two cuts: nx,ny,nz,c,thickness keeps c <= n·x <= c + thickness");
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
   command

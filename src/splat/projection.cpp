@@ -132,12 +132,67 @@ Conditional condition(const Projection& p, const PlaneView& v) {
   return e;
 }
 
+/// Share that the soft operator keeps of a Gaussian.
+float soft_share(const Projection& p, const Vec3& mean, std::span<const Plane> planes) {
+  float product = 1;
+  float last = 1;
+  for (size_t k = 0; k < planes.size(); ++k) {
+    const PlaneView v = see_plane(p, mean, planes[k]);
+    const float share = std::clamp(0.5f + v.d / (2 * std::sqrt(v.variance)), 0.0f, 1.0f);
+    if (k > 0 && are_opposite(planes[k - 1], planes[k])) {
+      last = std::max(0.0f, last + share - 1);
+    } else {
+      product *= last;
+      last = share;
+    }
+  }
+  return product * last;
+}
+
+/// What the planes leave of a Gaussian; false: nothing.
+bool cut(const Projection& p, const Vec3& mean, std::span<const Plane> planes,
+         const RasterOptions& options, Splat& splat, PlaneCut* more) {
+  splat.clipped = 0;
+  splat.z0 = splat.zx = splat.zy = 0;
+  if (options.clip == ClipOperator::kSoft) {
+    splat.opacity *= soft_share(p, mean, planes);
+  }
+  if (options.clip != ClipOperator::kExact) {
+    return true;
+  }
+  const Plane* before = nullptr;  // the plane before, if it cuts the Gaussian
+  for (const Plane& plane : planes) {
+    const PlaneView v = see_plane(p, mean, plane);
+    const float deviation = std::sqrt(v.variance);
+    if (v.d < -options.clip_sigma * deviation) {
+      return false;
+    }
+    if (v.d >= options.clip_sigma * deviation) {
+      before = nullptr;
+      continue;
+    }
+    const Conditional e = condition(p, v);
+    const Vec3 z(v.d * e.inv_s, e.k.x * e.inv_s, e.k.y * e.inv_s);
+    if (splat.clipped == 0) {
+      splat.z0 = z.x;
+      splat.zx = z.y;
+      splat.zy = z.z;
+    } else {
+      more[splat.clipped - 1] = {z.x, z.y, z.z, before != nullptr && are_opposite(*before, plane)};
+    }
+    ++splat.clipped;
+    before = &plane;
+  }
+  return true;
+}
+
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
 
 }  // namespace
 
 bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
-             const std::optional<Plane>& plane, const RasterOptions& options, Splat& splat) {
+             std::span<const Plane> planes, const RasterOptions& options, Splat& splat,
+             PlaneCut* more) {
   const Vec3 mean = gaussians.mean(i);
   const Vec3 t = camera.to_camera(mean);
   if (!in_front(t)) {
@@ -147,29 +202,13 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   if (splat.opacity < options.alpha_min) {
     return false;
   }
-  if (plane && options.clip == ClipOperator::kHard && plane->signed_distance(mean) < 0) {
+  if (options.clip == ClipOperator::kHard &&
+      std::ranges::any_of(planes, [&](const Plane& p) { return p.signed_distance(mean) < 0; })) {
     return false;
   }
   const Projection p = project_geometry(gaussians, i, camera, t);
-  splat.clipped = 0;
-  splat.z0 = splat.zx = splat.zy = 0;
-  if (plane && options.clip != ClipOperator::kHard) {
-    const PlaneView v = see_plane(p, mean, *plane);
-    const float deviation = std::sqrt(v.variance);
-    if (options.clip == ClipOperator::kSoft) {
-      splat.opacity *= std::clamp(0.5f + v.d / (2 * deviation), 0.0f, 1.0f);
-      if (splat.opacity < options.alpha_min) {
-        return false;
-      }
-    } else if (v.d < -options.clip_sigma * deviation) {
-      return false;
-    } else if (v.d < options.clip_sigma * deviation) {
-      const Conditional e = condition(p, v);
-      splat.clipped = 1;
-      splat.z0 = v.d * e.inv_s;
-      splat.zx = e.k.x * e.inv_s;
-      splat.zy = e.k.y * e.inv_s;
-    }
+  if (!cut(p, mean, planes, options, splat, more) || splat.opacity < options.alpha_min) {
+    return false;
   }
   splat.x = camera.fx * t.x / t.z + camera.cx;
   splat.y = camera.fy * t.y / t.z + camera.cy;
@@ -193,8 +232,9 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
 }
 
 void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
-                      const std::optional<Plane>& plane, const RasterOptions& options,
+                      std::span<const Plane> planes, const RasterOptions& options,
                       const Splat& splat, const SplatGradient& g, Gaussians& gradients) {
+  const Plane* const plane = planes.empty() ? nullptr : planes.data();
   const Vec3 mean = gaussians.mean(i);
   const Projection p = project_geometry(gaussians, i, camera, camera.to_camera(mean));
 
@@ -207,7 +247,7 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
   Mat3 g_m(0);
   Rows g_b{Vec3(0), Vec3(0)};
   float soft = 1;
-  if (plane && options.clip == ClipOperator::kSoft) {
+  if (plane != nullptr && options.clip == ClipOperator::kSoft) {
     const PlaneView v = see_plane(p, mean, *plane);
     const float deviation = std::sqrt(v.variance);
     const float w = 0.5f + v.d / (2 * deviation);
@@ -219,7 +259,7 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
       g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);
     }
   }
-  if (plane && splat.clipped != 0) {
+  if (plane != nullptr && splat.clipped != 0) {
     const PlaneView v = see_plane(p, mean, *plane);
     const Conditional e = condition(p, v);
     g_center -= g.e * Vec2(splat.zx, splat.zy);  // z moves with the centre

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <vector>
+#include <span>
 
 #include "core/camera.h"
+#include "core/cut.h"
 #include "splat/gaussians.h"
 #include "splat/render.h"
 
@@ -27,7 +27,8 @@ constexpr float kNearPlane = 1.0f;
 
 /// A Gaussian on the image plane: all that a pixel needs. 64 bytes, one cache line.
 /// With δ = pixel − center: α(δ) = min(alpha_max, opacity · Φ(z) · exp(qa·δx² + qb·δxδy + qc·δy²)),
-/// z = z0 + zx·δx + zy·δy, where Φ(z) is there only for `clipped` ones.
+/// z = z0 + zx·δx + zy·δy, where Φ(z) is there only for `clipped` ones. What more planes than one
+/// leave of a Gaussian is the product of their Φ, or Φ₁ + Φ₂ − 1 of opposite ones.
 struct alignas(64) Splat {
   float x, y;                ///< projected centre, px
   float qa, qb, qc;          ///< −½·Σ₂⁻¹ with the off-diagonal doubled
@@ -36,7 +37,13 @@ struct alignas(64) Splat {
   float z0, zx, zy;          ///< exact operator: standardised plane distance and its slope per px
   float extent_x, extent_y;  ///< half size of the box where α ≥ alpha_min, px
   float depth;               ///< camera z, mm
-  std::uint32_t clipped;     ///< whether Φ(z) applies
+  std::uint32_t clipped;     ///< planes that cut it: 0 none, 1 this one, more: see PlaneCut
+};
+
+/// One more plane that cuts a Gaussian.
+struct PlaneCut {
+  float z0, zx, zy;
+  bool opposite;  ///< to the one before
 };
 
 /// Gradient of a loss with respect to the numbers of one Splat, as moments over pixels: with
@@ -48,14 +55,16 @@ struct SplatGradient {
 };
 
 /// Projects Gaussian `i`; false if it is invisible (behind the camera, outside the frame, cut away,
-/// or too faint).
+/// or too faint). `more` has room for all planes but one: what the exact operator does with the
+/// second and further planes that cut it.
 bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
-             const std::optional<Plane>& plane, const RasterOptions& options, Splat& splat);
+             std::span<const Plane> planes, const RasterOptions& options, Splat& splat,
+             PlaneCut* more);
 
-/// Chain rule through `project`: writes ∂L/∂parameter of Gaussian `i` into every plane of
-/// `gradients`. `splat` is what `project` returned for it.
+/// Chain rule through `project` for one plane or none: writes ∂L/∂parameter of Gaussian `i` into
+/// every plane of `gradients`. `splat` is what `project` returned for it.
 void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
-                      const std::optional<Plane>& plane, const RasterOptions& options,
+                      std::span<const Plane> planes, const RasterOptions& options,
                       const Splat& splat, const SplatGradient& gradient, Gaussians& gradients);
 
 }  // namespace clipgs

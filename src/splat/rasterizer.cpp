@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "splat/tile_kernel.h"
 
@@ -50,10 +51,14 @@ void for_tile_pixels(const Image& image, int tile_x, int tile_y, const Body& bod
 
 void Rasterizer::project_all(const Gaussians& gaussians) {
   projected_.resize(gaussians.size());
+  const size_t more = more_planes();
+  more_cuts_.resize(gaussians.size() * more);
   visible_.resize(gaussians.size());
   parallel_for(gaussians.size(), kGaussianGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      visible_[i] = project(gaussians, i, camera_, plane_, options_, projected_[i]) ? 1 : 0;
+      const bool seen = project(gaussians, i, camera_, cut_.planes(), options_, projected_[i],
+                                more_cuts_.data() + i * more);
+      visible_[i] = seen ? 1 : 0;
     }
   });
   order_.clear();
@@ -86,10 +91,14 @@ void Rasterizer::sort_by_depth() {
     order_.swap(sort_scratch_);
   }
   splats_.resize(order_.size());
+  const size_t more = more_planes();
+  cuts_.resize(order_.size() * more);
   rank_.resize(projected_.size());
   parallel_for(order_.size(), kGaussianGrain, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       splats_[k] = projected_[order_[k]];
+      std::copy_n(more_cuts_.begin() + static_cast<std::ptrdiff_t>(order_[k] * more), more,
+                  cuts_.begin() + static_cast<std::ptrdiff_t>(k * more));
       rank_[order_[k]] = static_cast<std::uint32_t>(k);
     }
   });
@@ -144,12 +153,11 @@ void Rasterizer::bin_into_tiles() {
   });
 }
 
-const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camera,
-                                 const std::optional<Plane>& plane, const RasterOptions& options,
-                                 const Image* front) {
+const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
+                                 const RasterOptions& options, const Image* front) {
   front_ = front != nullptr ? *front : Image();
   camera_ = camera;
-  plane_ = plane;
+  cut_ = cut;
   options_ = options;
   tiles_x_ = (camera.width + kTileSize - 1) / kTileSize;
   tiles_y_ = (camera.height + kTileSize - 1) / kTileSize;
@@ -169,9 +177,10 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
     const std::uint32_t begin = tile_begin_[tile_index];
     Tile tile;
     load_front(tx, ty, tile);
-    used_[tile_index] = static_cast<std::uint32_t>(tile_forward(
-        splats_.data(), list_.data() + begin, tile_begin_[tile_index + 1] - begin,
-        static_cast<float>(tx * kTileSize), static_cast<float>(ty * kTileSize), limits, tile));
+    used_[tile_index] = static_cast<std::uint32_t>(
+        tile_forward(splats_.data(), {cuts_.data(), more_planes()}, list_.data() + begin,
+                     tile_begin_[tile_index + 1] - begin, static_cast<float>(tx * kTileSize),
+                     static_cast<float>(ty * kTileSize), limits, tile));
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
       float* out = &image_.data[pixel * 4];
       out[0] = tile.r[at];
@@ -185,6 +194,9 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
 
 void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradient,
                           Gaussians& gradients) {
+  if (more_planes() > 0) {
+    throw Error("gradients are there for one plane only, not for {}", cut_.planes().size());
+  }
   const TileLimits limits = limits_of(options_);
   instance_gradients_.resize(list_.size());
   parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
@@ -225,7 +237,8 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
       const std::uint32_t k = rank_[i];
       const SplatGradient gradient = summed_gradient(k);
       if (gradient.h != 0 || gradient.r != 0 || gradient.g != 0 || gradient.b != 0) {
-        project_backward(gaussians, i, camera_, plane_, options_, splats_[k], gradient, gradients);
+        project_backward(gaussians, i, camera_, cut_.planes(), options_, splats_[k], gradient,
+                         gradients);
         has_gradient_[i] = 1;
       }
     }

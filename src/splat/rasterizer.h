@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
+#include "core/cut.h"
 #include "core/image.h"
 #include "splat/projection.h"
 #include "splat/tile_kernel.h"
@@ -18,13 +18,12 @@ class Rasterizer {
   /// Draws `gaussians` into [height, width, 4]: premultiplied display sRGB and alpha. They lie
   /// behind `front` (same shape and convention; null: nothing), such as the faces that a plane
   /// exposes.
-  const Image& forward(const Gaussians& gaussians, const Camera& camera,
-                       const std::optional<Plane>& plane, const RasterOptions& options,
-                       const Image* front = nullptr);
+  const Image& forward(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
+                       const RasterOptions& options, const Image* front = nullptr);
 
-  /// Given ∂L/∂image of the last `forward` (same shape), writes ∂L/∂parameter for every Gaussian
-  /// that reached a pixel. Planes of others, whose gradient is 0, are left as they are: ask
-  /// `reached`.
+  /// Given ∂L/∂image of the last `forward` (same shape; one plane at most), writes ∂L/∂parameter
+  /// for every Gaussian that reached a pixel. Planes of others, whose gradient is 0, are left as
+  /// they are: ask `reached`.
   void backward(const Gaussians& gaussians, const Image& image_gradient, Gaussians& gradients);
 
   /// Ascending indices of the Gaussians whose gradient the last `backward` wrote. The rest were cut
@@ -32,6 +31,7 @@ class Rasterizer {
   const std::vector<std::uint32_t>& reached() const { return reached_; }
 
  private:
+  size_t more_planes() const { return cut_.empty() ? 0 : cut_.planes().size() - 1; }
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
@@ -39,7 +39,7 @@ class Rasterizer {
   SplatGradient summed_gradient(std::uint32_t splat) const;
 
   Camera camera_;
-  std::optional<Plane> plane_;
+  Cut cut_;
   RasterOptions options_;
   Image image_;
   Image front_;  // empty: nothing
@@ -47,9 +47,11 @@ class Rasterizer {
   int tiles_y_ = 0;
 
   std::vector<Splat> projected_;       // of each Gaussian; meaningful where visible_
+  std::vector<PlaneCut> more_cuts_;    // planes beyond the first, of each Gaussian
   std::vector<std::uint8_t> visible_;  // of each Gaussian
   std::vector<std::uint32_t> order_;   // drawn Gaussians, near to far
   std::vector<Splat> splats_;          // the same, gathered
+  std::vector<PlaneCut> cuts_;         // the same of more_cuts_
   std::vector<std::uint32_t> rank_;    // of each drawn Gaussian: its place in order_
   std::vector<std::uint32_t> sort_scratch_;
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
 #include "splat/clip.h"
@@ -76,6 +77,34 @@ TEST_P(ClipTest, FastPictureEqualsReference) {
     // A contribution just at 1/255 may fall on either side.
     EXPECT_LT(worst, 1.5 / 255);
     EXPECT_LT(total / static_cast<double>(slow.size()), 2e-5);
+  }
+}
+
+TEST_P(ClipTest, SeveralPlanesEqualTheReference) {
+  const Gaussians cloud = random_cloud(300, 1, 9);
+  const Camera camera = test_camera(64, 48);
+  const Plane other{glm::normalize(Vec3(-0.6f, 0.4f, 0.2f)), -6};
+  const Plane back{-kPlane.normal, -kPlane.offset - 4};  // a slab of 4 mm, thinner than most
+  for (const std::vector<Plane>& planes :
+       {std::vector{kPlane, other}, std::vector{kPlane, back}, std::vector{kPlane, other, back}}) {
+    RasterOptions options;
+    options.clip = GetParam();
+    const Cut cut(planes);
+    Rasterizer rasterizer;
+    const Image& fast = rasterizer.forward(cloud, camera, cut, options);
+    const std::vector<double> slow =
+        reference_render(as_doubles(cloud), cloud.size(), 1, camera, cut, options);
+    double total = 0;
+    double light = 0;
+    for (size_t i = 0; i < slow.size(); ++i) {
+      ASSERT_NEAR(fast.data[i], slow[i], 1.5 / 255);
+      total += std::abs(fast.data[i] - slow[i]);
+      light += slow[i];
+    }
+    EXPECT_GT(light, 1);
+    EXPECT_LT(total / static_cast<double>(slow.size()), 2e-5);
+    Gaussians gradients = cloud;
+    EXPECT_THROW(rasterizer.backward(cloud, Image(fast), gradients), Error);
   }
 }
 

@@ -20,12 +20,37 @@ struct ReferenceSplat {
   glm::dmat2 conic;
   double opacity;
   DVec3 color;
-  bool clipped;
-  double distance;  // d(μ)
-  DVec2 k;
-  double s;
   double depth;
+  struct Conditional {
+    const Plane* plane;
+    double distance;  // d(μ)
+    DVec2 k;
+    double s;
+  };
+  std::vector<Conditional> cuts;
 };
+
+/// What planes leave together, each leaving share(k): opposite ones what is between them.
+template <typename Share>
+double share_of_planes(const std::vector<const Plane*>& planes, const Share& share) {
+  double product = 1;
+  std::vector<bool> taken(planes.size(), false);
+  for (size_t k = 0; k < planes.size(); ++k) {
+    if (taken[k]) {
+      continue;
+    }
+    double left = share(k);
+    for (size_t other = k + 1; other < planes.size(); ++other) {
+      if (!taken[other] && are_opposite(*planes[k], *planes[other])) {
+        left = std::max(0.0, left + share(other) - 1);
+        taken[other] = true;
+        break;
+      }
+    }
+    product *= left;
+  }
+  return product;
+}
 
 double normal_cdf(double x) {
   return 1.0 / (1.0 + std::exp(-(double{kCdfLinear} * x + double{kCdfCubic} * x * x * x)));
@@ -65,8 +90,8 @@ class ReferenceScene {
 
   double plane(int k, size_t i) const { return p_[static_cast<size_t>(k) * count_ + i]; }
 
-  bool project(size_t i, const Camera& camera, const std::optional<Plane>& cut,
-               const RasterOptions& options, ReferenceSplat& out) const {
+  bool project(size_t i, const Camera& camera, const Cut& cut, const RasterOptions& options,
+               ReferenceSplat& out) const {
     const DVec3 mean(plane(0, i), plane(1, i), plane(2, i));
     const DMat3 w(camera.rotation);
     const DVec3 position(camera.position);
@@ -95,31 +120,33 @@ class ReferenceScene {
     out.center = {fx * t.x / t.z + camera.cx, fy * t.y / t.z + camera.cy};
     out.depth = t.z;
     out.opacity = 1 / (1 + std::exp(-plane(Gaussians::kOpacity, i)));
-    out.clipped = false;
-    if (cut) {
-      const DVec3 n(cut->normal);
-      out.distance = glm::dot(n, mean) - cut->offset;
+    out.cuts.clear();
+    std::vector<double> shares;
+    std::vector<const Plane*> planes;
+    for (const Plane& plane : cut.planes()) {
+      const DVec3 n(plane.normal);
+      const double distance = glm::dot(n, mean) - plane.offset;
       const double s_n = std::sqrt(glm::dot(n, sigma * n));
-      switch (options.clip) {
-        case ClipOperator::kHard:
-          if (out.distance < 0) {
-            return false;
-          }
-          break;
-        case ClipOperator::kSoft:
-          out.opacity *= std::clamp(0.5 + out.distance / (2 * s_n), 0.0, 1.0);
-          break;
-        case ClipOperator::kExact:
-          if (out.distance < -options.clip_sigma * s_n) {
-            return false;
-          }
-          out.clipped = out.distance < options.clip_sigma * s_n;
-          const DVec2 c = a * (sigma * n);
-          out.k = out.conic * c;
-          out.s = std::sqrt(std::max(s_n * s_n - glm::dot(c, out.k),
-                                     double{kMinConditionalVariance} * s_n * s_n));
-          break;
+      planes.push_back(&plane);
+      shares.push_back(std::clamp(0.5 + distance / (2 * s_n), 0.0, 1.0));
+      if (options.clip == ClipOperator::kHard && distance < 0) {
+        return false;
       }
+      if (options.clip == ClipOperator::kExact) {
+        if (distance < -options.clip_sigma * s_n) {
+          return false;
+        }
+        if (distance < options.clip_sigma * s_n) {
+          const DVec2 c = a * (sigma * n);
+          const DVec2 k = out.conic * c;
+          out.cuts.push_back({&plane, distance, k,
+                              std::sqrt(std::max(s_n * s_n - glm::dot(c, k),
+                                                 double{kMinConditionalVariance} * s_n * s_n))});
+        }
+      }
+    }
+    if (options.clip == ClipOperator::kSoft) {
+      out.opacity *= share_of_planes(planes, [&](size_t k) { return shares[k]; });
     }
     double y[sh_coefficients(kMaxShDegree)];
     basis(degree_, glm::normalize(mean - position), y);
@@ -142,14 +169,13 @@ class ReferenceScene {
 }  // namespace
 
 std::vector<double> reference_render(const std::vector<double>& parameters, size_t count,
-                                     int sh_degree, const Camera& camera,
-                                     const std::optional<Plane>& plane,
+                                     int sh_degree, const Camera& camera, const Cut& cut,
                                      const RasterOptions& options) {
   const ReferenceScene scene(parameters, count, sh_degree);
   std::vector<ReferenceSplat> splats;
   for (size_t i = 0; i < count; ++i) {
     ReferenceSplat splat{};
-    if (scene.project(i, camera, plane, options, splat)) {
+    if (scene.project(i, camera, cut, options, splat)) {
       splats.push_back(splat);
     }
   }
@@ -163,9 +189,14 @@ std::vector<double> reference_render(const std::vector<double>& parameters, size
       for (const ReferenceSplat& s : splats) {
         const DVec2 delta = DVec2(px + 0.5, py + 0.5) - s.center;
         double alpha = s.opacity * std::exp(-0.5 * glm::dot(delta, s.conic * delta));
-        if (s.clipped) {
-          alpha *= normal_cdf((s.distance + glm::dot(s.k, delta)) / s.s);
+        std::vector<const Plane*> planes;
+        for (const auto& conditional : s.cuts) {
+          planes.push_back(conditional.plane);
         }
+        alpha *= share_of_planes(planes, [&](size_t k) {
+          const auto& e = s.cuts[k];
+          return normal_cdf((e.distance + glm::dot(e.k, delta)) / e.s);
+        });
         alpha = std::min(alpha, double{options.alpha_max});
         if (alpha < options.alpha_min || transmittance < options.transmittance_min) {
           continue;

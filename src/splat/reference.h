@@ -9,8 +9,7 @@ namespace clipgs {
 /// §3 written down formula by formula, every Gaussian at every pixel. Returns [height, width, 4]
 /// premultiplied doubles; `parameters` is laid out as Gaussians::data().
 std::vector<double> reference_render(const std::vector<double>& parameters, size_t count,
-                                     int sh_degree, const Camera& camera,
-                                     const std::optional<Plane>& plane,
+                                     int sh_degree, const Camera& camera, const Cut& cut,
                                      const RasterOptions& options);
 
 }  // namespace clipgs

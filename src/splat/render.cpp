@@ -51,22 +51,22 @@ const char* clip_operator_name(ClipOperator clip) {
   return kOperators[static_cast<size_t>(clip)].name;
 }
 
-Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
-             ClipOperator clip, const Image* front) {
+Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
+             const Image* front) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
-  const Image& image = rasterizer.forward(gaussians, camera, plane, options, front);
+  const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
 }
 
-Image render_reference(const Gaussians& gaussians, const Camera& camera,
-                       const std::optional<Plane>& plane, ClipOperator clip, const Image* front) {
+Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
+                       ClipOperator clip, const Image* front) {
   RasterOptions options;
   options.clip = clip;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image =
-      reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, plane, options);
+      reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, cut, options);
   for (size_t i = 0; front != nullptr && i < image.size(); ++i) {
     image[i] = front->data[i] + (1.0 - front->data[i / 4 * 4 + 3]) * image[i];
   }

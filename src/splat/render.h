@@ -1,9 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "core/camera.h"
+#include "core/cut.h"
 #include "core/image.h"
 #include "splat/gaussians.h"
 
@@ -15,15 +15,14 @@ enum class ClipOperator { kHard, kSoft, kExact };
 ClipOperator parse_clip_operator(const std::string& name);  ///< throws Error listing the names
 const char* clip_operator_name(ClipOperator clip);
 
-/// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1]. `plane` empty: uncut.
+/// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1].
 /// `front`: what the Gaussians lie behind, of the same size, premultiplied display sRGB and alpha;
 /// null: nothing.
-Image render(const Gaussians& gaussians, const Camera& camera, const std::optional<Plane>& plane,
-             ClipOperator clip, const Image* front = nullptr);
+Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
+             const Image* front = nullptr);
 
 /// The same from the slow double-precision reference that the fast rasteriser is held to.
-Image render_reference(const Gaussians& gaussians, const Camera& camera,
-                       const std::optional<Plane>& plane, ClipOperator clip,
-                       const Image* front = nullptr);
+Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
+                       ClipOperator clip, const Image* front = nullptr);
 
 }  // namespace clipgs

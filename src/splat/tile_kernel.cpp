@@ -73,8 +73,31 @@ HWY_INLINE V pixel_dx(int x, float x0, const Splat& s) {
   return hn::Sub(hn::Iota(d, static_cast<float>(x)), hn::Set(d, s.x - x0 - 0.5f));
 }
 
-template <bool kClipped>
-void blend(const Splat& s, float x0, float y0, const TileLimits& limits, Tile& tile) {
+/// What all planes leave: `cdf` is that of the first.
+HWY_INLINE V share_of_planes(V cdf, const PlaneCut* more, std::uint32_t count, V dx, float dy) {
+  const D d;
+  const V one = hn::Set(d, 1.0f);
+  V product = one;
+  V last = cdf;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const PlaneCut& cut = more[k];
+    const V next = normal_cdf(hn::MulAdd(hn::Set(d, cut.zx), dx, hn::Set(d, cut.z0 + cut.zy * dy)));
+    if (cut.opposite) {
+      last = hn::Max(hn::Sub(hn::Add(last, next), one), hn::Zero(d));
+    } else {
+      product = hn::Mul(product, last);
+      last = next;
+    }
+  }
+  return hn::Mul(product, last);
+}
+
+/// How many planes cut a splat, as far as it makes other code.
+enum class Planes { kNone, kOne, kMany };
+
+template <Planes kPlanes>
+void blend(const Splat& s, const PlaneCut* more, float x0, float y0, const TileLimits& limits,
+           Tile& tile) {
   const D d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const Window w = window_of(s, x0, y0);
@@ -82,7 +105,12 @@ void blend(const Splat& s, float x0, float y0, const TileLimits& limits, Tile& t
     const float dy = y0 + static_cast<float>(y) + 0.5f - s.y;
     for (int x = w.x_begin; x < w.x_end; x += lanes) {
       V z, cdf;
-      V alpha = alpha_at<kClipped>(s, pixel_dx(x, x0, s), dy, z, cdf);
+      const V dx = pixel_dx(x, x0, s);
+      V alpha = alpha_at < kPlanes == Planes::kOne > (s, dx, dy, z, cdf);
+      if constexpr (kPlanes == Planes::kMany) {
+        const V first = normal_cdf(hn::MulAdd(hn::Set(d, s.zx), dx, hn::Set(d, s.z0 + s.zy * dy)));
+        alpha = hn::Mul(alpha, share_of_planes(first, more, s.clipped - 1, dx, dy));
+      }
       alpha = hn::Min(alpha, hn::Set(d, limits.alpha_max));
       const int at = y * kTileSize + x;
       const V t = hn::Load(d, tile.t + at);
@@ -107,18 +135,20 @@ bool all_finished(const Tile& tile, float transmittance_min) {
   return hn::GetLane(hn::MaxOfLanes(d, most)) < transmittance_min;
 }
 
-size_t forward(const Splat* splats, const std::uint32_t* list, size_t count, float x0, float y0,
-               const TileLimits& limits, Tile& tile) {
+size_t forward(const Splat* splats, const MoreCuts& more, const std::uint32_t* list, size_t count,
+               float x0, float y0, const TileLimits& limits, Tile& tile) {
   constexpr size_t kCheckEvery = 16;
   if (all_finished(tile, limits.transmittance_min)) {
     return 0;
   }
   for (size_t k = 0; k < count; ++k) {
     const Splat& s = splats[list[k]];
-    if (s.clipped != 0) {
-      blend<true>(s, x0, y0, limits, tile);
+    if (s.clipped == 0) {
+      blend<Planes::kNone>(s, nullptr, x0, y0, limits, tile);
+    } else if (s.clipped == 1) {
+      blend<Planes::kOne>(s, nullptr, x0, y0, limits, tile);
     } else {
-      blend<false>(s, x0, y0, limits, tile);
+      blend<Planes::kMany>(s, more.cuts + list[k] * more.stride, x0, y0, limits, tile);
     }
     if (k % kCheckEvery == kCheckEvery - 1 && all_finished(tile, limits.transmittance_min)) {
       return k + 1;
@@ -235,9 +265,9 @@ namespace clipgs {
 HWY_EXPORT(forward);
 HWY_EXPORT(backward);
 
-size_t tile_forward(const Splat* splats, const std::uint32_t* list, size_t count, float x0,
-                    float y0, const TileLimits& limits, Tile& tile) {
-  return HWY_DYNAMIC_DISPATCH(forward)(splats, list, count, x0, y0, limits, tile);
+size_t tile_forward(const Splat* splats, const MoreCuts& more, const std::uint32_t* list,
+                    size_t count, float x0, float y0, const TileLimits& limits, Tile& tile) {
+  return HWY_DYNAMIC_DISPATCH(forward)(splats, more, list, count, x0, y0, limits, tile);
 }
 
 void tile_backward(const Splat* splats, const std::uint32_t* list, const std::uint32_t* slots,

@@ -24,14 +24,20 @@ struct TileLimits {
   float alpha_min, alpha_max, transmittance_min;
 };
 
+/// The planes beyond the first that cut splats: `stride` entries a splat.
+struct MoreCuts {
+  const PlaneCut* cuts = nullptr;
+  size_t stride = 0;
+};
+
 /// Blends `splats[list[0…count)]`, front to back, behind what is in the tile, whose first pixel is
 /// (x0, y0). Returns how many entries of the list were looked at before every pixel was finished.
-size_t tile_forward(const Splat* splats, const std::uint32_t* list, size_t count, float x0,
-                    float y0, const TileLimits& limits, Tile& tile);
+size_t tile_forward(const Splat* splats, const MoreCuts& more, const std::uint32_t* list,
+                    size_t count, float x0, float y0, const TileLimits& limits, Tile& tile);
 
-/// Adjoint of `tile_forward`, which turned the tile `before` into `after`; `gradient` is
-/// ∂L/∂(r, g, b, alpha) at each pixel (alpha in `t`). Writes out[slots[k]] for k in [0, count): the
-/// forward pass's return value.
+/// Adjoint of `tile_forward` for splats that one plane cuts at most, which turned the tile `before`
+/// into `after`; `gradient` is ∂L/∂(r, g, b, alpha) at each pixel (alpha in `t`). Writes
+/// out[slots[k]] for k in [0, count): the forward pass's return value.
 void tile_backward(const Splat* splats, const std::uint32_t* list, const std::uint32_t* slots,
                    size_t count, float x0, float y0, const TileLimits& limits, const Tile& before,
                    const Tile& after, const Tile& gradient, SplatGradient* out);
