@@ -58,7 +58,7 @@ Vec3 face_diffuse(const LightRig& rig, const Vec3& normal) {
   Vec3 sum = rig.sky_horizon + overlap(up) * (rig.sky_top - rig.sky_horizon) +
              overlap(-up) * (rig.sky_bottom - rig.sky_horizon);
   for (const KeyLight& key : rig.keys) {
-    const float cosine = glm::dot(normal, glm::normalize(key.direction));
+    const float cosine = glm::dot(normal, key.direction);
     sum += disc_cosine(cosine, std::sin(key.angular_radius)) * key.radiance;
   }
   return sum;
@@ -74,7 +74,7 @@ Vec3 face_gloss(const LightRig& rig, const Vec3& normal, const Vec3& out, float 
   for (const KeyLight& key : rig.keys) {
     const float spread = 0.5f * key.angular_radius;
     const float wider = std::min(1.0f, std::sqrt(roughness * roughness + spread * spread));
-    sum += ggx::evaluate(normal, out, glm::normalize(key.direction), wider) * kPi * key.radiance;
+    sum += ggx::evaluate(normal, out, key.direction, wider) * kPi * key.radiance;
   }
   return sum;
 }

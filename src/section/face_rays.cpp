@@ -40,6 +40,9 @@ float growth(float first, int count, float sum) {
 FaceRays::FaceRays(const Section& section, const Camera& camera, std::span<const Plane> planes,
                    int taps)
     : section_(section), camera_(camera), origin_(section.index_from_world(camera.position)) {
+  for (int k = 0; k < 3; ++k) {
+    index_from_direction_[k] = section.direction[k] / section.spacing[k];
+  }
   for (const Plane& plane : planes) {
     faces_.push_back({-plane.normal, plane.signed_distance(camera.position),
                       section.surface_depth(plane.normal),
@@ -92,11 +95,13 @@ int FaceRays::samples_for_detail() const {
 }
 
 std::optional<FaceRay> FaceRays::through(float x, float y) const {
+  // Distances count in depths of the camera until it is known that the ray meets a face.
+  const Vec3 direction =
+      Vec3((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1) * camera_.rotation;
   FaceRay ray;
-  ray.direction = camera_.ray_direction(x, y);
   ray.leave = std::numeric_limits<float>::max();
   for (const Face& face : faces_) {
-    const float slope = -glm::dot(face.outward, ray.direction);
+    const float slope = -glm::dot(face.outward, direction);
     const float t = -face.distance / slope;
     if (slope > 0) {
       if (t > ray.enter) {
@@ -112,16 +117,25 @@ std::optional<FaceRay> FaceRays::through(float x, float y) const {
   if (ray.face == nullptr) {
     return std::nullopt;
   }
-  ray.step = (ray.direction * section_.direction) / section_.spacing;
+  ray.step = direction * index_from_direction_;
+  const Vec3 at = origin_ + ray.enter * ray.step;
   for (int k = 0; k < 3; ++k) {
-    const float a = -origin_[k] / ray.step[k];
-    const float b = (static_cast<float>(section_.dims[k] - 1) - origin_[k]) / ray.step[k];
-    if (std::min(a, b) > ray.enter) {
+    const auto last = static_cast<float>(section_.dims[k] - 1);
+    if (at[k] < 0 || at[k] > last) {
       return std::nullopt;  // in through a side of the box, not through the face
     }
-    ray.leave = std::min(ray.leave, std::max(a, b));
+    const float side = ray.step[k] > 0 ? last : 0;
+    ray.leave = std::min(ray.leave, (side - origin_[k]) / ray.step[k]);
   }
-  return ray.enter < ray.leave ? std::optional(ray) : std::nullopt;
+  if (!(ray.enter < ray.leave)) {
+    return std::nullopt;
+  }
+  const float length = glm::length(direction);
+  ray.direction = direction / length;
+  ray.step /= length;
+  ray.enter *= length;
+  ray.leave *= length;
+  return ray;
 }
 
 }  // namespace clipgs

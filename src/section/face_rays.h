@@ -111,7 +111,8 @@ class FaceRays {
 
   const Section& section_;
   Camera camera_;
-  Vec3 origin_;  // the camera, section's index
+  Vec3 origin_;                // the camera, section's index
+  Mat3 index_from_direction_;  // a row vector times this: mm to section's voxels
   std::vector<Face> faces_;
   std::vector<Step> steps_;
   std::vector<FaceMaterial> materials_;  // kPerCode a code

@@ -65,15 +65,15 @@ struct Section {
     const size_t y = static_cast<size_t>(step.y) * dims.x * channels;
     const size_t z = static_cast<size_t>(step.z) * dims.x * dims.y * channels;
     const std::uint8_t* v = &voxels[offset(low.x, low.y, low.z) * channels];
-    Vec3 result(0);
-    for (int c = 0; c < channels; ++c, ++v) {
+    const auto channel = [&](const std::uint8_t* c) {
       const float near =
-          glm::mix(glm::mix<float>(v[0], v[x], t.x), glm::mix<float>(v[y], v[y + x], t.x), t.y);
-      const float far = glm::mix(glm::mix<float>(v[z], v[z + x], t.x),
-                                 glm::mix<float>(v[z + y], v[z + y + x], t.x), t.y);
-      result[c] = glm::mix(near, far, t.z);
-    }
-    return result;
+          glm::mix(glm::mix<float>(c[0], c[x], t.x), glm::mix<float>(c[y], c[y + x], t.x), t.y);
+      const float far = glm::mix(glm::mix<float>(c[z], c[z + x], t.x),
+                                 glm::mix<float>(c[z + y], c[z + y + x], t.x), t.y);
+      return glm::mix(near, far, t.z);
+    };
+    return channels == 1 ? Vec3(channel(v), 0, 0)
+                         : Vec3(channel(v), channel(v + 1), channel(v + 2));
   }
   /// Code of what `sample` returned: photographs are loaded with Rec. 709 luma as their values.
   float code(const Vec3& sampled) const {
