@@ -9,19 +9,19 @@ namespace {
 constexpr const char* kVolumeName = "volume";
 constexpr const char* kSplatsName = "splats";
 
-/// The faces of the cut, premultiplied; empty if splats show them.
+/// The faces of the cut and of the volume's ends, premultiplied; empty if splats show them.
 std::optional<Image> faces_of(const Case& contents, const Camera& camera, const Cut& cut,
                               const DrawOptions& options) {
-  if (!contents.section || cut.empty() || options.faces == FaceSource::kSplats) {
+  if (!contents.section || options.faces == FaceSource::kSplats) {
     return std::nullopt;
   }
   if (options.reference) {
     constexpr int kSamples = 3;
-    return draw_faces_reference(*contents.section, camera, cut.planes(), kSamples);
+    return draw_faces_reference(*contents.section, camera, cut, kSamples);
   }
   FaceOptions face_options;
   face_options.style = options.style;
-  return draw_faces(*contents.section, camera, cut.planes(), face_options);
+  return draw_faces(*contents.section, camera, cut, face_options);
 }
 
 }  // namespace

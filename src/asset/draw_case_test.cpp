@@ -19,8 +19,7 @@ TEST(DrawCase, PutsTheFacesInFrontOfTheSplats) {
   const Case contents = make_case();
   const Image both = draw_case(contents, camera(), plane());
   const Image splats = draw_case(contents, camera(), plane(), {.faces = FaceSource::kSplats});
-  const std::array planes = {plane()};
-  const Image faces = draw_faces(*contents.section, camera(), planes);
+  const Image faces = draw_faces(*contents.section, camera(), plane());
   size_t on_face = 0;
   for (size_t i = 0; i < faces.data.size(); i += 4) {
     for (size_t c = 0; c < 3; ++c) {

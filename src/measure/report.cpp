@@ -315,11 +315,11 @@ Image cut_out(const Image& picture, int left, int top, int side) {
 
 /// Where the middle of the drawn face is; nothing if hardly any is seen.
 std::optional<Vec2> middle_of_face(const Case& contents, const Frame& frame) {
-  if (!contents.section || !frame.plane) {
+  if (!contents.section) {
     return std::nullopt;
   }
   constexpr double kLeast = 64;  // px
-  const Image faces = draw_faces(*contents.section, frame.camera, {&*frame.plane, 1});
+  const Image faces = draw_faces(*contents.section, frame.camera, frame.plane);
   double count = 0;
   Vec2 sum(0);
   for (int y = 0; y < faces.height; ++y) {

@@ -23,7 +23,7 @@ void face_picture(benchmark::State& state) {
   options.style.grey = static_cast<float>(state.range(1));
   double covered = 0;
   for (auto _ : state) {
-    const clipgs::Image image = clipgs::draw_faces(section, camera, {&plane, 1}, options);
+    const clipgs::Image image = clipgs::draw_faces(section, camera, plane, options);
     benchmark::DoNotOptimize(image.data.data());
     covered = 0;
     for (size_t i = 3; i < image.data.size(); i += 4) {

@@ -37,21 +37,27 @@ float growth(float first, int count, float sum) {
 
 }  // namespace
 
-FaceRays::FaceRays(const Section& section, const Camera& camera, std::span<const Plane> planes,
-                   int taps)
+FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut, int taps)
     : section_(section), camera_(camera), origin_(section.index_from_world(camera.position)) {
   for (int k = 0; k < 3; ++k) {
     index_from_direction_[k] = section.direction[k] / section.spacing[k];
   }
-  for (const Plane& plane : planes) {
-    faces_.push_back({-plane.normal, plane.signed_distance(camera.position),
-                      section.surface_depth(plane.normal),
-                      face_diffuse(section.rig, -plane.normal)});
+  for (const Plane& plane : cut.planes()) {
+    add_face(plane);
+  }
+  for (const Plane& end : section.ends()) {
+    add_face(end);
   }
   if (any()) {
     fill_materials();
     plan_steps(taps);
   }
+}
+
+void FaceRays::add_face(const Plane& plane) {
+  faces_.push_back({-plane.normal, plane.signed_distance(camera_.position),
+                    section_.surface_depth(plane.normal),
+                    face_diffuse(section_.rig, -plane.normal)});
 }
 
 void FaceRays::plan_steps(int taps) {
@@ -121,7 +127,8 @@ std::optional<FaceRay> FaceRays::through(float x, float y) const {
   const Vec3 at = origin_ + ray.enter * ray.step;
   for (int k = 0; k < 3; ++k) {
     const auto last = static_cast<float>(section_.dims[k] - 1);
-    if (at[k] < 0 || at[k] > last) {
+    constexpr float kSlack = 1e-3f;  // voxels: a side may be the face
+    if (at[k] < -kSlack || at[k] > last + kSlack) {
       return std::nullopt;  // in through a side of the box, not through the face
     }
     const float side = ray.step[k] > 0 ? last : 0;

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "core/camera.h"
+#include "core/cut.h"
 #include "section/section.h"
 
 namespace clipgs {
@@ -27,13 +27,13 @@ struct FaceRay {
   float leave = 0;
 };
 
-/// The rays of one camera through the faces that planes expose: what drawing a face and fitting its
-/// reflectances share.
+/// The rays of one camera through the faces that planes expose, and through the section's ends:
+/// what drawing a face and fitting its reflectances share.
 class FaceRays {
  public:
-  FaceRays(const Section& section, const Camera& camera, std::span<const Plane> planes, int taps);
+  FaceRays(const Section& section, const Camera& camera, const Cut& cut, int taps);
 
-  /// Whether the camera stands on the removed side of any plane.
+  /// Whether the camera stands before any face.
   bool any() const;
   /// Rays a pixel, along either side, that the section has detail for: 1 to 4.
   int samples_for_detail() const;
@@ -106,6 +106,7 @@ class FaceRays {
     std::vector<float> alphas;  // what a step through matter of each code hides, kPerCode a code
   };
 
+  void add_face(const Plane& plane);
   void plan_steps(int taps);
   void fill_materials();
 

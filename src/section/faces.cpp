@@ -135,10 +135,10 @@ Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int 
 
 }  // namespace
 
-Image draw_faces(const Section& section, const Camera& camera, std::span<const Plane> planes,
+Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options) {
   Image image(camera.width, camera.height, 4);
-  const FaceRays rays(section, camera, planes, options.taps);
+  const FaceRays rays(section, camera, cut, options.taps);
   if (!rays.any()) {
     return image;
   }

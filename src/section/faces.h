@@ -1,8 +1,7 @@
 #pragma once
 
-#include <span>
-
 #include "core/camera.h"
+#include "core/cut.h"
 #include "core/image.h"
 #include "section/section.h"
 
@@ -27,16 +26,17 @@ struct FaceOptions {
   FaceStyle style = {};
 };
 
-/// Draws the faces that `planes` expose of what lies on the kept side of all of them, as far as
+/// Draws the faces that `cut` exposes of what it keeps, as far as
 /// `camera` sees them from the removed side: [height, width, 4], premultiplied display sRGB and
 /// alpha, 0 elsewhere. A ray enters the kept region through one plane at most, so faces of several
-/// planes cut each other without seams. Shown is matter that begins at the face; alpha tells how
+/// planes cut each other without seams. Where the volume ends in matter there is a face too, with
+/// planes or without. Shown is matter that begins at the face; alpha tells how
 /// much of what lies behind is seen.
-Image draw_faces(const Section& section, const Camera& camera, std::span<const Plane> planes,
+Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options = {});
 
 /// The same in double precision by many small steps: what the fast one is held to.
-Image draw_faces_reference(const Section& section, const Camera& camera,
-                           std::span<const Plane> planes, int samples);
+Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut,
+                           int samples);
 
 }  // namespace clipgs

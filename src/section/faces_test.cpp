@@ -70,7 +70,7 @@ void compare(const Section& section, const CinemaScene& scene, const Plane& plan
   options.seed = seed;
   const Picture picture = render_picture(scene, camera, plane, options);
   const Image truth = picture.mean();
-  const Image faces = draw_faces(section, camera, {&plane, 1}, {8, 3});
+  const Image faces = draw_faces(section, camera, plane, {8, 3});
   for (size_t i = 0; i < faces.data.size(); i += 4) {
     if (faces.data[i + 3] < 0.999f) {
       continue;
@@ -105,6 +105,27 @@ TEST(Faces, OpaqueLambertMatterLooksAsTheTracerShowsIt) {
     // The error is the tracer's noise, and the codes' rounding beside it.
     EXPECT_LT(std::sqrt(d.squares / n), std::sqrt(d.noise / n) + 0.004) << "plane " << i;
   }
+}
+
+TEST(Faces, EndsOfTheVolumeLookAsTheTracerShowsThem) {
+  const Volume body = make_body();
+  const Volume volume = make_volume(IVec3(kSize, kSize, kSize / 2),
+                                    [&](const IVec3& at) { return body.at(at.x, at.y, at.z); });
+  const Preset preset = opaque();
+  const CinemaScene scene(volume, preset);
+  const Section section = make_section(volume, preset, {64});
+  const float end = volume.world_from_index(Vec3(volume.dims - 1)).z;
+  const Plane aside{Vec3(0, 0, -1), -end - 100};  // cuts nothing
+  Rng rng(8);
+  Difference d;
+  for (int i = 0; i < 6; ++i) {
+    compare(section, scene, aside, facing({Vec3(0, 0, -1), 0}, rng, 32),
+            static_cast<std::uint64_t>(i), d);
+  }
+  ASSERT_GT(d.count, 2000U);
+  const auto n = static_cast<double>(d.count);
+  EXPECT_NEAR(d.sum / n, 0, 0.002);
+  EXPECT_LT(std::sqrt(d.squares / n), std::sqrt(d.noise / n) + 0.004);
 }
 
 TEST(Faces, GlossIsCloseToTheTracers) {
@@ -143,9 +164,9 @@ TEST(Faces, FastIsTheReference) {
     for (int i = 0; i < 4; ++i) {
       const Plane plane = random_plane(rng);
       const Camera camera = facing(plane, rng, 40);
-      const Image reference = draw_faces_reference(section, camera, {&plane, 1}, 2);
-      const Image many = draw_faces(section, camera, {&plane, 1}, {200, 2});
-      const Image few = draw_faces(section, camera, {&plane, 1}, {8, 2});
+      const Image reference = draw_faces_reference(section, camera, plane, 2);
+      const Image many = draw_faces(section, camera, plane, {200, 2});
+      const Image few = draw_faces(section, camera, plane, {8, 2});
       EXPECT_LT(rms(many, reference), 0.006) << "extinction " << extinction << " plane " << i;
       EXPECT_LT(rms(few, reference), 0.025) << "extinction " << extinction << " plane " << i;
     }
@@ -158,9 +179,9 @@ TEST(Faces, SameBytesAtAnyThreadCount) {
   const Plane plane = random_plane(rng);
   const Camera camera = facing(plane, rng, 64);
   set_thread_count(1);
-  const Image one = draw_faces(section, camera, {&plane, 1});
+  const Image one = draw_faces(section, camera, plane);
   set_thread_count(2);
-  const Image two = draw_faces(section, camera, {&plane, 1});
+  const Image two = draw_faces(section, camera, plane);
   set_thread_count(0);
   EXPECT_EQ(one.data, two.data);
 }
@@ -170,22 +191,22 @@ TEST(Faces, SeenOnlyFromTheRemovedSide) {
   const Plane plane{Vec3(0, 0, 1), 2};
   const Camera above = frame_sphere({Vec3(0), 20}, Vec3(0, 0, 1), 1, 32, 32);
   const Camera below = frame_sphere({Vec3(0), 20}, Vec3(0, 0, -1), 1, 32, 32);
-  EXPECT_EQ(draw_faces(section, above, {&plane, 1}).at(16, 16)[3], 0);
-  EXPECT_GT(draw_faces(section, below, {&plane, 1}).at(16, 16)[3], 0.99f);
+  EXPECT_EQ(draw_faces(section, above, plane).at(16, 16)[3], 0);
+  EXPECT_GT(draw_faces(section, below, plane).at(16, 16)[3], 0.99f);
 }
 
 TEST(Faces, FacesOfTwoPlanesMeetWithoutASeam) {
   const Section section = make_section(make_body(), opaque(), {64});
   // A wedge is cut away: from the front both faces are seen, and no pixel between them is open.
-  const std::array planes = {Plane{glm::normalize(Vec3(1, -1, 0)), -2},
-                             Plane{glm::normalize(Vec3(-1, -1, 0)), -2}};
+  const Plane left{glm::normalize(Vec3(1, -1, 0)), -2};
+  const Plane right{glm::normalize(Vec3(-1, -1, 0)), -2};
   const Camera camera = frame_sphere({Vec3(0), 20}, Vec3(0, 1, 0), 1, 64, 64);
-  const Image both = draw_faces(section, camera, planes);
+  const Image both = draw_faces(section, camera, Cut({left, right}));
   for (int x = 20; x < 44; ++x) {
     EXPECT_GT(both.at(x, 32)[3], 0.99f) << x;
   }
   // Where one plane alone would show a face that the other removes, nothing is drawn.
-  const Image first = draw_faces(section, camera, {planes.data(), 1});
+  const Image first = draw_faces(section, camera, left);
   EXPECT_NE(first.data, both.data);
 }
 
@@ -198,7 +219,7 @@ TEST(Faces, SlabThinnerThanItsMatterIsSeenThrough) {
   }
   preset.transfer = TransferFunction(points);
   const Section section = make_section(volume, preset, {64});
-  const std::array slab = {Plane{Vec3(0, 0, 1), -0.5f}, Plane{Vec3(0, 0, -1), -0.5f}};
+  const Cut slab({Plane{Vec3(0, 0, 1), -0.5f}, Plane{Vec3(0, 0, -1), -0.5f}});
   const Camera camera = frame_sphere({Vec3(0), 20}, Vec3(0, 0, 1), 1, 33, 33);
   const Image image = draw_faces(section, camera, slab);
   EXPECT_NEAR(image.at(16, 16)[3], 1 - std::exp(-1.0f), 0.05f);
@@ -209,7 +230,7 @@ TEST(Faces, GreyShowsValuesThroughTheWindow) {
   const Plane plane{Vec3(0, 0, 1), 2};
   const Camera camera = frame_sphere({Vec3(0), 20}, Vec3(0.2f, 0.1f, -1), 1, 64, 64);
   FaceOptions options{8, 1, {1, {110, 100}}};
-  const Image grey = draw_faces(section, camera, {&plane, 1}, options);
+  const Image grey = draw_faces(section, camera, plane, options);
   size_t inside = 0;
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {
@@ -232,9 +253,9 @@ TEST(Faces, GreyShowsValuesThroughTheWindow) {
   }
   EXPECT_GT(inside, 200u);
 
-  const Image cinematic = draw_faces(section, camera, {&plane, 1}, {8, 1});
+  const Image cinematic = draw_faces(section, camera, plane, {8, 1});
   options.style.grey = 0.25f;
-  const Image blend = draw_faces(section, camera, {&plane, 1}, options);
+  const Image blend = draw_faces(section, camera, plane, options);
   for (size_t i = 0; i < blend.data.size(); ++i) {
     EXPECT_NEAR(blend.data[i], 0.75f * cinematic.data[i] + 0.25f * grey.data[i], 1e-5f);
   }

@@ -97,7 +97,7 @@ Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y, int s
 template <typename Use>
 void for_face_pixels(const Section& section, const Dataset& dataset, const Frame& frame,
                      const Use& use) {
-  const FaceRays rays(section, frame.camera, {&*frame.plane, 1}, kTaps);
+  const FaceRays rays(section, frame.camera, frame.plane, kTaps);
   if (!rays.any()) {
     return;
   }
@@ -120,10 +120,10 @@ void for_face_pixels(const Section& section, const Dataset& dataset, const Frame
 }
 
 /// Training frames that show a face, evenly chosen.
-std::vector<const Frame*> frames_with_faces(const Dataset& dataset) {
+std::vector<const Frame*> frames_with_faces(const Section& section, const Dataset& dataset) {
   std::vector<const Frame*> all;
   for (const Frame* frame : dataset.split(Split::kTrain)) {
-    if (frame->plane && frame->plane->signed_distance(frame->camera.position) < 0) {
+    if (FaceRays(section, frame->camera, frame->plane, kTaps).any()) {
       all.push_back(frame);
     }
   }
@@ -181,7 +181,7 @@ double psnr(double squared_error, double values) {
 }  // namespace
 
 ReflectanceFit fit_reflectance(Section& section, const Dataset& dataset) {
-  const std::vector<const Frame*> frames = frames_with_faces(dataset);
+  const std::vector<const Frame*> frames = frames_with_faces(section, dataset);
   struct Sums {
     std::array<Normal, 3> normals;
     size_t pixels = 0;

@@ -51,7 +51,7 @@ TEST(FitReflectance, LearnsWhatLightDoesBeneathTheFace) {
     size_t count = 0;
     for (const Frame* frame : dataset.split(Split::kTestOblique)) {
       const Image truth = dataset.load(*frame);
-      const Image faces = draw_faces(of, frame->camera, {&*frame->plane, 1});
+      const Image faces = draw_faces(of, frame->camera, frame->plane);
       for (size_t i = 0; i < faces.data.size(); i += 4) {
         for (size_t c = 0; c < 3 && faces.data[i + 3] > 0.99f; ++c, ++count) {
           sum += std::pow(faces.data[i + c] - truth.data[i + c], 2);

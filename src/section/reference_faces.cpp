@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "section/face_light.h"
 #include "section/faces.h"
@@ -77,8 +79,9 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
     const DVec3 index =
         ((eye + t * direction - DVec3(section.origin)) * glm::dmat3(section.direction)) /
         DVec3(section.spacing);
-    const bool inside = glm::all(glm::greaterThanEqual(index, DVec3(0))) &&
-                        glm::all(glm::lessThanEqual(index, DVec3(section.dims - 1)));
+    const double slack = 1e-3;  // voxels: a side may be the face
+    const bool inside = glm::all(glm::greaterThanEqual(index, DVec3(-slack))) &&
+                        glm::all(glm::lessThanEqual(index, DVec3(section.dims - 1) + slack));
     if (!inside) {
       if (t - enter < step) {
         return result;
@@ -120,9 +123,12 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
 
 }  // namespace
 
-Image draw_faces_reference(const Section& section, const Camera& camera,
-                           std::span<const Plane> planes, int samples) {
+Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut,
+                           int samples) {
   Image image(camera.width, camera.height, 4);
+  std::vector<Plane> faces(cut.planes().begin(), cut.planes().end());
+  const std::vector<Plane> ends = section.ends();
+  faces.insert(faces.end(), ends.begin(), ends.end());
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       glm::dvec4 sum(0);
@@ -130,7 +136,7 @@ Image draw_faces_reference(const Section& section, const Camera& camera,
         const double u = x + (i % samples + 0.5) / samples;
         const double v = y + (i / samples + 0.5) / samples;
         const DVec3 local((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
-        sum += trace(section, camera, planes, glm::normalize(local * glm::dmat3(camera.rotation)));
+        sum += trace(section, camera, faces, glm::normalize(local * glm::dmat3(camera.rotation)));
       }
       sum /= static_cast<double>(samples) * samples;
       float* out = image.at(x, y);

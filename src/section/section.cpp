@@ -4,6 +4,39 @@
 
 namespace clipgs {
 
+std::vector<Plane> Section::ends() const {
+  const auto code_at = [&](size_t voxel) {
+    const std::uint8_t* v = &voxels[voxel * channels];
+    return static_cast<size_t>(code(channels == 1 ? Vec3(v[0]) : Vec3(v[0], v[1], v[2])));
+  };
+  const auto has_matter = [&](int axis, int at) {
+    IVec3 first(0);
+    IVec3 last = dims - 1;
+    first[axis] = last[axis] = at;
+    for (int z = first.z; z <= last.z; ++z) {
+      for (int y = first.y; y <= last.y; ++y) {
+        for (int x = first.x; x <= last.x; ++x) {
+          if (materials[code_at(offset(x, y, z))].extinction > 0) {
+            return true;
+          }
+        }
+      }
+    }
+    return false;
+  };
+  std::vector<Plane> planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3& normal = direction[axis];
+    if (has_matter(axis, 0)) {
+      planes.push_back({normal, glm::dot(normal, origin)});
+    }
+    if (has_matter(axis, dims[axis] - 1)) {
+      planes.push_back({-normal, glm::dot(-normal, world_from_index(Vec3(dims - 1)))});
+    }
+  }
+  return planes;
+}
+
 float Section::surface_depth(const Vec3& normal) const {
   return 0.5f * glm::length((normal * direction) * source_spacing);
 }

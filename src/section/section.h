@@ -79,6 +79,9 @@ struct Section {
   float code(const Vec3& sampled) const {
     return channels == 1 ? sampled.x : glm::dot(sampled, Vec3(0.2126f, 0.7152f, 0.0722f));
   }
+  /// The sides of the box at which matter ends only because the volume does, as planes that keep
+  /// the inside: they are faces as those of a cut are.
+  std::vector<Plane> ends() const;
   /// Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep than this is
   /// lit as the face itself.
   float surface_depth(const Vec3& normal) const;

@@ -126,6 +126,20 @@ TEST(Section, ResizedCoversTheSameBoxAndSaysWhatIsLost) {
   EXPECT_THROW(resize_section(fine, 4), Error);
 }
 
+TEST(Section, EndsWhereTheVolumeDoesInMatter) {
+  const Volume volume = make_volume(IVec3(30), [](const IVec3& at) {  // a column along z
+    return glm::length(Vec3(at) - Vec3(14.5f, 14.5f, at.z)) < 8 ? 60.0f : -1000.0f;
+  });
+  const Section section = make_section(volume, tissue(), {64});
+  const std::vector<Plane> ends = section.ends();
+  ASSERT_EQ(ends.size(), 2U);
+  for (const Plane& end : ends) {
+    EXPECT_EQ(std::abs(end.normal.z), 1);
+    EXPECT_NEAR(end.signed_distance(Vec3(0)), 14.5f, 1e-4f);
+  }
+  EXPECT_TRUE(make_section(make_body(40), tissue(), {64}).ends().empty());
+}
+
 TEST(Section, PhotographsKeepTheirColours) {
   Volume volume = make_body(24);
   volume.modality = Modality::kPhoto;

@@ -97,8 +97,8 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     view.camera = frames[i]->camera;
     view.plane = frames[i]->plane;
     view.rgba = to_bytes(premultiplied(dataset.load(*frames[i])));
-    if (section != nullptr && view.plane && view.plane->signed_distance(view.camera.position) < 0) {
-      view.faces = to_bytes(draw_faces(*section, view.camera, {&*view.plane, 1}));
+    if (section != nullptr) {
+      view.faces = to_bytes(draw_faces(*section, view.camera, view.plane));
     }
   };
   Progress progress("loading", frames.size());

@@ -119,7 +119,7 @@ TEST_F(TrainerTest, WithASectionFacesAreRightAndTheSplatsFillTheRest) {
     for (const Frame* frame : data.split(Split::kTrain)) {
       Image front;
       if (faces && frame->plane) {
-        front = draw_faces(section, frame->camera, {&*frame->plane, 1});
+        front = draw_faces(section, frame->camera, frame->plane);
       }
       Rasterizer rasterizer;
       const Image& picture = rasterizer.forward(trainer.gaussians(), frame->camera, frame->plane,
