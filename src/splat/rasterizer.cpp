@@ -1,11 +1,13 @@
 #include "splat/rasterizer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "splat/behind.h"
 #include "splat/tile_kernel.h"
 
 namespace clipgs {
@@ -164,6 +166,10 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
   if (image_.width != camera.width || image_.height != camera.height) {
     image_ = Image(camera.width, camera.height, 4);
   }
+  Image& alone = front != nullptr ? alone_ : image_;
+  if (alone.data.size() != image_.data.size()) {
+    alone = Image(camera.width, camera.height, 4);
+  }
   project_all(gaussians);
   sort_by_depth();
   bin_into_tiles();
@@ -176,17 +182,20 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
     const int ty = static_cast<int>(tile_index) / tiles_x_;
     const std::uint32_t begin = tile_begin_[tile_index];
     Tile tile;
-    load_front(tx, ty, tile);
+    start(tx, ty, tile);
     used_[tile_index] = static_cast<std::uint32_t>(
         tile_forward(splats_.data(), {cuts_.data(), more_planes()}, list_.data() + begin,
                      tile_begin_[tile_index + 1] - begin, static_cast<float>(tx * kTileSize),
                      static_cast<float>(ty * kTileSize), limits, tile));
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
-      float* out = &image_.data[pixel * 4];
+      float* out = &alone.data[pixel * 4];
       out[0] = tile.r[at];
       out[1] = tile.g[at];
       out[2] = tile.b[at];
       out[3] = 1.0f - tile.t[at];
+      if (front != nullptr) {
+        put_behind(&front_.data[pixel * 4], out, &image_.data[pixel * 4]);
+      }
     });
   });
   return image_;
@@ -198,17 +207,23 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     throw Error("gradients are there for one plane only, not for {}", cut_.planes().size());
   }
   const TileLimits limits = limits_of(options_);
+  const Image& alone = front_.data.empty() ? image_ : alone_;
   instance_gradients_.resize(list_.size());
   parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
     const int tx = static_cast<int>(tile_index) % tiles_x_;
     const int ty = static_cast<int>(tile_index) / tiles_x_;
     Tile before;
-    load_front(tx, ty, before);
+    start(tx, ty, before);
     Tile tile = before;
     Tile gradient{};
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
-      const float* in = &image_.data[pixel * 4];
+      const float* in = &alone.data[pixel * 4];
       const float* g = &image_gradient.data[pixel * 4];
+      std::array<float, 4> behind;
+      if (!front_.data.empty()) {
+        put_behind_backward(&front_.data[pixel * 4], in, g, behind.data());
+        g = behind.data();
+      }
       tile.r[at] = in[0];
       tile.g[at] = in[1];
       tile.b[at] = in[2];
@@ -251,18 +266,17 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
   }
 }
 
-void Rasterizer::load_front(int tx, int ty, Tile& tile) const {
+/// Empty, but finished where nothing behind what is in front can be seen.
+void Rasterizer::start(int tx, int ty, Tile& tile) const {
   tile = Tile{};
   std::fill(tile.t, tile.t + kTilePixels, 1.0f);
   if (front_.data.empty()) {
     return;
   }
   for_tile_pixels(front_, tx, ty, [&](int at, size_t pixel) {
-    const float* in = &front_.data[pixel * 4];
-    tile.r[at] = in[0];
-    tile.g[at] = in[1];
-    tile.b[at] = in[2];
-    tile.t[at] = 1.0f - in[3];
+    if (front_.data[pixel * 4 + 3] >= kOpaqueFace) {
+      tile.t[at] = 0;
+    }
   });
 }
 

@@ -16,8 +16,8 @@ namespace clipgs {
 class Rasterizer {
  public:
   /// Draws `gaussians` into [height, width, 4]: premultiplied display sRGB and alpha. They lie
-  /// behind `front` (same shape and convention; null: nothing), such as the faces that a plane
-  /// exposes.
+  /// behind `front` (same shape and convention; null: nothing), the faces that planes expose: see
+  /// put_behind().
   const Image& forward(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
                        const RasterOptions& options, const Image* front = nullptr);
 
@@ -35,7 +35,7 @@ class Rasterizer {
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
-  void load_front(int tx, int ty, Tile& tile) const;
+  void start(int tx, int ty, Tile& tile) const;
   SplatGradient summed_gradient(std::uint32_t splat) const;
 
   Camera camera_;
@@ -43,6 +43,7 @@ class Rasterizer {
   RasterOptions options_;
   Image image_;
   Image front_;  // empty: nothing
+  Image alone_;  // the splats without it
   int tiles_x_ = 0;
   int tiles_y_ = 0;
 

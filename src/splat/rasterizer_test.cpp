@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
+#include "splat/behind.h"
 #include "splat/clip.h"
 #include "splat/reference.h"
 
@@ -116,9 +117,14 @@ TEST_P(ClipTest, SplatsLieBehindWhatIsInFront) {
   const Image front = random_front(camera, 6);
   const Image alone = Rasterizer().forward(cloud, camera, kPlane, options);
   const Image behind = Rasterizer().forward(cloud, camera, kPlane, options, &front);
-  for (size_t i = 0; i < front.data.size(); ++i) {
-    const float open = 1 - front.data[i / 4 * 4 + 3];
-    ASSERT_NEAR(behind.data[i], front.data[i] + open * alone.data[i], 1e-3f);
+  for (size_t i = 0; i < front.data.size(); i += 4) {
+    const float face = front.data[i + 3];
+    const float splats = alone.data[i + 3];
+    ASSERT_NEAR(behind.data[i + 3], std::max(face, splats), 1e-3f);
+    const float seen = splats > face ? (splats - face) / splats : 0;
+    for (size_t c = 0; c < 3; ++c) {
+      ASSERT_NEAR(behind.data[i + c], front.data[i + c] + seen * alone.data[i + c], 2e-3f);
+    }
   }
 }
 
@@ -163,11 +169,16 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
 
   std::vector<double> parameters = as_doubles(cloud);
   const auto loss = [&] {
-    const std::vector<double> image =
+    std::vector<double> image =
         reference_render(parameters, cloud.size(), kDegree, camera, kPlane, options);
     double sum = 0;
-    for (size_t i = 0; i < image.size(); ++i) {
-      sum += (1 - front.data[i / 4 * 4 + 3]) * image[i] * weight.data[i];
+    for (size_t i = 0; i < image.size(); i += 4) {
+      if (front.data[i + 3] < kOpaqueFace) {
+        put_behind(&front.data[i], &image[i], &image[i]);
+        for (size_t c = 0; c < 4; ++c) {
+          sum += image[i + c] * weight.data[i + c];
+        }
+      }
     }
     return sum;
   };

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/error.h"
+#include "splat/behind.h"
 #include "splat/rasterizer.h"
 #include "splat/reference.h"
 
@@ -67,8 +68,8 @@ Image render_reference(const Gaussians& gaussians, const Camera& camera, const C
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image =
       reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, cut, options);
-  for (size_t i = 0; front != nullptr && i < image.size(); ++i) {
-    image[i] = front->data[i] + (1.0 - front->data[i / 4 * 4 + 3]) * image[i];
+  for (size_t i = 0; front != nullptr && i < image.size(); i += 4) {
+    put_behind(&front->data[i], &image[i], &image[i]);
   }
   return straighten(image.data(), camera.width, camera.height);
 }
