@@ -18,7 +18,7 @@ fs::path section_file(const Dataset& dataset) { return dataset.folder / "section
 void add_section_options(CLI::App& command, SectionChoice& choice) {
   command
       .add_option("--section-size", choice.size,
-                  "Voxels along the longest side of the section, the volume that cut faces are "
+                  "Voxels along each side, at most, of the section: the volume that cut faces are "
                   "drawn from")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();

@@ -13,7 +13,7 @@ namespace clipgs {
 
 /// --section-size and --no-section of the commands that make or pack one.
 struct SectionChoice {
-  int size = SectionOptions().size;  ///< voxels along the longest side
+  int size = SectionOptions().size;  ///< voxels along each side, at most
   bool none = false;
 };
 

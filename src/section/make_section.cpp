@@ -32,14 +32,8 @@ Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
   grid.low = IVec3(glm::clamp(glm::floor(first - kMargin), Vec3(0), Vec3(volume.dims - 1)));
   grid.high = IVec3(glm::clamp(glm::ceil(last + kMargin), Vec3(0), Vec3(volume.dims - 1)));
   const Vec3 extent = Vec3(grid.high - grid.low) * volume.spacing;
-  const float finest = std::max({extent.x, extent.y, extent.z}) / static_cast<float>(size - 1);
   for (int k = 0; k < 3; ++k) {
-    const int voxels = grid.high[k] - grid.low[k];
-    // Less than 2 % coarser is not worth blurring every voxel for.
-    const bool as_it_is = finest < 1.02f * volume.spacing[k];
-    const int steps =
-        as_it_is ? voxels
-                 : std::min(voxels, static_cast<int>(std::ceil(extent[k] / finest - 1e-3f)));
+    const int steps = std::min(grid.high[k] - grid.low[k], size - 1);
     grid.dims[k] = steps + 1;
     grid.spacing[k] = steps > 0 ? extent[k] / static_cast<float>(steps) : volume.spacing[k];
   }
@@ -314,11 +308,9 @@ Section resize_section(const Section& section, int size) {
   require_size(size);
   const Vec3 steps = Vec3(section.dims - 1);
   const Vec3 extent = steps * section.spacing;
-  const float finest = std::max({extent.x, extent.y, extent.z}) / static_cast<float>(size - 1);
   Section small = section;
   for (int k = 0; k < 3; ++k) {
-    small.dims[k] =
-        1 + std::min(section.dims[k] - 1, static_cast<int>(std::ceil(extent[k] / finest - 1e-3f)));
+    small.dims[k] = std::min(section.dims[k], size);
     small.spacing[k] = extent[k] / static_cast<float>(std::max(1, small.dims[k] - 1));
   }
   if (small.dims == section.dims) {

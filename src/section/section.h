@@ -91,7 +91,7 @@ struct Section {
 Vec3 photo_albedo(const Vec3& sampled);
 
 struct SectionOptions {
-  int size = 384;  ///< voxels along the longest side, at most; never finer than the volume
+  int size = 384;  ///< voxels along each side, at most; never finer than the volume
 };
 
 /// The part of `volume` that `preset` shows, resampled; air around the body is left out.
@@ -99,7 +99,7 @@ struct SectionOptions {
 /// nothing is visible or the size is out of range.
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
 
-/// The same section with at most `size` voxels along its longest side; as it is if it has no more.
+/// The same section with at most `size` voxels along each side; as it is if it has no more.
 /// Its value_error grows by what the voxels that are left do not tell. Throws Error if the size is
 /// out of range.
 Section resize_section(const Section& section, int size);
