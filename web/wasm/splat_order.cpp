@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kAlphaMin = 1.0f / 255.0f;
 constexpr float kClipSigma = 3.0f;
-constexpr float kBlurDeviation = 0.54772256f;  // √0.3 px
+constexpr float kBlurDeviation = 0.31622777f;  // √0.1 px
 constexpr std::uint32_t kBuckets = 1U << 16;
 
 enum Clip : std::uint32_t { kNone = 0, kHard = 1, kSoft = 2, kExact = 3 };

@@ -5,7 +5,7 @@
 // Scene space is that of the case file. Camera axes are x right, y down, z forward; image coordinates
 // are px from the top left.
 
-const float kBlurVariance = 0.3;            // px², the low-pass filter of 3DGS
+const float kBlurVariance = 0.1;            // px², about that of a pixel's area
 const float kAlphaMin = 1.0 / 255.0;        // fainter contributions are skipped
 const float kAlphaMax = 0.99;               // opacity of one Gaussian at one pixel
 const float kClipSigma = 3.0;               // further from the plane nothing is cut

@@ -67,7 +67,7 @@ function isVisible(splat: Splat, camera: SceneCamera, plane: number[], clip: num
       const v = a.clone().applyMatrix3(camera.rotation);
       return (camera.focal[axis] / t.z) * (v[axis] - l * v.z);
     });
-    const extent = reach * Math.sqrt(row.reduce((sum, v) => sum + v * v, 0.3));
+    const extent = reach * Math.sqrt(row.reduce((sum, v) => sum + v * v, 0.1));
     const center = (camera.focal[axis] * t[axis]) / t.z + camera.principal[axis];
     return center + extent >= 0 && center - extent <= camera.size[axis];
   });
