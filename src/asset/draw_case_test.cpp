@@ -1,6 +1,9 @@
 #include "asset/draw_case.h"
 
+#include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "core/error.h"
 #include "section/test_section.h"
@@ -62,6 +65,93 @@ TEST(DrawCase, FastIsTheReference) {
     sum += std::pow(fast.data[i] - slow.data[i], 2);
   }
   EXPECT_LT(std::sqrt(sum / static_cast<double>(fast.data.size())), 0.02);
+}
+
+constexpr float kRadius = 15;  // mm, of test::ball_section()
+
+/// The surface of the ball as flat blue Gaussians: what training leaves of a case with a section.
+Scene ball_surface() {
+  constexpr int kCount = 3000;
+  Scene scene;
+  Gaussians& g = scene.gaussians = Gaussians(kCount, 0);
+  for (int i = 0; i < kCount; ++i) {
+    const Vec3 outward = fibonacci_sphere(i, kCount);
+    Mat3 axes;
+    axes[2] = outward;
+    orthonormal_basis(outward, axes[0], axes[1]);
+    const Quat turn = glm::quat_cast(axes);
+    const std::array<float, 4> wxyz = {turn.w, turn.x, turn.y, turn.z};
+    const auto at = static_cast<size_t>(i);
+    for (int k = 0; k < 3; ++k) {
+      g.plane(Gaussians::kMean + k)[at] = (kRadius - 0.3f) * outward[k];
+      g.plane(Gaussians::kLogScale + k)[at] = std::log(k == 2 ? 0.15f : 0.7f);
+    }
+    for (int k = 0; k < 4; ++k) {
+      g.plane(Gaussians::kRotation + k)[at] = wxyz[static_cast<size_t>(k)];
+    }
+    g.plane(Gaussians::kOpacity)[at] = 5;
+    g.plane(Gaussians::kSh)[at] = g.plane(Gaussians::kSh + 1)[at] = -1.5f;
+    g.plane(Gaussians::kSh + 2)[at] = 1.5f;
+  }
+  return scene;
+}
+
+enum class Meets { kNothing, kFace, kSurface };
+
+/// What the ray through a pixel's middle meets first of the cut ball.
+Meets first_met(const Camera& camera, const Plane& cut, int x, int y) {
+  const Vec3 ray = camera.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+  const float half = -glm::dot(camera.position, ray);  // to the point nearest to the middle
+  const float chord2 =
+      kRadius * kRadius - std::pow(glm::length(camera.position + half * ray), 2.0f);
+  if (chord2 <= 0) {
+    return Meets::kNothing;
+  }
+  const float enter = half - std::sqrt(chord2);
+  if (cut.signed_distance(camera.position + enter * ray) >= 0) {
+    return Meets::kSurface;
+  }
+  const float leave = half + std::sqrt(chord2);
+  return cut.signed_distance(camera.position + leave * ray) >= 0 ? Meets::kFace : Meets::kNothing;
+}
+
+// While the plane moves and turns no splat shines through the face or hangs over it, and there is
+// no hole where they meet: more than a pixel from any border a picture shows one or the other.
+TEST(DrawCase, SweepHasNoSeams) {
+  constexpr int kSize = 72;  // px of half a millimetre
+  const Case contents{ball_surface(), test::ball_section()};
+  std::map<Meets, int> seen;
+  for (int step = 0; step < 24; ++step) {
+    const float turn = 0.13f * static_cast<float>(step);
+    const Plane cut{glm::normalize(Vec3(std::sin(turn), 0.4f, std::cos(turn))),
+                    0.9f * static_cast<float>(step) - 11};
+    const Vec3 from = -cut.normal + Vec3(1.0f, -0.8f, 0.5f);
+    const Camera view = frame_sphere({Vec3(0), 18}, from, 1, kSize, kSize);
+    const Image picture = draw_case(contents, view, cut);
+    for (int y = 2; y + 2 < kSize; ++y) {
+      for (int x = 2; x + 2 < kSize; ++x) {
+        const Meets met = first_met(view, cut, x, y);
+        bool border = false;
+        for (int i = 0; i < 25; ++i) {
+          border = border || first_met(view, cut, x + i % 5 - 2, y + i / 5 - 2) != met;
+        }
+        if (border) {
+          continue;
+        }
+        ++seen[met];
+        const float* rgba = picture.at(x, y);
+        SCOPED_TRACE(fmt::format("step {} at {}, {}", step, x, y));
+        if (met == Meets::kNothing) {
+          ASSERT_LT(rgba[3], 0.03f);
+        } else {
+          ASSERT_GT(rgba[3], 0.97f);
+          ASSERT_EQ(rgba[2] > rgba[0] + 0.3f, met == Meets::kSurface);
+        }
+      }
+    }
+  }
+  EXPECT_GT(seen[Meets::kFace], 2500);
+  EXPECT_GT(seen[Meets::kSurface], 2500);
 }
 
 TEST(DrawCase, NamesOfSources) {
