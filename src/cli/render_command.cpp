@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <memory>
 
 #include "asset/draw_case.h"
@@ -6,6 +7,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
+#include "section/annotate.h"
 
 namespace clipgs {
 
@@ -21,13 +23,16 @@ struct RenderArguments {
   std::string section;
   float grey = 0;
   std::string window = "soft-tissue";
+  bool annotate = false;
+  std::vector<std::string> pins;
   std::string size = "512x512";
   bool reference = false;
 };
 
 /// Volume where the case has one, unless the user says otherwise.
 FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
-  const bool volume_wanted = arguments.section == "volume" || arguments.grey > 0;
+  const bool volume_wanted = arguments.section == "volume" || arguments.grey > 0 ||
+                             arguments.annotate || !arguments.pins.empty();
   if (volume_wanted && !contents.section) {
     throw Error(
         "{}: has no section volume to draw faces from; build it again, without --no-section",
@@ -47,12 +52,27 @@ void run_render(const RenderArguments& arguments) {
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
   options.reference = arguments.reference;
+  std::vector<Vec3> pins;
+  for (const std::string& text : arguments.pins) {
+    const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
+    pins.emplace_back(n[0], n[1], n[2]);
+  }
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
   warn_if_plane_misses(cut, contents.scene.bounds);
   const Camera camera = frame_sphere(contents.scene.sphere, view, size.x, size.y);
-  write_png(arguments.output, draw_case(contents, camera, cut, options));
+  Image picture = draw_case(contents, camera, cut, options);
+  if (contents.section) {
+    for (const Vec3& pin : pins) {
+      fmt::print("{:.1f}, {:.1f}, {:.1f} mm: {}\n", pin.x, pin.y, pin.z,
+                 value_text(*contents.section, pin));
+    }
+    if (arguments.annotate) {
+      annotate(picture, *contents.section, camera, cut, options.style, pins);
+    }
+  }
+  write_png(arguments.output, picture);
 }
 
 }  // namespace
@@ -90,13 +110,21 @@ void add_render_command(CLI::App& app) {
           "Grey values from black to white: center,width in HU, or soft-tissue, bone, lung "
           "or brain")
       ->capture_default_str();
+  command->add_flag("--annotate", arguments->annotate,
+                    "Write the patient's directions, a scale bar, the window and the pins' values "
+                    "on the picture");
+  command
+      ->add_option("--pin", arguments->pins,
+                   "Print the value at a point: R,A,S in mm; may be given again")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
   command->add_flag("--reference", arguments->reference,
                     "Draw with the slow double-precision reference renderers (cinematic faces)");
   command->footer(
       "Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o ct.png --view 0,80 --plane 0,0,-1,-40 --grey 1 --window "
-      "bone");
+      "bone --annotate");
   command->callback([arguments] { run_render(*arguments); });
 }
 

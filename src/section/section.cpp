@@ -4,6 +4,14 @@
 
 namespace clipgs {
 
+std::optional<float> Section::value_at(const Vec3& world) const {
+  const Vec3 index = index_from_world(world);
+  const bool inside = glm::all(glm::greaterThanEqual(index, Vec3(0))) &&
+                      glm::all(glm::lessThanEqual(index, Vec3(dims - 1)));
+  const float c = code(sample(index));
+  return inside && c >= kFirstInside ? std::optional(curve.value(c)) : std::nullopt;
+}
+
 std::vector<Plane> Section::ends() const {
   const auto code_at = [&](size_t voxel) {
     const std::uint8_t* v = &voxels[voxel * channels];

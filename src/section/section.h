@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry.h"
@@ -79,6 +80,9 @@ struct Section {
   float code(const Vec3& sampled) const {
     return channels == 1 ? sampled.x : glm::dot(sampled, Vec3(0.2126f, 0.7152f, 0.0722f));
   }
+  /// Value at a point (RAS mm), to within about `value_error`; nothing outside the box and in the
+  /// air around the body.
+  std::optional<float> value_at(const Vec3& world) const;
   /// The sides of the box at which matter ends only because the volume does, as planes that keep
   /// the inside: they are faces as those of a cut are.
   std::vector<Plane> ends() const;
