@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_reader.h"
+#include "section/error_bands.h"
 
 namespace clipgs {
 
@@ -89,10 +90,9 @@ std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, 
   return voxels;
 }
 
-/// Rms by which coding moved the values of what is not air around the body.
-double coding_error(const Section& section, const std::vector<std::uint8_t>& decoded) {
-  double squares = 0;
-  double count = 0;
+/// By how much coding moved the values.
+ErrorBands coding_errors(const Section& section, const std::vector<std::uint8_t>& decoded) {
+  ErrorBands errors;
   for (size_t i = 0; i < decoded.size(); i += section.channels) {
     Vec3 before(0);
     Vec3 after(0);
@@ -100,14 +100,12 @@ double coding_error(const Section& section, const std::vector<std::uint8_t>& dec
       before[c] = section.voxels[i + c];
       after[c] = decoded[i + c];
     }
-    const float code = section.code(before);
+    const float code = section.code(after);
     if (code >= Section::kFirstInside) {
-      squares +=
-          std::pow(section.curve.value(section.code(after)) - section.curve.value(code), 2.0);
-      ++count;
+      errors.add(code, section.curve.value(code) - section.curve.value(section.code(before)));
     }
   }
-  return count > 0 ? std::sqrt(squares / count) : 0;
+  return errors;
 }
 
 /// Four significant digits are more than a table of colours needs.
@@ -269,7 +267,10 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
   const std::vector<std::uint8_t> decoded =
       to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
                 section.dims, section.channels);
-  const double error = std::hypot(section.value_error, coding_error(section, decoded));
+  json errors = json::array();
+  for (const float error : coding_errors(section, decoded).on_top_of(section.value_errors)) {
+    errors.push_back(short_number(error));
+  }
   files.push_back({kImageFile, std::move(image)});
 
   json curve = json::array();
@@ -290,7 +291,7 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
           {"source_spacing", json_vector(section.source_spacing)},
           {"modality", modality_name(section.modality)},
           {"curve", curve},
-          {"value_error", short_number(static_cast<float>(error))},
+          {"value_errors", errors},
           {"materials", materials_json(section)},
           {"lights", lights_json(section)}};
 }
@@ -314,7 +315,13 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   } catch (const Error&) {
     reader.fail("curve");
   }
-  section.value_error = reader.number("value_error");
+  const std::vector<float> errors = reader.numbers("value_errors", Section::kErrorBands);
+  for (size_t i = 0; i < errors.size(); ++i) {
+    if (errors[i] < 0) {
+      reader.fail("value_errors");
+    }
+    section.value_errors[i] = errors[i];
+  }
   read_materials(reader.child("materials"), section);
   read_lights(reader.child("lights"), section);
 

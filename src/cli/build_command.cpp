@@ -42,8 +42,8 @@ struct Quality {
 // Many pictures of few samples teach more than few clean ones: every picture shows other planes,
 // and noise averages out over them.
 constexpr std::array kQualities = {
-    Quality{"draft", 192, 300, 8, 8, 60000, 5000, 1},
-    Quality{"standard", 256, 2000, 20, 10, 118000, 36000, 2},
+    Quality{"draft", 192, 300, 8, 8, 40000, 4000, 1},
+    Quality{"standard", 256, 2000, 20, 10, 100000, 16000, 2},
     Quality{"high", 512, 3000, 32, 12, 250000, 40000, 2},
 };
 

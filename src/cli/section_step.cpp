@@ -34,9 +34,8 @@ void make_dataset_section(const Volume& volume, const Preset& preset, const Data
   Section section = make_section(volume, preset, {choice.size});
   const ReflectanceFit fit = fit_reflectance(section, dataset);
   write_section(section_file(dataset), section);
-  fmt::print(stderr,
-             "section: {} x {} x {} voxels, values to {:.2g}, light of the faces {:.1f} dB\n",
-             section.dims.x, section.dims.y, section.dims.z, section.value_error, fit.psnr_after);
+  fmt::print(stderr, "section: {} x {} x {} voxels, light of the faces {:.1f} dB\n", section.dims.x,
+             section.dims.y, section.dims.z, fit.psnr_after);
 }
 
 std::optional<Section> read_dataset_section(const Dataset& dataset) {

@@ -176,12 +176,12 @@ std::string direction_letters(const Vec3& direction) {
 }
 
 std::string value_text(const Section& section, const Vec3& point) {
-  const std::optional<float> value = section.value_at(point);
-  if (!value) {
+  const std::optional<Section::Reading> reading = section.read(point);
+  if (!reading) {
     return "outside";
   }
-  return fmt::format("{:.0f} ± {:.{}f}{}", *value + 0.0f, section.value_error,
-                     section.value_error < 0.95f ? 1 : 0,
+  return fmt::format("{:.0f} ± {:.{}f}{}", reading->value + 0.0f, reading->error,
+                     reading->error < 0.95f ? 1 : 0,
                      section.modality == Modality::kCt ? " HU" : "");
 }
 

@@ -16,9 +16,9 @@ TEST(Annotate, LettersOfDirections) {
 
 TEST(Annotate, ValuesWithTheirError) {
   Section section = test::ball_section();
-  section.value_error = 3.6f;
+  section.value_errors.fill(3.6f);
   EXPECT_EQ(value_text(section, Vec3(0)), "250 ± 4 HU");
-  section.value_error = 0.3f;
+  section.value_errors.fill(0.3f);
   EXPECT_EQ(value_text(section, Vec3(0, 0, 5)), "250 ± 0.3 HU");
   EXPECT_EQ(value_text(section, Vec3(0, 0, 17)), "outside");  // air around the body
   EXPECT_EQ(value_text(section, Vec3(0, 0, 300)), "outside");

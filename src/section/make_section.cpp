@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "cinema/visible_matter.h"
 #include "core/error.h"
 #include "core/image.h"
 #include "core/parallel.h"
+#include "section/error_bands.h"
 #include "section/field.h"
 #include "section/section.h"
 
@@ -193,55 +193,48 @@ std::array<FaceMaterial, ValueCurve::kCodes> materials_of(const Preset& preset,
   return materials;
 }
 
-/// Rms of what reading values back from the section gets wrong, over the volume's visible voxels.
-float reading_error(const Section& section, const Volume& volume, const TransferFunction& transfer,
-                    const Grid& grid) {
-  const auto slices = static_cast<size_t>(grid.high.z - grid.low.z + 1);
-  std::vector<double> squares(slices, 0.0);
-  std::vector<double> counts(slices, 0.0);
-  parallel_for(slices, 1, [&](size_t slice, size_t) {
-    const int z = grid.low.z + static_cast<int>(slice);
+/// The errors of all slices, which `add(z, errors)` collects one by one.
+template <typename Add>
+ErrorBands over_slices(int slices, const Add& add) {
+  std::vector<ErrorBands> errors(static_cast<size_t>(slices));
+  parallel_for(errors.size(), 1, [&](size_t z, size_t) { add(static_cast<int>(z), errors[z]); });
+  ErrorBands sum;
+  for (const ErrorBands& slice : errors) {
+    sum.add(slice);
+  }
+  return sum;
+}
+
+/// What reading values back from the section gets wrong, over the volume's voxels.
+ErrorBands reading_errors(const Section& section, const Volume& volume, const Grid& grid) {
+  return over_slices(grid.high.z - grid.low.z + 1, [&](int slice, ErrorBands& errors) {
+    const int z = grid.low.z + slice;
     for (int y = grid.low.y; y <= grid.high.y; ++y) {
       for (int x = grid.low.x; x <= grid.high.x; ++x) {
-        const float value = volume.at(x, y, z);
-        if (transfer.at(value).extinction > 0) {
-          const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
-          const float error = section.curve.value(section.code(section.sample(index))) - value;
-          squares[slice] += static_cast<double>(error) * error;
-          counts[slice] += 1;
+        const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
+        const float code = section.code(section.sample(index));
+        if (code >= Section::kFirstInside) {
+          errors.add(code, section.curve.value(code) - volume.at(x, y, z));
         }
       }
     }
   });
-  const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
-  const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
-  return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
 }
 
-/// Rms difference of the values that two sections of the same box tell, over the voxels of the
-/// first that hold matter.
-float resizing_error(const Section& fine, const Section& coarse) {
+/// What a section tells otherwise than a finer one of the same box.
+ErrorBands resizing_errors(const Section& fine, const Section& coarse) {
   const Vec3 ratio = fine.spacing / coarse.spacing;
-  const auto slices = static_cast<size_t>(fine.dims.z);
-  std::vector<double> squares(slices, 0.0);
-  std::vector<double> counts(slices, 0.0);
-  parallel_for(slices, 1, [&](size_t z, size_t) {
+  return over_slices(fine.dims.z, [&](int z, ErrorBands& errors) {
     for (int y = 0; y < fine.dims.y; ++y) {
       for (int x = 0; x < fine.dims.x; ++x) {
         const Vec3 at(x, y, z);
-        const float code = fine.code(fine.sample(at));
-        if (fine.materials[static_cast<size_t>(code)].extinction > 0) {
-          const double error =
-              fine.curve.value(code) - coarse.curve.value(coarse.code(coarse.sample(at * ratio)));
-          squares[z] += error * error;
-          counts[z] += 1;
+        const float told = coarse.code(coarse.sample(at * ratio));
+        if (told >= Section::kFirstInside) {
+          errors.add(told, coarse.curve.value(told) - fine.curve.value(fine.code(fine.sample(at))));
         }
       }
     }
   });
-  const double count = std::accumulate(counts.begin(), counts.end(), 0.0);
-  const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
-  return count > 0 ? static_cast<float>(std::sqrt(sum / count)) : 0.0f;
 }
 
 void fill_scalar(Section& section, const Volume& volume, const Preset& preset, const Grid& grid) {
@@ -300,7 +293,7 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
     fill_rgb(section, volume, grid);
   }
   section.materials = materials_of(preset, section.curve);
-  section.value_error = reading_error(section, volume, preset.transfer, grid);
+  section.value_errors = reading_errors(section, volume, grid).on_top_of({});
   return section;
 }
 
@@ -328,7 +321,7 @@ Section resize_section(const Section& section, int size) {
       small.voxels[channels * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
     }
   }
-  small.value_error = std::hypot(section.value_error, resizing_error(section, small));
+  small.value_errors = resizing_errors(section, small).on_top_of(section.value_errors);
   return small;
 }
 

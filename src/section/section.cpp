@@ -4,12 +4,15 @@
 
 namespace clipgs {
 
-std::optional<float> Section::value_at(const Vec3& world) const {
+std::optional<Section::Reading> Section::read(const Vec3& world) const {
   const Vec3 index = index_from_world(world);
   const bool inside = glm::all(glm::greaterThanEqual(index, Vec3(0))) &&
                       glm::all(glm::lessThanEqual(index, Vec3(dims - 1)));
   const float c = code(sample(index));
-  return inside && c >= kFirstInside ? std::optional(curve.value(c)) : std::nullopt;
+  if (!inside || c < kFirstInside) {
+    return std::nullopt;
+  }
+  return Reading{curve.value(c), value_errors[error_band(c)]};
 }
 
 std::vector<Plane> Section::ends() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -31,6 +32,7 @@ struct FaceMaterial {
 /// interpolation nor lossy coding makes the one look like the other.
 struct Section {
   static constexpr int kFirstInside = 16;
+  static constexpr size_t kErrorBands = 16;
 
   IVec3 dims{0};
   Vec3 spacing{1};    ///< mm between voxel centres
@@ -40,8 +42,9 @@ struct Section {
   std::vector<std::uint8_t> voxels;
 
   Modality modality = Modality::kUnknown;
-  ValueCurve curve;        ///< code → HU for CT, stored units otherwise
-  float value_error = 0;   ///< rms of |value read back − volume's value| in tissue, value units
+  ValueCurve curve;  ///< code → HU for CT, stored units otherwise
+  /// Rms of |value read back − volume's value| for codes 16k … 16k + 15, value units.
+  std::array<float, kErrorBands> value_errors{};
   Vec3 source_spacing{1};  ///< mm, of the volume that was traced
 
   std::array<FaceMaterial, ValueCurve::kCodes> materials{};
@@ -80,9 +83,17 @@ struct Section {
   float code(const Vec3& sampled) const {
     return channels == 1 ? sampled.x : glm::dot(sampled, Vec3(0.2126f, 0.7152f, 0.0722f));
   }
-  /// Value at a point (RAS mm), to within about `value_error`; nothing outside the box and in the
-  /// air around the body.
-  std::optional<float> value_at(const Vec3& world) const;
+  /// A value, and its rms error.
+  struct Reading {
+    float value = 0;
+    float error = 0;
+  };
+  /// What is at a point (RAS mm); nothing outside the box and in the air around the body.
+  std::optional<Reading> read(const Vec3& world) const;
+  /// Index into `value_errors`.
+  static size_t error_band(float code) {
+    return std::min(static_cast<size_t>(code) * kErrorBands / ValueCurve::kCodes, kErrorBands - 1);
+  }
   /// The sides of the box at which matter ends only because the volume does, as planes that keep
   /// the inside: they are faces as those of a cut are.
   std::vector<Plane> ends() const;
@@ -104,7 +115,7 @@ struct SectionOptions {
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
 
 /// The same section with at most `size` voxels along each side; as it is if it has no more.
-/// Its value_error grows by what the voxels that are left do not tell. Throws Error if the size is
+/// Its value_errors grow by what the voxels that are left do not tell. Throws Error if the size is
 /// out of range.
 Section resize_section(const Section& section, int size);
 
