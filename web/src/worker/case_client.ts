@@ -1,14 +1,5 @@
-import type { PackedScene } from "../sog/sog";
 import { CaseError } from "../sog/zip";
-import type { Reply, Request } from "./protocol";
-
-export interface LoadedCase {
-  ticket: number;
-  scene: PackedScene;
-  /** The `clipgs` block of meta.json, unchecked. */
-  clipgs: unknown;
-  bytes: number;
-}
+import type { LoadedCase, Reply, Request } from "./protocol";
 
 export interface Sorted {
   order: Uint32Array;

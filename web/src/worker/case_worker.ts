@@ -3,6 +3,7 @@
 import wasmUrl from "@wasm/splat_order.wasm?url";
 
 import { ImageDecoder } from "../sog/images";
+import { parseSection, type Section } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
 import { CaseError, readZip } from "../sog/zip";
 import type { Reply, Request } from "./protocol";
@@ -84,6 +85,20 @@ async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Pr
   }
 }
 
+/** The volume that faces are drawn from, if the case has one. Throws CaseError. */
+async function decodeSection(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<Section | null> {
+  const info = parseSection(meta.clipgs, archive);
+  if (!info) {
+    return null;
+  }
+  const decoder = new ImageDecoder();
+  try {
+    return { ...info, voxels: await decoder.decodeSection(archive.get(info.file)!, info) };
+  } finally {
+    decoder.dispose();
+  }
+}
+
 async function load(ticket: number, url: string): Promise<void> {
   newestLoad = ticket;
   try {
@@ -91,6 +106,9 @@ async function load(ticket: number, url: string): Promise<void> {
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
     const scene = packScene(meta, await decodeImages(meta, archive));
+    const start = performance.now();
+    const section = await decodeSection(meta, archive);
+    const sectionMs = performance.now() - start;
     if (ticket !== newestLoad) {
       throw new CaseError("another case was chosen meanwhile");
     }
@@ -101,7 +119,11 @@ async function load(ticket: number, url: string): Promise<void> {
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
     }
-    reply({ kind: "loaded", ticket, scene, clipgs: meta.clipgs, bytes: bytes.length }, transfer);
+    if (section) {
+      transfer.push(section.voxels.buffer);
+    }
+    const { clipgs } = meta;
+    reply({ kind: "loaded", ticket, scene, section, sectionMs, clipgs, bytes: bytes.length }, transfer);
   } catch (error) {
     const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
     reply({ kind: "failed", ticket, message });

@@ -1,4 +1,17 @@
+import type { Section } from "../sog/section";
 import type { PackedScene } from "../sog/sog";
+
+/** A case, decoded. */
+export interface LoadedCase {
+  ticket: number;
+  scene: PackedScene;
+  section: Section | null;
+  /** What decoding the section took. */
+  sectionMs: number;
+  /** The `clipgs` block of meta.json, unchecked. */
+  clipgs: unknown;
+  bytes: number;
+}
 
 /** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. */
 export const kClipOperators = { none: 0, hard: 1, soft: 2, exact: 3 } as const;
@@ -16,6 +29,6 @@ export type Request =
 /** From the worker. A ticket is that of the request that is answered; `count` is −1 if the scene is gone. */
 export type Reply =
   | { kind: "progress"; ticket: number; loaded: number; total: number }
-  | { kind: "loaded"; ticket: number; scene: PackedScene; clipgs: unknown; bytes: number }
+  | ({ kind: "loaded" } & LoadedCase)
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };

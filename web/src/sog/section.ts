@@ -1,0 +1,196 @@
+import type { Triple } from "../model/geometry";
+import { JsonReader } from "./json_reader";
+import { CaseError } from "./zip";
+
+export const kCodes = 256;
+export const kMaxKeys = 8;
+const kMaxSide = 1024;
+const kMaxImage = 16383;
+const kBlock = 16;
+const kMaxExtinction = 1e6;
+const kMaxReflectance = 100;
+
+export const kModalities = ["CT", "MR", "photographs", "unknown"] as const;
+export type Modality = (typeof kModalities)[number];
+
+/** Linear RGB. The sky's colour runs linearly along S; keys are discs of an angular radius (radians). */
+export interface LightRig {
+  skyTop: Triple;
+  skyHorizon: Triple;
+  skyBottom: Triple;
+  keys: { direction: Triple; radiance: Triple; angularRadius: number }[];
+}
+
+/** What faces show of matter, over the codes. Reflectances are linear RGB. */
+export interface FaceMaterials {
+  extinction: number[]; // 1/mm
+  specular: number[];
+  roughness: number[];
+  surface: [number[], number[], number[]]; // at the face
+  interior: [number[], number[], number[]]; // beneath it
+}
+
+/** The `section` block of a case (docs/format.md), checked: plain data, to be passed between threads. */
+export interface SectionInfo {
+  file: string;
+  dims: Triple;
+  channels: 1 | 3;
+  mosaic: Mosaic;
+  origin: Triple; // RAS mm of the first voxel's centre
+  spacing: Triple; // mm
+  axes: [Triple, Triple, Triple];
+  sourceSpacing: Triple; // mm, of the volume that was traced
+  modality: Modality;
+  curve: number[]; // values of the codes
+  valueError: number;
+  materials: FaceMaterials;
+  rig: LightRig;
+  exposure: number;
+}
+
+/** The volume that faces are drawn from. */
+export interface Section extends SectionInfo {
+  voxels: Uint8Array; // [nz, ny, nx] codes, or [nz, ny, nx, 4] sRGB and 255
+}
+
+/** How slices of constant z lie in the image: row by row, each in a tile of whole blocks. */
+export interface Mosaic {
+  tileWidth: number;
+  tileHeight: number;
+  columns: number;
+  rows: number;
+}
+
+function unit(reader: JsonReader, key: string): Triple {
+  const v = reader.vector(key);
+  const length = Math.hypot(...v);
+  return Math.abs(length - 1) <= 1e-3 ? (v.map((x) => x / length) as Triple) : reader.fail(key);
+}
+
+function readAxes(reader: JsonReader): [Triple, Triple, Triple] {
+  const [x, y, z] = [unit(reader, "axis_x"), unit(reader, "axis_y"), unit(reader, "axis_z")];
+  const determinant =
+    z[0] * (x[1] * y[2] - x[2] * y[1]) +
+    z[1] * (x[2] * y[0] - x[0] * y[2]) +
+    z[2] * (x[0] * y[1] - x[1] * y[0]);
+  return Math.abs(determinant - 1) <= 1e-2 ? [x, y, z] : reader.fail("axis_z");
+}
+
+function readMosaic(reader: JsonReader, dims: Triple): Mosaic {
+  const [tileWidth, tileHeight] = reader.numbers("tile", 2) as [number, number];
+  const blocks = (n: number) => Math.ceil(n / kBlock) * kBlock;
+  if (tileWidth !== blocks(dims[0]) || tileHeight !== blocks(dims[1])) {
+    reader.fail("tile");
+  }
+  const columns = reader.integer("columns", 1, Math.min(dims[2], Math.floor(kMaxImage / tileWidth)));
+  const rows = Math.ceil(dims[2] / columns);
+  return rows * tileHeight <= kMaxImage ? { tileWidth, tileHeight, columns, rows } : reader.fail("columns");
+}
+
+function readCurve(reader: JsonReader): number[] {
+  const curve = reader.numbers("curve", kCodes);
+  return curve.every((v, i) => i === 0 || v > curve[i - 1]!) ? curve : reader.fail("curve");
+}
+
+function readMaterials(reader: JsonReader): FaceMaterials {
+  const table = (key: string, most: number) => reader.numbers(key, kCodes, 0, most);
+  const colors = (key: string) =>
+    ["r", "g", "b"].map((c) => table(`${key}_${c}`, kMaxReflectance)) as FaceMaterials["surface"];
+  return {
+    extinction: table("extinction", kMaxExtinction),
+    specular: table("specular", 1),
+    roughness: table("roughness", 1),
+    surface: colors("surface"),
+    interior: colors("interior"),
+  };
+}
+
+function readRig(reader: JsonReader): LightRig {
+  return {
+    skyTop: reader.vector("sky_top", 0),
+    skyHorizon: reader.vector("sky_horizon", 0),
+    skyBottom: reader.vector("sky_bottom", 0),
+    keys: reader.children("keys", kMaxKeys).map((key) => ({
+      direction: unit(key, "direction"),
+      radiance: key.vector("radiance", 0),
+      angularRadius: key.number("angular_radius", 0, 1.6),
+    })),
+  };
+}
+
+/** The section that the `clipgs` block of a case names; null where there is none. Throws CaseError. */
+export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unknown>): SectionInfo | null {
+  const block = (clipgs as { section?: unknown } | null | undefined)?.section;
+  if (block === undefined) {
+    return null;
+  }
+  const reader = new JsonReader(block, "clipgs.section");
+  if (reader.value("version") !== 1) {
+    throw new CaseError(
+      "the case's section is of a version that this viewer does not know; use a newer clipgs",
+    );
+  }
+  const dims = reader.vector("dims", 1, kMaxSide);
+  if (!dims.every(Number.isInteger)) {
+    reader.fail("dims");
+  }
+  const channels = reader.integer("channels", 1, 3);
+  const modality = reader.text("modality") as Modality;
+  const lights = reader.child("lights");
+  const file = reader.text("file");
+  if (channels === 2) {
+    reader.fail("channels");
+  }
+  if (!archive.has(file)) {
+    throw new CaseError(`${file} is missing from the case; build or copy it again`);
+  }
+  return {
+    file,
+    dims,
+    channels: channels as 1 | 3,
+    mosaic: readMosaic(reader, dims),
+    origin: reader.vector("origin"),
+    spacing: reader.vector("spacing", Number.MIN_VALUE),
+    axes: readAxes(reader),
+    sourceSpacing: reader.vector("source_spacing", Number.MIN_VALUE),
+    modality: kModalities.includes(modality) ? modality : "unknown",
+    curve: readCurve(reader),
+    valueError: reader.number("value_error", 0),
+    materials: readMaterials(reader.child("materials")),
+    rig: readRig(lights),
+    exposure: lights.number("exposure", Number.MIN_VALUE),
+  };
+}
+
+/** An empty volume for `copySlices` to fill. */
+export function makeVoxels({ dims, channels }: SectionInfo): Uint8Array {
+  return new Uint8Array(dims[0] * dims[1] * dims[2] * (channels === 3 ? 4 : 1));
+}
+
+/**
+ * Copies `count` slices from `z` on out of a row of tiles, given as RGBA texels, into a section's voxels.
+ */
+export function copySlices(
+  { dims, channels, mosaic }: SectionInfo,
+  tiles: Uint8Array,
+  z: number,
+  count: number,
+  voxels: Uint8Array,
+): void {
+  const [nx, ny] = dims;
+  const size = channels === 3 ? 4 : 1;
+  const stride = 4 * count * mosaic.tileWidth;
+  for (let slice = 0; slice < count; ++slice) {
+    for (let y = 0; y < ny; ++y) {
+      const from = y * stride + 4 * slice * mosaic.tileWidth;
+      const to = ((z + slice) * ny + y) * nx * size;
+      if (size === 4) {
+        voxels.set(tiles.subarray(from, from + 4 * nx), to);
+      } else {
+        for (let x = 0; x < nx; ++x) {
+          voxels[to + x] = tiles[from + 4 * x]!;
+        }
+      }
+    }
+  }
+}

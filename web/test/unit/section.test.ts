@@ -1,0 +1,122 @@
+import { describe, expect, it } from "vitest";
+
+import { copySlices, makeVoxels, parseSection, type SectionInfo } from "../../src/sog/section";
+import { CaseError } from "../../src/sog/zip";
+import { makeSectionBlock, withValue } from "./section_fixture";
+
+const archive = new Map([["section.webp", new Uint8Array(4)]]);
+
+function parse(block: unknown): SectionInfo {
+  return parseSection({ section: block }, archive)!;
+}
+
+describe("parseSection", () => {
+  it("reads what the block says", () => {
+    const info = parse(makeSectionBlock());
+    expect(info.dims).toEqual([5, 18, 7]);
+    expect(info.mosaic).toEqual({ tileWidth: 16, tileHeight: 32, columns: 3, rows: 3 });
+    expect(info.axes[1]).toEqual([-1, 0, 0]);
+    expect(info.curve[255]).toBe(1550);
+    expect(info.materials.interior[0][255]).toBeCloseTo(1.9);
+    expect(info.rig.keys).toHaveLength(3);
+    expect(info.exposure).toBe(1.2);
+  });
+
+  it("takes cases without one, and modalities that it does not know", () => {
+    expect(parseSection(undefined, archive)).toBeNull();
+    expect(parseSection({ version: 1 }, archive)).toBeNull();
+    expect(parse(withValue(makeSectionBlock(), "modality", "PET")).modality).toBe("unknown");
+  });
+
+  it.each([
+    ["version", 2, /version/],
+    ["version", undefined, /section\.version/],
+    ["file", undefined, /section\.file/],
+    ["file", "nowhere.webp", /nowhere\.webp is missing/],
+    ["dims", [5, 18], /dims/],
+    ["dims", [5, 0, 7], /dims/],
+    ["dims", [5, 18.5, 7], /dims/],
+    ["dims", [5, 18, 1025], /dims/],
+    ["tile", [16, 16], /tile/],
+    ["tile", [16], /tile/],
+    ["columns", 0, /columns/],
+    ["columns", 8, /columns/],
+    ["columns", 1.5, /columns/],
+    ["channels", 2, /channels/],
+    ["channels", 4, /channels/],
+    ["spacing", [2, 0, 1], /spacing/],
+    ["spacing", [2, 1, "x"], /spacing/],
+    ["source_spacing", [1, 1, -1], /source_spacing/],
+    ["origin", [0, 0, null], /origin/],
+    ["axis_x", [0, 2, 0], /axis_x/],
+    ["axis_z", [0, 0, -1], /axis_z/],
+    ["modality", 3, /modality/],
+    ["curve", Array(256).fill(1), /curve/],
+    ["curve", [1, 2], /curve/],
+    ["value_error", -1, /value_error/],
+    ["materials", [], /materials/],
+    ["materials.extinction", Array(256).fill(-1), /materials\.extinction/],
+    ["materials.specular", Array(256).fill(2), /materials\.specular/],
+    ["materials.roughness", Array(255).fill(0.5), /materials\.roughness/],
+    ["materials.surface_g", undefined, /materials\.surface_g/],
+    ["materials.interior_b", Array(256).fill(1e9), /materials\.interior_b/],
+    ["lights", undefined, /lights/],
+    ["lights.sky_top", [1, 1, -1], /lights\.sky_top/],
+    ["lights.keys", Array(9).fill({}), /lights\.keys/],
+    ["lights.keys", [{ radiance: [1, 1, 1], angular_radius: 0.1 }], /keys\[0\]\.direction/],
+    ["lights.keys.0.radiance", [1, 1], /keys\[0\]\.radiance/],
+    ["lights.keys.0.angular_radius", 2, /keys\[0\]\.angular_radius/],
+    ["lights.exposure", 0, /lights\.exposure/],
+  ])("refuses %s = %j", (path, value, message) => {
+    const block = withValue(makeSectionBlock(), path, value);
+    expect(() => parse(block)).toThrow(CaseError);
+    expect(() => parse(block)).toThrow(message);
+  });
+
+  it("refuses more than an image can hold, and what is no object", () => {
+    const tall = { ...makeSectionBlock(), dims: [5, 1024, 17], tile: [16, 1024], columns: 1 };
+    expect(() => parse(tall)).toThrow(/columns/);
+    for (const block of [null, 5, "text", []]) {
+      expect(() => parse(block)).toThrow(CaseError);
+    }
+  });
+});
+
+describe("copySlices", () => {
+  /** What voxel (x, y, z) of the fixture holds. */
+  const value = (x: number, y: number, z: number) => (x + 5 * y + 90 * z) % 251;
+
+  /** A row of tiles with slices from z on, row by row; 99 where there is no voxel. */
+  function tiles({ dims, mosaic }: SectionInfo, z: number, count: number): Uint8Array {
+    const rgba = new Uint8Array(4 * count * mosaic.tileWidth * mosaic.tileHeight).fill(99);
+    for (let i = 0; i < rgba.length / 4; ++i) {
+      const column = i % (count * mosaic.tileWidth);
+      const x = column % mosaic.tileWidth;
+      const y = Math.floor(i / (count * mosaic.tileWidth));
+      if (x < dims[0] && y < dims[1]) {
+        const v = value(x, y, z + Math.floor(column / mosaic.tileWidth));
+        rgba.set([v, 255 - v, v >> 1, 255], 4 * i);
+      }
+    }
+    return rgba;
+  }
+
+  for (const channels of [1, 3]) {
+    it(`puts every voxel in its place, whole rows or parts of them (${channels} channels)`, () => {
+      const info = parse({ ...makeSectionBlock(), channels });
+      for (const most of [1, 2, 3]) {
+        const voxels = makeVoxels(info);
+        for (let z = 0; z < 7; z += most) {
+          const count = Math.min(most, 7 - z);
+          copySlices(info, tiles(info, z, count), z, count, voxels);
+        }
+        const size = channels === 3 ? 4 : 1;
+        for (let i = 0; i < voxels.length / size; ++i) {
+          const v = value(i % 5, Math.floor(i / 5) % 18, Math.floor(i / 90));
+          const expected = size === 4 ? [v, 255 - v, v >> 1, 255] : [v];
+          expect([...voxels.subarray(size * i, size * (i + 1))]).toEqual(expected);
+        }
+      }
+    });
+  }
+});
