@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import type { App } from "./app";
+import type { FaceSource } from "./model/faces";
 import type { Triple } from "./model/geometry";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
@@ -16,12 +17,15 @@ export interface ClipgsApi {
   /** Keeps dot(normal, x) >= offset; null: nothing is cut. */
   setPlane(plane: { normal: Triple; offset: number } | null): void;
   setClip(clip: ClipOperator): void;
+  /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
+  setSection(section: FaceSource): void;
   /** What is shown. */
   readonly state: {
     case: string | null;
     view: { azimuth: number; elevation: number; zoom: number };
     plane: { normal: Triple; offset: number } | null;
     clip: ClipOperator;
+    section: FaceSource;
   };
   readonly stats: Readonly<ViewerStats>;
   /** The picture alone, as `clipgs render` writes it. */
@@ -54,13 +58,15 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       }
     },
     setClip: (clip) => viewer.setClip(clip),
+    setSection: (section) => viewer.setSection(section),
     get state() {
-      const { view, plane, clip } = viewer.state;
+      const { view, plane, clip, section } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
         plane: plane && { normal: plane.normal.toArray(), offset: plane.offset },
         clip,
+        section,
       };
     },
     renderToPixels: (width, height) => viewer.renderToPixels(width, height),

@@ -1,4 +1,4 @@
-import { type CaseSummary, fetchCases, formatCount } from "./model/case_list";
+import { type CaseSummary, fetchCases, formatBytes, formatCount } from "./model/case_list";
 import { formatLink, parseLink } from "./model/link";
 import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
@@ -159,6 +159,7 @@ export class App {
     if (link.clip) {
       this.viewer.setClip(link.clip);
     }
+    this.viewer.setSection(link.section ?? "volume");
   }
 
   /** A fixed size leaves the picture alone on the page. */
@@ -192,18 +193,23 @@ export class App {
 
   #updateStats(): void {
     this.#statsTimer = 0;
-    const { frameMs, sortMs, drawn, total, scale } = this.viewer.stats;
+    const { frameMs, sortMs, drawn, total, scale, sectionBytes, sectionMs } = this.viewer.stats;
     if (total === 0) {
       return;
     }
     const frame = frameMs > 0 ? `${frameMs.toFixed(1)} ms a frame · ` : "";
+    const section =
+      sectionBytes > 0
+        ? ` · section ${formatBytes(sectionBytes)}, decoded in ${Math.round(sectionMs)} ms`
+        : "";
     const reduced = scale < 0.99 ? ` · ${Math.round(100 * scale)} % resolution` : "";
-    this.#stats.textContent = `${frame}sort ${sortMs.toFixed(1)} ms · ${formatCount(drawn)} of ${formatCount(total)} splats${reduced}`;
+    this.#stats.textContent = `${frame}sort ${sortMs.toFixed(1)} ms · ${formatCount(drawn)} of ${formatCount(total)} splats${section}${reduced}`;
   }
 
   #link(): string {
-    const { view, plane, clip } = this.viewer.state;
-    return formatLink({ case: this.viewer.caseName ?? undefined, view, plane, clip, size: this.#fixedSize });
+    const { view, plane, clip, section } = this.viewer.state;
+    const name = this.viewer.caseName ?? undefined;
+    return formatLink({ case: name, view, plane, clip, section, size: this.#fixedSize });
   }
 
   #writeLink(): void {

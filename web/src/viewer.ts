@@ -10,6 +10,7 @@ import {
 } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
+import type { FaceSource } from "./model/faces";
 import { kWorldFromPatient, type Plane } from "./model/geometry";
 import type { Grip } from "./model/plane_drag";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
@@ -17,8 +18,10 @@ import { FullScreenPass } from "./render/full_screen";
 import { GpuScene } from "./render/gpu_scene";
 import { PlaneWidget } from "./render/plane_widget";
 import { writeSortView } from "./render/scene_camera";
-import { type Picture, SplatLayer } from "./render/splat_layer";
+import { SectionFaces } from "./render/section_faces";
+import { type Picture, SplatLayer, type Subject } from "./render/splat_layer";
 import { SplatMesh } from "./render/splat_mesh";
+import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import { CaseClient } from "./worker/case_client";
 import { type ClipOperator, kViewFloats } from "./worker/protocol";
@@ -27,6 +30,7 @@ export interface ViewerState {
   view: View;
   plane: Plane | null;
   clip: ClipOperator;
+  section: FaceSource;
   handle: boolean; // whether the plane is drawn
 }
 
@@ -37,6 +41,8 @@ export interface ViewerStats {
   drawn: number; // splats
   total: number;
   scale: number; // resolution of the picture shown, 1: full
+  sectionBytes: number; // of the volume that faces are drawn from, 0: none
+  sectionMs: number; // decoding it
 }
 
 interface OpenCase {
@@ -45,6 +51,7 @@ interface OpenCase {
   bytes: number;
   ticket: number;
   mesh: SplatMesh;
+  faces: SectionFaces | null;
   spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 }
 
@@ -56,6 +63,8 @@ const kMinScale = 0.35;
 /** The first frames of a case compile and upload: they say nothing about speed. */
 const kWarmUpFrames = 4;
 const kMaxPixelRatio = 2;
+/** Rays through a pixel of a face, along either side, once nothing moves. */
+const kMaxRays = 2;
 const kMmFromWorld = kWorldFromPatient.clone().invert();
 
 /**
@@ -64,8 +73,22 @@ const kMmFromWorld = kWorldFromPatient.clone().invert();
  */
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
-  readonly state: ViewerState = { view: viewFrom(0, 0), plane: null, clip: "exact", handle: true };
-  readonly stats: ViewerStats = { frameMs: 0, sortMs: 0, drawn: 0, total: 0, scale: 1 };
+  readonly state: ViewerState = {
+    view: viewFrom(0, 0),
+    plane: null,
+    clip: "exact",
+    section: "volume",
+    handle: true,
+  };
+  readonly stats: ViewerStats = {
+    frameMs: 0,
+    sortMs: 0,
+    drawn: 0,
+    total: 0,
+    scale: 1,
+    sectionBytes: 0,
+    sectionMs: 0,
+  };
   changed: () => void = () => {};
   drawnFrame: () => void = () => {};
 
@@ -80,11 +103,13 @@ export class Viewer {
   });
   readonly #client = new CaseClient();
   #case: OpenCase | null = null;
+  #noSection: string | null = null;
   #width = 1; // CSS px
   #height = 1;
 
   #orderStale = false; // something moved since the last sort began
   #splatsStale = false;
+  #coarse = false; // what is shown was drawn for speed
   #canvasStale = true;
   #capturing = false;
   #lastChange = 0;
@@ -133,18 +158,26 @@ export class Viewer {
     return this.#case?.info ?? null;
   }
 
+  /** Why faces are not drawn from a volume, whatever the state asks for; null: they are. */
+  get noSection(): string | null {
+    return this.#noSection;
+  }
+
   /** Shows the case at `url`; the view and plane stay. Resolves with its first picture; rejects with CaseError. */
   async open(name: string, url: string, progress: (share: number) => void = () => {}): Promise<void> {
     const loaded = await this.#client.load(url, progress);
     const info = parseCaseInfo(loaded.clipgs);
     await this.#sortDone();
-    this.#case?.mesh.free();
+    this.#freeCase();
     const scene = new GpuScene(loaded.scene);
     const mesh = new SplatMesh(scene, info.sceneToPatient, info.mmPerUnit);
     mesh.matrix.multiplyMatrices(kWorldFromPatient, info.sceneToPatient);
     mesh.matrixWorld.copy(mesh.matrix);
     const spare = new Uint32Array(scene.capacity);
-    this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, spare };
+    const faces = this.#makeFaces(loaded.section);
+    this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, faces, spare };
+    this.stats.sectionBytes = faces?.section.voxels.length ?? 0;
+    this.stats.sectionMs = loaded.sectionMs;
     this.#splatFrames = 0;
     this.#widget.setSphere(info.sphere);
     this.stats.total = loaded.scene.count;
@@ -178,6 +211,11 @@ export class Viewer {
 
   setClip(clip: ClipOperator): void {
     this.state.clip = clip;
+    this.#touch();
+  }
+
+  setSection(section: FaceSource): void {
+    this.state.section = section;
     this.#touch();
   }
 
@@ -243,7 +281,7 @@ export class Viewer {
       this.#placeCamera(width, height, noInset);
       await this.#sort(current, width, height);
       this.#placeCamera(width, height, noInset);
-      return await this.#layer.read(current.mesh, this.#camera, width, height);
+      return await this.#layer.read(this.#subject(current, kMaxRays), this.#camera, width, height);
     } finally {
       this.#capturing = false;
       this.#touch();
@@ -252,7 +290,7 @@ export class Viewer {
 
   dispose(): void {
     this.#client.dispose();
-    this.#case?.mesh.free();
+    this.#freeCase();
     this.#widget.dispose();
     this.#layer.dispose();
     this.#background.dispose();
@@ -310,9 +348,9 @@ export class Viewer {
       }
       // Where a frame takes long, so do the pauses within a movement.
       const moving = now - this.#lastChange < Math.max(kSettleMs, 2 * this.stats.frameMs);
-      if (this.#splatsStale || (!moving && this.stats.scale < 1)) {
+      if (this.#splatsStale || (!moving && this.#coarse)) {
         this.#measure(now);
-        this.#drawSplats(current, moving ? this.#movingScale : 1);
+        this.#drawSplats(current, moving);
       }
     }
     if (this.#canvasStale) {
@@ -345,12 +383,41 @@ export class Viewer {
     this.#movingScale = Math.min(1, Math.max(kMinScale, this.#movingScale * step));
   }
 
-  #drawSplats(current: OpenCase, scale: number): void {
+  #drawSplats(current: OpenCase, moving: boolean): void {
     this.#splatsStale = false;
     this.#canvasStale = true;
-    this.stats.scale = scale;
-    current.mesh.setClip(this.state.plane, this.state.clip);
-    this.#layer.draw(current.mesh, this.#camera, scale);
+    this.stats.scale = moving ? this.#movingScale : 1;
+    const subject = this.#subject(current, moving ? 1 : kMaxRays);
+    this.#coarse = moving && (this.stats.scale < 1 || subject.faces !== null);
+    this.#layer.draw(subject, this.#camera, this.stats.scale);
+  }
+
+  /** What is drawn of a case, as the state says; `rays` a pixel of a face, along either side, at most. */
+  #subject({ mesh, faces }: OpenCase, rays: number): Subject {
+    const { plane, clip, section } = this.state;
+    mesh.setClip(plane, clip);
+    if (!faces || !plane || section === "splats") {
+      return { mesh, faces: null };
+    }
+    faces.setPlanes([plane]);
+    faces.maxRays = rays;
+    return { mesh, faces };
+  }
+
+  #makeFaces(section: Section | null): SectionFaces | null {
+    this.#noSection = null;
+    const gl = this.#renderer.getContext() as WebGL2RenderingContext;
+    if (!section) {
+      this.#noSection = "This case has no section volume: its splats draw the faces.";
+    } else if (Math.max(...section.dims) > (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number)) {
+      this.#noSection = "This device cannot hold the section volume: splats draw the faces.";
+    }
+    return section && !this.#noSection ? new SectionFaces(section) : null;
+  }
+
+  #freeCase(): void {
+    this.#case?.mesh.free();
+    this.#case?.faces?.free();
   }
 
   #drawCanvas(): void {

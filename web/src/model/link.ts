@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
+import { type FaceSource, kFaceSources } from "./faces";
 import type { Plane } from "./geometry";
 import { type View, viewFrom } from "./view";
 
@@ -10,6 +11,7 @@ export interface Link {
   view?: View;
   plane?: Plane | null; // null: "off"
   clip?: ClipOperator;
+  section?: FaceSource;
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -20,7 +22,7 @@ function numbers(text: string | null, least: number, most: number): number[] | n
   return values.length >= least && values.length <= most && values.every(Number.isFinite) ? values : null;
 }
 
-/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&size=WxH`; what is not valid is left out. */
+/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&section=…&size=WxH`; what is not valid is left out. */
 export function parseLink(hash: string): Link {
   const parameters = new URLSearchParams(hash.replace(/^#/, ""));
   const link: Link = {};
@@ -49,6 +51,10 @@ export function parseLink(hash: string): Link {
   const clip = parameters.get("clip");
   if (clip && clip !== "none" && Object.hasOwn(kClipOperators, clip)) {
     link.clip = clip as ClipOperator;
+  }
+  const section = kFaceSources.find((name) => name === parameters.get("section"));
+  if (section) {
+    link.section = section;
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -96,6 +102,9 @@ export function formatLink(link: Link): string {
   }
   if (link.clip) {
     parts.push(`clip=${link.clip}`);
+  }
+  if (link.section === "splats") {
+    parts.push("section=splats");
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

@@ -16,6 +16,7 @@ import {
 } from "three";
 
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
+import type { SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
 import type { SplatMesh } from "./splat_mesh";
 
@@ -26,9 +27,15 @@ export interface Picture {
   data: Uint8ClampedArray;
 }
 
+/** What a picture shows: the splats and, where they are not left to the splats, the exposed faces. */
+export interface Subject {
+  mesh: SplatMesh;
+  faces: SectionFaces | null;
+}
+
 /**
- * The splats' picture: drawn into a texture of half floats, where hundreds of faint layers add up exactly, and
- * shown as an object that covers the canvas. It is drawn again only when something changes.
+ * The picture of splats and faces: drawn into a texture of half floats, where hundreds of faint layers add up
+ * exactly, and shown as an object that covers the canvas. It is drawn again only when something changes.
  */
 export class SplatLayer {
   /** Put this into the scene of the canvas. */
@@ -42,7 +49,7 @@ export class SplatLayer {
     this.#renderer = renderer;
     // Without the extension 8 bits must do.
     const type = renderer.extensions.has("EXT_color_buffer_float") ? HalfFloatType : UnsignedByteType;
-    this.#target = new WebGLRenderTarget(1, 1, { type, depthBuffer: false });
+    this.#target = new WebGLRenderTarget(1, 1, { type });
     this.#target.texture.minFilter = this.#target.texture.magFilter = LinearFilter;
     this.#uniforms.uPicture.value = this.#target.texture;
     this.object = new Mesh(
@@ -64,18 +71,18 @@ export class SplatLayer {
     this.object.frustumCulled = false;
   }
 
-  /** Draws `mesh` at `scale` times the canvas's resolution. */
-  draw(mesh: SplatMesh, camera: PerspectiveCamera, scale: number): void {
+  /** Draws at `scale` times the canvas's resolution. */
+  draw(subject: Subject, camera: PerspectiveCamera, scale: number): void {
     const canvas = this.#renderer.getDrawingBufferSize(new Vector2());
     const width = Math.max(1, Math.round(canvas.x * scale));
     const height = Math.max(1, Math.round(canvas.y * scale));
-    this.#draw(mesh, camera, width, height);
+    this.#draw(subject, camera, width, height);
     this.#uniforms.uTexelsPerPixel.value.set(1 / canvas.x, 1 / canvas.y);
   }
 
   /** The picture of exactly width × height px, as `clipgs render` writes it. */
-  async read(mesh: SplatMesh, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
-    this.#draw(mesh, camera, width, height);
+  async read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+    this.#draw(subject, camera, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(
       "composite.frag.glsl",
@@ -107,16 +114,19 @@ export class SplatLayer {
     (this.object.material as RawShaderMaterial).dispose();
   }
 
-  #draw(mesh: SplatMesh, camera: PerspectiveCamera, width: number, height: number): void {
+  #draw({ mesh, faces }: Subject, camera: PerspectiveCamera, width: number, height: number): void {
     const renderer = this.#renderer;
     mesh.updateColors(renderer, mesh.sceneCamera(camera, width, height).position);
     this.#target.setSize(width, height);
     this.#scene.add(mesh);
+    if (faces) {
+      this.#scene.add(faces.object);
+    }
     this.#clear();
     renderer.setRenderTarget(this.#target);
     renderer.render(this.#scene, camera);
     renderer.setRenderTarget(null);
-    this.#scene.remove(mesh);
+    this.#scene.clear();
   }
 
   #clear(): void {

@@ -43,7 +43,7 @@ function quads(): InstancedBufferGeometry {
 }
 
 /** The picture's size in px that is being drawn: of the eye, the render target or the canvas. */
-function viewportSize(
+export function viewportSize(
   renderer: WebGLRenderer,
   camera: PerspectiveCamera & { viewport?: Vector4 },
   out: Vector2,

@@ -3,6 +3,8 @@ import { JsonReader } from "./json_reader";
 import { CaseError } from "./zip";
 
 export const kCodes = 256;
+/** Air around the body has code 0, everything else codes from this on. */
+export const kFirstInside = 16;
 export const kMaxKeys = 8;
 const kMaxSide = 1024;
 const kMaxImage = 16383;

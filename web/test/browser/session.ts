@@ -67,9 +67,10 @@ export class Session {
   #server!: ChildProcess;
   #browser!: Browser;
 
-  async start(): Promise<void> {
+  /** Serves what `makeCases` puts into the folder of cases. */
+  async start(makeCases: (cases: string) => void): Promise<void> {
     mkdirSync(this.cases, { recursive: true });
-    makePhantomCase(this.folder, join(this.cases, "phantom.sog"));
+    makeCases(this.cases);
     this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json"], {
       stdio: ["ignore", "pipe", "inherit"],
     });

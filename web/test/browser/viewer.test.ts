@@ -1,12 +1,13 @@
-import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
+import type { FaceSource } from "../../src/model/faces";
 import type { Triple } from "../../src/model/geometry";
 import type { ClipOperator } from "../../src/worker/protocol";
-import { coverage, pagePicture, psnr, readPng } from "./picture";
-import { clipgs, missing, Session } from "./session";
+import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
+import { clipgs, makePhantomCase, missing, Session } from "./session";
 
 const kMinPsnr = 35;
 
@@ -14,6 +15,7 @@ interface Shot {
   view: [number, number, number];
   plane: [number, number, number, number] | null;
   clip: ClipOperator;
+  section?: FaceSource;
 }
 
 const kViews: Shot["view"][] = [
@@ -26,13 +28,18 @@ const kPlanes: Shot["plane"][] = [
   [0, -1, 0, 0],
   [0.5, 0.3, -0.6, 10],
 ];
+/** Every plane with its faces drawn from the volume and by splats. */
 const kShots: Shot[] = [
   ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
   ...kPlanes.flatMap((plane) =>
-    (["hard", "soft", "exact"] as const).map((clip, i): Shot => ({ view: kViews[i]!, plane, clip })),
+    (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
   ),
-  { view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" },
+  ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
 ];
+
+function facesOf(shot: Shot): Shot[] {
+  return (["volume", "splats"] as const).map((section) => ({ ...shot, section }));
+}
 
 describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -40,7 +47,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   let page: Page;
 
   beforeAll(async () => {
-    await session.start();
+    await session.start((cases) => makePhantomCase(session.folder, join(cases, "phantom.sog")));
     page = await session.open("", errors);
     await page.evaluate(() => window.clipgs.ready);
   });
@@ -49,36 +56,44 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
 
-  async function show({ view, plane, clip }: Shot): Promise<void> {
+  async function show({ view, plane, clip, section = "volume" }: Shot): Promise<void> {
     await page.evaluate(
-      ([[azimuth, elevation, zoom], cut, operator]) => {
+      ([[azimuth, elevation, zoom], cut, operator, source]) => {
         window.clipgs.setView({ azimuth, elevation, zoom });
         window.clipgs.setPlane(cut && { normal: cut.slice(0, 3) as Triple, offset: cut[3] });
         window.clipgs.setClip(operator);
+        window.clipgs.setSection(source);
       },
-      [view, plane, clip] as const,
+      [view, plane, clip, section] as const,
     );
   }
 
+  /** What `clipgs render` makes of a shot. */
+  async function rendered({ view, plane, clip, section }: Shot, size: string): Promise<Picture> {
+    const path = join(session.folder, "render.png");
+    const cut = plane ? ["--plane", plane.join()] : [];
+    const source = section ? ["--section", section] : [];
+    clipgs(
+      "render",
+      join(session.cases, "phantom.sog"),
+      "-o",
+      path,
+      "--view",
+      view.join(),
+      "--clip",
+      clip,
+      "--size",
+      size,
+      ...cut,
+      ...source,
+    );
+    return readPng(page, path);
+  }
+
   for (const shot of kShots) {
-    const plane = shot.plane?.join() ?? "none";
-    it(`equals clipgs render: view ${shot.view.join()}, plane ${plane}, ${shot.clip}`, async () => {
-      const path = join(session.folder, "render.png");
-      const cut = shot.plane ? ["--plane", plane] : [];
-      clipgs(
-        "render",
-        join(session.cases, "phantom.sog"),
-        "-o",
-        path,
-        "--view",
-        shot.view.join(),
-        "--clip",
-        shot.clip,
-        "--size",
-        "300x220",
-        ...cut,
-      );
-      const truth = await readPng(page, path);
+    const cut = shot.plane ? `plane ${shot.plane.join()}, ${shot.clip}, ${shot.section}` : "uncut";
+    it(`equals clipgs render: view ${shot.view.join()}, ${cut}`, async () => {
+      const truth = await rendered(shot, "300x220");
       await show(shot);
       const got = await pagePicture(page, truth.width, truth.height);
       expect(coverage(truth)).toBeGreaterThan(0.03);
@@ -119,10 +134,57 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(psnr(most, half).color).toBeLessThan(20);
   });
 
+  it("has no holes in a face wherever its plane is", async () => {
+    for (let step = 0; step < 12; ++step) {
+      const shot: Shot = { view: [20, 40, 1], plane: [0, 0.1, -1, 7.3 - 3.1 * step], clip: "exact" };
+      const truth = await rendered(shot, "128x128");
+      await show(shot);
+      const got = await pagePicture(page, 128, 128);
+      let holes = 0;
+      for (let i = 3; i < got.data.length; i += 4) {
+        holes += truth.data[i]! === 255 && got.data[i]! < 230 ? 1 : 0;
+      }
+      expect(holes, `plane ${shot.plane!.join()}`).toBe(0);
+      expect(psnr(got, truth).alpha).toBeGreaterThan(kMinPsnr);
+      expect(psnr(got, truth).color).toBeGreaterThan(kMinPsnr);
+    }
+  });
+
+  it("draws faces from the volume unless the link or a button says otherwise", async () => {
+    const state = () => page.evaluate(() => window.clipgs.state.section);
+    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBeGreaterThan(1e5);
+    const volume = await pagePicture(page, 160, 160);
+    await page.getByRole("group", { name: "Cut face" }).getByRole("button", { name: "Splats" }).click();
+    expect(await state()).toBe("splats");
+    expect(psnr(await pagePicture(page, 160, 160), volume).color).toBeLessThan(45);
+    await page.waitForFunction(() => location.hash.includes("section=splats"));
+    const linked = await session.open(new URL(page.url()).hash, errors);
+    await linked.evaluate(() => window.clipgs.ready);
+    expect(await linked.evaluate(() => window.clipgs.state.section)).toBe("splats");
+    await linked.close();
+    await page.getByRole("group", { name: "Cut face" }).getByRole("button", { name: "Volume" }).click();
+    expect(await state()).toBe("volume");
+  });
+
+  it("says so where a case has no section volume", async () => {
+    const bare = join(session.cases, "bare.sog");
+    clipgs("pack", join(session.folder, "scene.ply"), "-o", bare, "--no-section");
+    const visitor = await session.open("#case=bare&plane=0,-1,0,0", errors);
+    await visitor.evaluate(() => window.clipgs.ready);
+    expect(await visitor.getByText("no section volume").isVisible()).toBe(true);
+    expect(await visitor.getByRole("button", { name: "Volume" }).isDisabled()).toBe(true);
+    expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    expect(await visitor.getByText("no section volume").isVisible()).toBe(false);
+    await visitor.close();
+    rmSync(bare);
+  });
+
   it("tells the three operators apart", async () => {
     const pictures = [];
     for (const clip of ["hard", "soft", "exact"] as const) {
-      await show({ view: [0, 0, 1], plane: [0, -1, 0, 0], clip });
+      await show({ view: [0, 0, 1], plane: [0, -1, 0, 0], clip, section: "splats" });
       pictures.push(await pagePicture(page, 160, 160));
     }
     for (const [a, b] of [

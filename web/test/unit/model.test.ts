@@ -89,7 +89,8 @@ describe("the camera", () => {
 
 describe("links", () => {
   it("say again what they said", () => {
-    const text = "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&size=512x384";
+    const text =
+      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&size=512x384";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
   });
@@ -113,6 +114,7 @@ describe("links", () => {
       "#clip=none",
       "#clip=other",
       "#clip=toString",
+      "#section=other",
       "#size=x",
       "#size=4x4",
       "#size=1e3",

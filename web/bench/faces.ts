@@ -1,0 +1,73 @@
+// What drawing cut faces from a section volume costs, against splats alone:
+//
+//   npm run bench -- CASE.sog [LINK]
+//
+// LINK is what follows # in the viewer's address; without it the view is the one that the viewer starts with. Frames
+// of 1024 × 1024 px are drawn and read back, with and without the section in turns; sorting is not counted.
+
+import { copyFileSync } from "node:fs";
+import { join } from "node:path";
+import { parseArgs } from "node:util";
+
+import type { FaceSource } from "../src/model/faces";
+import { Session } from "../test/browser/session";
+
+const kSize = 1024;
+const kRounds = 15;
+
+function median(values: number[]): number {
+  const sorted = [...values].sort((a, b) => a - b);
+  return sorted[sorted.length >> 1]!;
+}
+
+const { positionals } = parseArgs({ allowPositionals: true });
+const [file, link = ""] = positionals;
+if (!file) {
+  throw new Error("name a case that has a section: npm run bench -- CASE.sog [LINK]");
+}
+const session = new Session();
+await session.start((cases) => copyFileSync(file, join(cases, "case.sog")));
+try {
+  const page = await session.open(link ? `#${link}` : "");
+  await page.evaluate(() => window.clipgs.ready);
+  const stats = await page.evaluate(() => ({ ...window.clipgs.stats }));
+  if (stats.sectionBytes === 0) {
+    throw new Error(`${file} has no section`);
+  }
+  /** Share of the picture that is another with the section; the first frames also compile and upload. */
+  const share = await page.evaluate(async (size) => {
+    const pictures = [];
+    for (const source of ["volume", "splats"] as const) {
+      window.clipgs.setSection(source);
+      pictures.push(await window.clipgs.renderToPixels(size, size));
+    }
+    const [a, b] = pictures.map(({ data }) => new Uint32Array(data.buffer)) as [Uint32Array, Uint32Array];
+    return a.reduce((count, pixel, i) => count + (pixel === b[i] ? 0 : 1), 0) / a.length;
+  }, kSize);
+  /** What one frame takes without sorting, ms. */
+  const time = (source: FaceSource) =>
+    page.evaluate(
+      async ([section, size]) => {
+        window.clipgs.setSection(section);
+        await window.clipgs.renderToPixels(size, size); // nothing that the page drew before is left to wait for
+        const start = performance.now();
+        await window.clipgs.renderToPixels(size, size);
+        return performance.now() - start - window.clipgs.stats.sortMs;
+      },
+      [source, kSize] as const,
+    );
+  const times: Record<FaceSource, number[]> = { volume: [], splats: [] };
+  for (let round = 0; round < kRounds; ++round) {
+    times.volume.push(await time("volume"));
+    times.splats.push(await time("splats"));
+  }
+  const [a, b] = [median(times.volume), median(times.splats)];
+  console.log(
+    `section      ${(stats.sectionBytes / 1e6).toFixed(1)} MB, decoded in ${Math.round(stats.sectionMs)} ms`,
+  );
+  console.log(`face         ${(100 * share).toFixed(0)} % of the picture`);
+  console.log(`splats alone ${b.toFixed(1)} ms a frame`);
+  console.log(`with section ${a.toFixed(1)} ms a frame, ${(a / b).toFixed(2)} times as long`);
+} finally {
+  await session.stop();
+}

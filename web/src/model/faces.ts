@@ -1,0 +1,141 @@
+import { Matrix4, Vector3 } from "three";
+
+import type { SectionInfo } from "../sog/section";
+import { type Plane, projectOnto, signedDistance } from "./geometry";
+
+// Where exposed faces are and how rays are marched into them: the twin of src/section/face_rays.cpp.
+
+/** What cut faces are drawn from: the case's section volume, where it has one, or its splats. */
+export const kFaceSources = ["volume", "splats"] as const;
+export type FaceSource = (typeof kFaceSources)[number];
+
+/** How voxels lie in the patient. */
+export type Grid = Pick<SectionInfo, "dims" | "origin" | "spacing" | "axes">;
+
+/** Samples along a ray, from the face inwards. */
+export const kTaps = 8;
+/** Of the traced volume: what lies deeper is left to the splats. */
+const kDepthVoxels = 4;
+
+/** A step of the march, mm: short at the face, where most is seen. */
+export interface Step {
+  length: number;
+  middle: number;
+}
+
+function meanSpacing([x, y, z]: Grid["spacing"]): number {
+  return Math.cbrt(x * y * z);
+}
+
+/** The growth g with first·(g^count − 1)/(g − 1) = sum, for sum ≥ first·count. */
+function growth(first: number, count: number, sum: number): number {
+  let low = 1;
+  let high = 8;
+  for (let i = 0; i < 40; ++i) {
+    const g = 0.5 * (low + high);
+    let reached = 0;
+    for (let k = 0, length = first; k < count; ++k, length *= g) {
+      reached += length;
+    }
+    if (reached < sum) {
+      low = g;
+    } else {
+      high = g;
+    }
+  }
+  return low;
+}
+
+export function planSteps(section: Pick<SectionInfo, "materials" | "sourceSpacing">, taps = kTaps): Step[] {
+  const most = Math.max(...section.materials.extinction);
+  const depth = kDepthVoxels * meanSpacing(section.sourceSpacing);
+  let length = Math.min(depth / taps, 0.5 / Math.max(most, 1e-6));
+  const factor = growth(length, taps, depth);
+  const steps: Step[] = [];
+  for (let i = 0, at = 0; i < taps; ++i, at += length, length *= factor) {
+    steps.push({ length, middle: at + 0.5 * length });
+  }
+  return steps;
+}
+
+/** RAS mm → voxel index. */
+export function indexFromPatient({ axes, spacing, origin }: Grid): Matrix4 {
+  const [x, y, z] = axes.map((axis, k) => new Vector3(...axis).multiplyScalar(spacing[k]!));
+  return new Matrix4()
+    .makeBasis(x!, y!, z!)
+    .setPosition(...origin)
+    .invert();
+}
+
+/** Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep is lit as the face itself. */
+export function surfaceDepth({ axes, sourceSpacing }: SectionInfo, normal: Vector3): number {
+  const along = axes.map((axis, k) => normal.dot(new Vector3(...axis)) * sourceSpacing[k]!);
+  return 0.5 * Math.hypot(...along);
+}
+
+/** The middle of a section's box, RAS mm. */
+export function gridMiddle(grid: Grid): Vector3 {
+  const middle = new Vector3(...grid.dims).subScalar(1).multiplyScalar(0.5);
+  return middle.applyMatrix4(indexFromPatient(grid).invert());
+}
+
+/** Rays a pixel, along either side, that a section has detail for, where pixels are `pixel` mm at its middle. */
+export function raysForDetail({ spacing }: Grid, pixel: number, most: number): number {
+  return Math.min(most, Math.max(1, Math.ceil(pixel / meanSpacing(spacing))));
+}
+
+/** The part of a convex polygon that a plane keeps. */
+function clipped(polygon: Vector3[], plane: Plane): Vector3[] {
+  const result: Vector3[] = [];
+  polygon.forEach((a, i) => {
+    const b = polygon[(i + 1) % polygon.length]!;
+    const da = signedDistance(plane, a);
+    const db = signedDistance(plane, b);
+    if (da >= 0) {
+      result.push(a);
+    }
+    if (da >= 0 !== db >= 0) {
+      result.push(a.clone().lerp(b, da / (da - db)));
+    }
+  });
+  return result;
+}
+
+/** The sides of a section's box, from the first voxel's centre to the last one's: planes that keep its inside. */
+function boxSides({ axes, origin, spacing, dims }: Grid): Plane[] {
+  return axes.flatMap((axis, k) => {
+    const normal = new Vector3(...axis);
+    const low = normal.dot(new Vector3(...origin));
+    const high = low + (dims[k]! - 1) * spacing[k]!;
+    return [
+      { normal, offset: low },
+      { normal: normal.clone().negate(), offset: -high },
+    ];
+  });
+}
+
+/**
+ * The faces that planes expose of what all of them keep of a section's box: for each plane a convex polygon (RAS
+ * mm), counterclockwise seen from the removed side, or nothing. What they bound is convex: faces that a camera sees
+ * from their removed sides do not overlap in its picture.
+ */
+export function facePolygons(grid: Grid, planes: readonly Plane[]): Vector3[][] {
+  const sides = boxSides(grid);
+  const middle = gridMiddle(grid);
+  const reach = Math.hypot(...grid.dims.map((n, k) => n * grid.spacing[k]!));
+  return planes.map((plane, i) => {
+    const { normal } = plane;
+    const aside = Math.abs(normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
+    const u = new Vector3().crossVectors(aside, normal).setLength(reach);
+    const v = new Vector3().crossVectors(u, normal); // u × v points to the removed side
+    const at = projectOnto(plane, middle);
+    const square = [
+      [-1, -1],
+      [1, -1],
+      [1, 1],
+      [-1, 1],
+    ].map(([a, b]) => at.clone().addScaledVector(u, a!).addScaledVector(v, b!));
+    const others = [...sides, ...planes.filter((_, k) => k !== i)];
+    return others.reduce((polygon, side) => clipped(polygon, side), square);
+  });
+}

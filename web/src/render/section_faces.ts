@@ -1,0 +1,206 @@
+import {
+  BufferAttribute,
+  BufferGeometry,
+  CustomBlending,
+  Data3DTexture,
+  DataTexture,
+  DataUtils,
+  GLSL3,
+  Group,
+  HalfFloatType,
+  type IUniform,
+  LessDepth,
+  LinearFilter,
+  Mesh,
+  NoBlending,
+  OneFactor,
+  OneMinusSrcAlphaFactor,
+  type PerspectiveCamera,
+  RawShaderMaterial,
+  RedFormat,
+  RGBAFormat,
+  Vector2,
+  Vector3,
+  type WebGLRenderer,
+} from "three";
+
+import {
+  facePolygons,
+  gridMiddle,
+  indexFromPatient,
+  planSteps,
+  raysForDetail,
+  surfaceDepth,
+} from "../model/faces";
+import { faceDiffuse } from "../model/face_light";
+import { kWorldFromPatient, type Plane } from "../model/geometry";
+import { kCodes, kMaxKeys, type Section } from "../sog/section";
+import { shader } from "./shaders";
+import { viewportSize } from "./splat_mesh";
+
+const kTableRows = 4;
+
+function voxelTexture({ dims, channels, voxels }: Section): Data3DTexture {
+  const texture = new Data3DTexture(voxels as Uint8Array<ArrayBuffer>, ...dims);
+  texture.format = channels === 3 ? RGBAFormat : RedFormat;
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/**
+ * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
+ * by the optical depth of the first step, at most ½, so that any fits.
+ */
+function materialTexture({ materials }: Section, firstStep: number): DataTexture {
+  const rows = [
+    [...materials.surface, materials.extinction.map((e) => e * firstStep)],
+    [...materials.interior, materials.extinction.map((e) => e * firstStep)],
+    [materials.specular, materials.roughness],
+  ];
+  const data = new Uint16Array(kTableRows * kCodes * 4);
+  rows.forEach((columns, row) =>
+    columns.forEach((column, c) =>
+      column.forEach((value, code) => {
+        data[4 * (row * kCodes + code) + c] = DataUtils.toHalfFloat(value);
+      }),
+    ),
+  );
+  const texture = new DataTexture(data, kCodes, kTableRows, RGBAFormat, HalfFloatType);
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function rigUniform({ rig }: Section): object {
+  return {
+    skyTop: new Vector3(...rig.skyTop),
+    skyHorizon: new Vector3(...rig.skyHorizon),
+    skyBottom: new Vector3(...rig.skyBottom),
+    keyCount: rig.keys.length,
+    keys: Array.from({ length: kMaxKeys }, (_, i) => {
+      const key = rig.keys[i];
+      return {
+        direction: new Vector3(...(key?.direction ?? [0, 0, 1])),
+        radiance: new Vector3(...(key?.radiance ?? [0, 0, 0])),
+        spread: 0.5 * (key?.angularRadius ?? 0),
+      };
+    }),
+  };
+}
+
+/** Faces where no splat is seen behind them, to be drawn before the splats, or those elsewhere, after them. */
+function faceMesh(
+  uniforms: Record<string, IUniform>,
+  opaque: boolean,
+  channels: number,
+): Mesh<BufferGeometry, RawShaderMaterial> {
+  const material = new RawShaderMaterial({
+    glslVersion: GLSL3,
+    vertexShader: shader("face.vert.glsl"),
+    fragmentShader: shader("face.frag.glsl"),
+    uniforms,
+    defines: { kOpaque: opaque ? 1 : 0, kChannels: channels },
+    transparent: !opaque,
+    depthWrite: opaque,
+    depthFunc: LessDepth,
+    blending: opaque ? NoBlending : CustomBlending,
+    blendSrc: OneFactor,
+    blendDst: OneMinusSrcAlphaFactor,
+  });
+  const mesh = new Mesh(new BufferGeometry(), material);
+  mesh.renderOrder = opaque ? -1 : 1;
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+/**
+ * The faces that planes expose, drawn from a section's volume, for a scene that holds the splats too. Seen from the
+ * removed side a face lies in front of all that is kept: where it is opaque it is drawn first, so that splats behind
+ * it cost nothing, and elsewhere over them.
+ */
+export class SectionFaces {
+  /** In the viewer's world. */
+  readonly object = new Group();
+  readonly section: Section;
+  readonly #uniforms: Record<string, IUniform>;
+  /** Rays a pixel, along either side, at most: as many as the section has detail for. */
+  maxRays = 1;
+  readonly #middle: Vector3; // world
+  readonly #size = new Vector2();
+  readonly #meshes: Mesh<BufferGeometry, RawShaderMaterial>[];
+
+  constructor(section: Section) {
+    this.section = section;
+    const steps = planSteps(section);
+    const first = steps[0]!.length;
+    this.#uniforms = {
+      uPatientFromWorld: { value: kWorldFromPatient.clone().invert() },
+      uIndexFromPatient: { value: indexFromPatient(section) },
+      uVoxels: { value: voxelTexture(section) },
+      uMaterials: { value: materialTexture(section, first) },
+      uSteps: { value: steps.map(({ middle, length }) => new Vector2(middle, length / first)) },
+      uRays: { value: 1 },
+      uGlossy: { value: Math.max(...section.materials.specular) > 0 },
+      uRig: { value: rigUniform(section) },
+      uExposure: { value: section.exposure },
+    };
+    this.#meshes = [true, false].map((opaque) => faceMesh(this.#uniforms, opaque, section.channels));
+    this.#middle = gridMiddle(section).applyMatrix4(kWorldFromPatient);
+    for (const mesh of this.#meshes) {
+      mesh.onBeforeRender = (renderer, _scene, camera) => {
+        this.#uniforms["uRays"]!.value = this.#rays(renderer, camera as PerspectiveCamera);
+        mesh.material.uniformsNeedUpdate = true;
+      };
+      this.object.add(mesh);
+    }
+    this.object.matrixAutoUpdate = false;
+    this.object.matrix.copy(kWorldFromPatient);
+  }
+
+  /** Shows the faces that planes (RAS mm) expose. */
+  setPlanes(planes: readonly Plane[]): void {
+    const corners: number[] = [];
+    const outwards: number[] = [];
+    const lights: number[] = [];
+    facePolygons(this.section, planes).forEach((polygon, i) => {
+      const outward = planes[i]!.normal.clone().negate();
+      const light = faceDiffuse(this.section.rig, outward).toArray();
+      const surface = surfaceDepth(this.section, outward);
+      for (let k = 2; k < polygon.length; ++k) {
+        for (const corner of [polygon[0]!, polygon[k - 1]!, polygon[k]!]) {
+          corners.push(...corner);
+          outwards.push(...outward);
+          lights.push(...light, surface);
+        }
+      }
+    });
+    const geometry = new BufferGeometry();
+    const attribute = (values: number[], size: number) => new BufferAttribute(new Float32Array(values), size);
+    geometry.setAttribute("position", attribute(corners, 3));
+    geometry.setAttribute("outward", attribute(outwards, 3));
+    geometry.setAttribute("light", attribute(lights, 4));
+    this.#meshes[0]!.geometry.dispose();
+    for (const mesh of this.#meshes) {
+      mesh.geometry = geometry;
+    }
+    this.object.visible = corners.length > 0;
+  }
+
+  /** Frees what the GPU holds. */
+  free(): void {
+    this.#uniforms["uVoxels"]!.value.dispose();
+    this.#uniforms["uMaterials"]!.value.dispose();
+    for (const mesh of this.#meshes) {
+      mesh.geometry.dispose();
+      mesh.material.dispose();
+    }
+  }
+
+  #rays(renderer: WebGLRenderer, camera: PerspectiveCamera): number {
+    viewportSize(renderer, camera, this.#size);
+    const focal = 0.5 * this.#size.y * camera.projectionMatrix.elements[5]!;
+    const metres = this.#middle.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld));
+    return raysForDetail(this.section, (1000 * metres) / focal, this.maxRays);
+  }
+}

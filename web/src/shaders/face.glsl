@@ -1,0 +1,144 @@
+// The mathematics of drawing exposed faces from a section's volume, as docs/method.md §8 writes it down. Functions
+// of their arguments only, so that any GLSL program can include this text. C++ twins: FaceRays::march in
+// src/section/face_rays.h, src/section/faces.cpp and src/section/face_light.cpp.
+//
+// Positions are voxel indices, directions are RAS. The including program defines kChannels: 1 (codes) or 3 (sRGB).
+
+const int kTaps = 8;
+const int kMaxKeys = 8;
+const float kLeastTransmittance = 1.0 / 256.0;
+const float kPi = 3.14159265;
+
+// Rows of the table of materials, which has one column for each code.
+const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
+const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
+const float kGlossRow = 0.625;     // specular, roughness
+
+struct KeyLight {
+  vec3 direction;
+  vec3 radiance;
+  float spread;  // half the angular radius
+};
+
+struct LightRig {
+  vec3 skyTop;
+  vec3 skyHorizon;
+  vec3 skyBottom;
+  int keyCount;
+  KeyLight keys[kMaxKeys];
+};
+
+// From a point of the face inwards.
+struct FaceRay {
+  vec3 start;
+  vec3 stride;    // voxels per mm
+  float slope;    // cosine of the angle to the face's normal
+  float leave;    // mm to where the ray leaves the volume
+  float surface;  // mm below the face that count as the face itself
+};
+
+// Sums over what rays see, each weighted by transmittance times opacity.
+struct FaceSum {
+  vec3 reflectance;
+  float alpha;
+  float specular;
+  float roughness;  // times specular
+};
+
+vec3 srgbFromLinear(vec3 linear) {
+  vec3 c = clamp(linear, 0.0, 1.0);
+  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
+}
+
+vec3 linearFromSrgb(vec3 srgb) {
+  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+}
+
+// Where the table of materials has the code of a sample (0…1).
+float materialColumn(vec4 voxel) {
+  float code = kChannels == 1 ? voxel.r : dot(voxel.rgb, vec3(0.2126, 0.7152, 0.0722));
+  return (255.0 * code + 0.5) / 256.0;
+}
+
+// How far a ray runs from inside the volume to its side, mm.
+float distanceToSide(vec3 start, vec3 stride, vec3 last) {
+  vec3 s = mix(stride, vec3(1e-6), lessThan(abs(stride), vec3(1e-6)));
+  vec3 t = (mix(vec3(0.0), last, greaterThan(s, vec3(0.0))) - start) / s;
+  return min(t.x, min(t.y, t.z));
+}
+
+// Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first.
+void march(FaceRay ray, highp sampler3D voxels, sampler2D materials, vec2 steps[kTaps], bool glossy,
+           inout FaceSum sum) {
+  vec3 texel = 1.0 / vec3(textureSize(voxels, 0));
+  vec3 start = (ray.start + 0.5) * texel;
+  vec3 stride = ray.stride * texel;
+  float transmittance = 1.0;
+  for (int i = 0; i < kTaps; ++i) {
+    float depth = steps[i].x;
+    if (depth > ray.leave) {
+      break;
+    }
+    bool surface = depth * ray.slope < ray.surface;
+    vec4 voxel = texture(voxels, start + depth * stride);
+    float column = materialColumn(voxel);
+    vec4 material = texture(materials, vec2(column, surface ? kSurfaceRow : kInteriorRow));
+    if (material.a <= 0.0 || (!surface && transmittance == 1.0)) {
+      // Matter beyond a gap is another surface, with light of its own: the splats show it.
+      if (!surface || transmittance < 1.0) {
+        break;
+      }
+      continue;
+    }
+    float left = transmittance * exp(-material.a * steps[i].y);
+    left = left < kLeastTransmittance ? 0.0 : left;  // as good as opaque: the rest is this tissue's
+    float weight = transmittance - left;
+    transmittance = left;
+    sum.reflectance += weight * material.rgb * (kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0));
+    if (glossy && surface) {
+      vec2 gloss = texture(materials, vec2(column, kGlossRow)).rg;
+      sum.specular += weight * gloss.x;
+      sum.roughness += weight * gloss.x * gloss.y;
+    }
+    if (transmittance == 0.0) {
+      break;
+    }
+  }
+  sum.alpha += 1.0 - transmittance;
+}
+
+float ggxLambda(float cosine, float alpha) {
+  float c2 = cosine * cosine;
+  return 0.5 * (sqrt(1.0 + alpha * alpha * max(0.0, 1.0 - c2) / max(c2, 1e-8)) - 1.0);
+}
+
+// The GGX lobe with a white specular colour: BRDF times the cosine of `towards`.
+float ggx(vec3 normal, vec3 eye, vec3 towards, float alpha) {
+  float cosEye = dot(normal, eye);
+  float cosTowards = dot(normal, towards);
+  if (cosEye <= 0.0 || cosTowards <= 0.0) {
+    return 0.0;
+  }
+  float cosHalf = dot(normal, normalize(eye + towards));
+  float a2 = alpha * alpha;
+  float s = cosHalf * cosHalf * (a2 - 1.0) + 1.0;
+  float masking = 1.0 / (1.0 + ggxLambda(cosEye, alpha) + ggxLambda(cosTowards, alpha));
+  return a2 / (kPi * s * s) * masking / (4.0 * cosEye);
+}
+
+// What the GGX lobe of a face radiates towards unit `eye` for a white specular colour, linear RGB.
+vec3 faceGloss(LightRig rig, vec3 normal, vec3 eye, float roughness) {
+  float cosine = dot(normal, eye);
+  if (cosine <= 0.0) {
+    return vec3(0.0);
+  }
+  float up = 2.0 * cosine * normal.z - eye.z;
+  vec3 sky = mix(rig.skyHorizon, up >= 0.0 ? rig.skyTop : rig.skyBottom, abs(up));
+  vec3 sum = (1.0 - 0.55 * sqrt(roughness)) * sky;  // the lobe's share of a uniform sky
+  for (int i = 0; i < rig.keyCount; ++i) {
+    float spread = rig.keys[i].spread;
+    float wider = min(1.0, sqrt(roughness * roughness + spread * spread));
+    sum += kPi * ggx(normal, eye, rig.keys[i].direction, wider) * rig.keys[i].radiance;
+  }
+  return sum;
+}
