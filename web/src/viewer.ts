@@ -396,10 +396,10 @@ export class Viewer {
   #subject({ mesh, faces }: OpenCase, rays: number): Subject {
     const { plane, clip, section } = this.state;
     mesh.setClip(plane, clip);
-    if (!faces || !plane || section === "splats") {
+    if (!faces || section === "splats") {
       return { mesh, faces: null };
     }
-    faces.setPlanes([plane]);
+    faces.setPlanes(plane ? [plane] : []);
     faces.maxRays = rays;
     return { mesh, faces };
   }

@@ -1,6 +1,6 @@
 import { Matrix4, Vector3 } from "three";
 
-import type { SectionInfo } from "../sog/section";
+import { codeOfVoxel, type Section, type SectionInfo } from "../sog/section";
 import { type Plane, projectOnto, signedDistance } from "./geometry";
 
 // Where exposed faces are and how rays are marched into them: the twin of src/section/face_rays.cpp.
@@ -16,6 +16,9 @@ export type Grid = Pick<SectionInfo, "dims" | "origin" | "spacing" | "axes">;
 export const kTaps = 8;
 /** Of the traced volume: what lies deeper is left to the splats. */
 const kDepthVoxels = 4;
+
+/** Rounding, mm. */
+const kSlack = 1e-6;
 
 /** A step of the march, mm: short at the face, where most is seen. */
 export interface Step {
@@ -84,13 +87,13 @@ export function raysForDetail({ spacing }: Grid, pixel: number, most: number): n
   return Math.min(most, Math.max(1, Math.ceil(pixel / meanSpacing(spacing))));
 }
 
-/** The part of a convex polygon that a plane keeps. */
-function clipped(polygon: Vector3[], plane: Plane): Vector3[] {
+/** The part of a convex polygon that a plane keeps, moved by `slack` mm towards what it removes. */
+function clipped(polygon: Vector3[], plane: Plane, slack: number): Vector3[] {
   const result: Vector3[] = [];
   polygon.forEach((a, i) => {
     const b = polygon[(i + 1) % polygon.length]!;
-    const da = signedDistance(plane, a);
-    const db = signedDistance(plane, b);
+    const da = signedDistance(plane, a) + slack;
+    const db = signedDistance(plane, b) + slack;
     if (da >= 0) {
       result.push(a);
     }
@@ -101,7 +104,7 @@ function clipped(polygon: Vector3[], plane: Plane): Vector3[] {
   return result;
 }
 
-/** The sides of a section's box, from the first voxel's centre to the last one's: planes that keep its inside. */
+/** The sides of a section's box, from the first voxel's centre to the last one's: two planes for each axis. */
 function boxSides({ axes, origin, spacing, dims }: Grid): Plane[] {
   return axes.flatMap((axis, k) => {
     const normal = new Vector3(...axis);
@@ -112,6 +115,26 @@ function boxSides({ axes, origin, spacing, dims }: Grid): Plane[] {
       { normal: normal.clone().negate(), offset: -high },
     ];
   });
+}
+
+/** The sides at which matter ends only because the volume does: they are faces as those of a cut are. */
+export function sectionEnds(section: Section): Plane[] {
+  const { dims, materials } = section;
+  const hasMatter = (axis: number, at: number): boolean => {
+    const first = dims.map((_, k) => (k === axis ? at : 0));
+    const last = dims.map((n, k) => (k === axis ? at : n - 1));
+    for (let z = first[2]!; z <= last[2]!; ++z) {
+      for (let y = first[1]!; y <= last[1]!; ++y) {
+        for (let x = first[0]!; x <= last[0]!; ++x) {
+          if (materials.extinction[Math.floor(codeOfVoxel(section, x, y, z))]! > 0) {
+            return true;
+          }
+        }
+      }
+    }
+    return false;
+  };
+  return boxSides(section).filter((_, i) => hasMatter(i >> 1, i % 2 === 0 ? 0 : dims[i >> 1]! - 1));
 }
 
 /**
@@ -135,7 +158,11 @@ export function facePolygons(grid: Grid, planes: readonly Plane[]): Vector3[][] 
       [1, 1],
       [-1, 1],
     ].map(([a, b]) => at.clone().addScaledVector(u, a!).addScaledVector(v, b!));
-    const others = [...sides, ...planes.filter((_, k) => k !== i)];
-    return others.reduce((polygon, side) => clipped(polygon, side), square);
+    const inside = sides.reduce((polygon, side) => clipped(polygon, side, kSlack), square);
+    // Of planes that coincide the first has the face.
+    return planes.reduce(
+      (polygon, other, k) => (k === i ? polygon : clipped(polygon, other, k < i ? -kSlack : kSlack)),
+      inside,
+    );
   });
 }

@@ -21,6 +21,7 @@ import {
   RGBAFormat,
   Vector2,
   Vector3,
+  Vector4,
   type WebGLRenderer,
 } from "three";
 
@@ -30,6 +31,7 @@ import {
   indexFromPatient,
   planSteps,
   raysForDetail,
+  sectionEnds,
   surfaceDepth,
 } from "../model/faces";
 import { faceDiffuse } from "../model/face_light";
@@ -39,6 +41,7 @@ import { shader } from "./shaders";
 import { viewportSize } from "./splat_mesh";
 
 const kTableRows = 4;
+const kMaxPlanes = 6; // as face.glsl has it
 
 function voxelTexture({ dims, channels, voxels }: Section): Data3DTexture {
   const texture = new Data3DTexture(voxels as Uint8Array<ArrayBuffer>, ...dims);
@@ -115,7 +118,7 @@ function faceMesh(
 }
 
 /**
- * The faces that planes expose, drawn from a section's volume, for a scene that holds the splats too. Seen from the
+ * The faces that planes expose and those where the volume ends, drawn from a section's volume, for a scene that holds the splats too. Seen from the
  * removed side a face lies in front of all that is kept: where it is opaque it is drawn first, so that splats behind
  * it cost nothing, and elsewhere over them.
  */
@@ -127,6 +130,7 @@ export class SectionFaces {
   /** Rays a pixel, along either side, at most: as many as the section has detail for. */
   maxRays = 1;
   readonly #middle: Vector3; // world
+  readonly #ends: Plane[];
   readonly #size = new Vector2();
   readonly #meshes: Mesh<BufferGeometry, RawShaderMaterial>[];
 
@@ -140,12 +144,15 @@ export class SectionFaces {
       uVoxels: { value: voxelTexture(section) },
       uMaterials: { value: materialTexture(section, first) },
       uSteps: { value: steps.map(({ middle, length }) => new Vector2(middle, length / first)) },
+      uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
+      uPlaneCount: { value: 0 },
       uRays: { value: 1 },
       uGlossy: { value: Math.max(...section.materials.specular) > 0 },
       uRig: { value: rigUniform(section) },
       uExposure: { value: section.exposure },
     };
     this.#meshes = [true, false].map((opaque) => faceMesh(this.#uniforms, opaque, section.channels));
+    this.#ends = sectionEnds(section);
     this.#middle = gridMiddle(section).applyMatrix4(kWorldFromPatient);
     for (const mesh of this.#meshes) {
       mesh.onBeforeRender = (renderer, _scene, camera) => {
@@ -158,13 +165,16 @@ export class SectionFaces {
     this.object.matrix.copy(kWorldFromPatient);
   }
 
-  /** Shows the faces that planes (RAS mm) expose. */
+  /** Shows the faces that planes (RAS mm) expose, and those where the volume ends in matter. */
   setPlanes(planes: readonly Plane[]): void {
+    planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
+    this.#uniforms["uPlaneCount"]!.value = planes.length;
+    const all = [...planes, ...this.#ends];
     const corners: number[] = [];
     const outwards: number[] = [];
     const lights: number[] = [];
-    facePolygons(this.section, planes).forEach((polygon, i) => {
-      const outward = planes[i]!.normal.clone().negate();
+    facePolygons(this.section, all).forEach((polygon, i) => {
+      const outward = all[i]!.normal.clone().negate();
       const light = faceDiffuse(this.section.rig, outward).toArray();
       const surface = surfaceDepth(this.section, outward);
       for (let k = 2; k < polygon.length; ++k) {

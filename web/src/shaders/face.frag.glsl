@@ -17,6 +17,8 @@ uniform mat4 uIndexFromPatient;
 uniform sampler3D uVoxels;
 uniform sampler2D uMaterials;
 uniform vec2 uSteps[kTaps];
+uniform vec4 uPlanes[kMaxPlanes];
+uniform int uPlaneCount;
 uniform int uRays;  // a pixel, along either side
 uniform bool uGlossy;
 uniform LightRig uRig;
@@ -38,7 +40,8 @@ void main() {
     ray.start = (uIndexFromPatient * vec4(position, 1.0)).xyz;
     ray.stride = mat3(uIndexFromPatient) * direction;
     ray.slope = -dot(vOutward, direction);
-    ray.leave = distanceToSide(ray.start, ray.stride, last);
+    ray.leave = min(distanceToSide(ray.start, ray.stride, last),
+                    distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
     march(ray, uVoxels, uMaterials, uSteps, uGlossy, sum);
   }

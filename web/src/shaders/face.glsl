@@ -6,6 +6,7 @@
 
 const int kTaps = 8;
 const int kMaxKeys = 8;
+const int kMaxPlanes = 6;
 const float kLeastTransmittance = 1.0 / 256.0;
 const float kPi = 3.14159265;
 
@@ -33,7 +34,7 @@ struct FaceRay {
   vec3 start;
   vec3 stride;    // voxels per mm
   float slope;    // cosine of the angle to the face's normal
-  float leave;    // mm to where the ray leaves the volume
+  float leave;    // mm to where the ray leaves the volume or what is kept
   float surface;  // mm below the face that count as the face itself
 };
 
@@ -65,6 +66,18 @@ float distanceToSide(vec3 start, vec3 stride, vec3 last) {
   vec3 s = mix(stride, vec3(1e-6), lessThan(abs(stride), vec3(1e-6)));
   vec3 t = (mix(vec3(0.0), last, greaterThan(s, vec3(0.0))) - start) / s;
   return min(t.x, min(t.y, t.z));
+}
+
+// How far a ray runs from a point (RAS mm) until one of the planes, which keep xyz·x >= w, ends what is kept, mm.
+float distanceToCut(vec3 position, vec3 direction, vec4 planes[kMaxPlanes], int count) {
+  float nearest = 1e30;
+  for (int i = 0; i < count; ++i) {
+    float slope = dot(planes[i].xyz, direction);
+    if (slope < 0.0) {
+      nearest = min(nearest, (planes[i].w - dot(planes[i].xyz, position)) / slope);
+    }
+  }
+  return nearest;
 }
 
 // Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first.

@@ -55,6 +55,14 @@ export interface Section extends SectionInfo {
   voxels: Uint8Array; // [nz, ny, nx] codes, or [nz, ny, nx, 4] sRGB and 255
 }
 
+/** Code of a voxel: of photographs, their luma (Rec. 709). */
+export function codeOfVoxel({ dims, channels, voxels }: Section, x: number, y: number, z: number): number {
+  const at = (z * dims[1] + y) * dims[0] + x;
+  return channels === 1
+    ? voxels[at]!
+    : 0.2126 * voxels[4 * at]! + 0.7152 * voxels[4 * at + 1]! + 0.0722 * voxels[4 * at + 2]!;
+}
+
 /** How slices of constant z lie in the image: row by row, each in a tile of whole blocks. */
 export interface Mosaic {
   tileWidth: number;
