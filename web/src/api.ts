@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import type { App } from "./app";
 import type { FaceSource } from "./model/faces";
 import type { Triple } from "./model/geometry";
+import type { Window } from "./model/grey";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
@@ -19,6 +20,10 @@ export interface ClipgsApi {
   setClip(clip: ClipOperator): void;
   /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
   setSection(section: FaceSource): void;
+  /** How faces drawn from the volume look: 0 cinematic … 1 grey values through the window. */
+  setGrey(grey: number): void;
+  /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
+  setWindow(window: Window | null): void;
   /** What is shown. */
   readonly state: {
     case: string | null;
@@ -26,6 +31,8 @@ export interface ClipgsApi {
     plane: { normal: Triple; offset: number } | null;
     clip: ClipOperator;
     section: FaceSource;
+    grey: number;
+    window: Window | null;
   };
   readonly stats: Readonly<ViewerStats>;
   /** The picture alone, as `clipgs render` writes it. */
@@ -59,14 +66,18 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     },
     setClip: (clip) => viewer.setClip(clip),
     setSection: (section) => viewer.setSection(section),
+    setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
+    setWindow: (window) => viewer.setWindow(window && { ...window }),
     get state() {
-      const { view, plane, clip, section } = viewer.state;
+      const { view, plane, clip, section, grey } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
         plane: plane && { normal: plane.normal.toArray(), offset: plane.offset },
         clip,
         section,
+        grey,
+        window: viewer.window,
       };
     },
     renderToPixels: (width, height) => viewer.renderToPixels(width, height),

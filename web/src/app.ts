@@ -3,6 +3,7 @@ import { formatLink, parseLink } from "./model/link";
 import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
 import { h, icon, kIcons } from "./ui/dom";
+import { FacePanel } from "./ui/face_panel";
 import { helpDialog } from "./ui/help";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PlanePanel } from "./ui/plane_panel";
@@ -16,6 +17,7 @@ const kStatsIntervalMs = 250;
 export class App {
   readonly viewer: Viewer;
   readonly #panel: PlanePanel;
+  readonly #facePanel: FacePanel;
   readonly #cube: OrientationCube;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
   readonly #help = helpDialog();
@@ -42,7 +44,8 @@ export class App {
     );
     root.append(canvas);
     this.viewer = new Viewer(canvas);
-    this.#panel = new PlanePanel(this.viewer);
+    this.#facePanel = new FacePanel(this.viewer);
+    this.#panel = new PlanePanel(this.viewer, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     root.append(
       h(
@@ -160,6 +163,10 @@ export class App {
       this.viewer.setClip(link.clip);
     }
     this.viewer.setSection(link.section ?? "volume");
+    this.viewer.setGrey(link.grey ?? 0);
+    if (link.window) {
+      this.viewer.setWindow(link.window);
+    }
   }
 
   /** A fixed size leaves the picture alone on the page. */
@@ -186,6 +193,7 @@ export class App {
 
   #update(): void {
     this.#panel.update();
+    this.#facePanel.update();
     this.#cube.update(this.viewer.state.view);
     clearTimeout(this.#linkTimer);
     this.#linkTimer = window.setTimeout(() => this.#writeLink(), kLinkDelayMs);
@@ -207,9 +215,10 @@ export class App {
   }
 
   #link(): string {
-    const { view, plane, clip, section } = this.viewer.state;
+    const { view, plane, clip, section, grey, window } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
-    return formatLink({ case: name, view, plane, clip, section, size: this.#fixedSize });
+    const style = grey > 0 ? { grey, window: window ?? undefined } : {};
+    return formatLink({ case: name, view, plane, clip, section, ...style, size: this.#fixedSize });
   }
 
   #writeLink(): void {
@@ -267,7 +276,10 @@ export class App {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
       return;
     }
-    const inSlider = event.target instanceof HTMLInputElement;
+    const input = event.target instanceof HTMLInputElement ? event.target : null;
+    if (input?.type === "number") {
+      return;
+    }
     const step = event.shiftKey ? 10 : 1;
     const keys: Record<string, () => void> = {
       a: () => this.#panel.orient("axial"),
@@ -275,6 +287,8 @@ export class App {
       s: () => this.#panel.orient("sagittal"),
       f: () => this.#panel.flip(),
       p: () => this.#panel.toggle(),
+      g: () => this.#facePanel.toggleGrey(),
+      w: () => this.#facePanel.nextWindow(),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
       r: () => this.#panel.reset(),
       m: () => void this.#showMenu(),
@@ -282,9 +296,7 @@ export class App {
       "1": () => this.viewer.setClip("hard"),
       "2": () => this.viewer.setClip("soft"),
       "3": () => this.viewer.setClip("exact"),
-      ...(inSlider
-        ? {}
-        : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
+      ...(input ? {} : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];
     if (action) {

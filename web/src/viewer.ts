@@ -12,6 +12,7 @@ import {
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
 import type { FaceSource } from "./model/faces";
 import { kWorldFromPatient, type Plane } from "./model/geometry";
+import { type Window, windowPresets } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
 import { FullScreenPass } from "./render/full_screen";
@@ -31,6 +32,8 @@ export interface ViewerState {
   plane: Plane | null;
   clip: ClipOperator;
   section: FaceSource;
+  grey: number; // how faces look: 0 cinematic … 1 grey
+  window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
 }
 
@@ -78,6 +81,8 @@ export class Viewer {
     plane: null,
     clip: "exact",
     section: "volume",
+    grey: 0,
+    window: null,
     handle: true,
   };
   readonly stats: ViewerStats = {
@@ -104,6 +109,7 @@ export class Viewer {
   readonly #client = new CaseClient();
   #case: OpenCase | null = null;
   #noSection: string | null = null;
+  #windows: ReadonlyMap<string, Window> = new Map();
   #width = 1; // CSS px
   #height = 1;
 
@@ -163,6 +169,21 @@ export class Viewer {
     return this.#noSection;
   }
 
+  /** The volume that faces can be drawn from. */
+  get section(): Section | null {
+    return this.#case?.faces?.section ?? null;
+  }
+
+  /** The windows that the case is usually seen through; none for photographs and without a section. */
+  get windows(): ReadonlyMap<string, Window> {
+    return this.#windows;
+  }
+
+  /** The window in use. */
+  get window(): Window | null {
+    return this.#windows.size > 0 ? (this.state.window ?? [...this.#windows.values()][0]!) : null;
+  }
+
   /** Shows the case at `url`; the view and plane stay. Resolves with its first picture; rejects with CaseError. */
   async open(name: string, url: string, progress: (share: number) => void = () => {}): Promise<void> {
     const loaded = await this.#client.load(url, progress);
@@ -175,6 +196,8 @@ export class Viewer {
     mesh.matrixWorld.copy(mesh.matrix);
     const spare = new Uint32Array(scene.capacity);
     const faces = this.#makeFaces(loaded.section);
+    this.#windows = faces ? windowPresets(faces.section) : new Map();
+    this.state.window = null;
     this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, faces, spare };
     this.stats.sectionBytes = faces?.section.voxels.length ?? 0;
     this.stats.sectionMs = loaded.sectionMs;
@@ -216,6 +239,17 @@ export class Viewer {
 
   setSection(section: FaceSource): void {
     this.state.section = section;
+    this.#touch();
+  }
+
+  setGrey(grey: number): void {
+    this.state.grey = grey;
+    this.#touch();
+  }
+
+  /** null: the window that the case's values suggest. */
+  setWindow(window: Window | null): void {
+    this.state.window = window;
     this.#touch();
   }
 
@@ -394,12 +428,13 @@ export class Viewer {
 
   /** What is drawn of a case, as the state says; `rays` a pixel of a face, along either side, at most. */
   #subject({ mesh, faces }: OpenCase, rays: number): Subject {
-    const { plane, clip, section } = this.state;
+    const { plane, clip, section, grey } = this.state;
     mesh.setClip(plane, clip);
     if (!faces || section === "splats") {
       return { mesh, faces: null };
     }
     faces.setPlanes(plane ? [plane] : []);
+    faces.setStyle(grey, this.window);
     faces.maxRays = rays;
     return { mesh, faces };
   }

@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { type FaceSource, kFaceSources } from "./faces";
 import type { Plane } from "./geometry";
+import type { Window } from "./grey";
 import { type View, viewFrom } from "./view";
 
 /** What a link to the viewer may hold, as the options of `clipgs render` write it; all of it optional. */
@@ -12,6 +13,8 @@ export interface Link {
   plane?: Plane | null; // null: "off"
   clip?: ClipOperator;
   section?: FaceSource;
+  grey?: number;
+  window?: Window;
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -22,7 +25,7 @@ function numbers(text: string | null, least: number, most: number): number[] | n
   return values.length >= least && values.length <= most && values.every(Number.isFinite) ? values : null;
 }
 
-/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&section=…&size=WxH`; what is not valid is left out. */
+/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&section=…&grey=…&window=c,w&size=WxH`; what is not valid is left out. */
 export function parseLink(hash: string): Link {
   const parameters = new URLSearchParams(hash.replace(/^#/, ""));
   const link: Link = {};
@@ -55,6 +58,14 @@ export function parseLink(hash: string): Link {
   const section = kFaceSources.find((name) => name === parameters.get("section"));
   if (section) {
     link.section = section;
+  }
+  const [grey] = numbers(parameters.get("grey"), 1, 1) ?? [];
+  if (grey !== undefined && grey >= 0 && grey <= 1) {
+    link.grey = grey;
+  }
+  const window = numbers(parameters.get("window"), 2, 2);
+  if (window && window[1]! > 0) {
+    link.window = { center: window[0]!, width: window[1]! };
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -105,6 +116,12 @@ export function formatLink(link: Link): string {
   }
   if (link.section === "splats") {
     parts.push("section=splats");
+  }
+  if (link.grey) {
+    parts.push(`grey=${rounded(link.grey, 2)}`);
+  }
+  if (link.window) {
+    parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

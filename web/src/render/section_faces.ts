@@ -36,11 +36,15 @@ import {
 } from "../model/faces";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
+import { shades, type Window } from "../model/grey";
 import { kCodes, kMaxKeys, type Section } from "../sog/section";
 import { shader } from "./shaders";
 import { viewportSize } from "./splat_mesh";
 
 const kTableRows = 4;
+const kGlossRow = 2;
+const kShade = 2; // channel of that row
+const kMostShade = 1000; // as good as infinite, where half floats are still fine
 const kMaxPlanes = 6; // as face.glsl has it
 
 function voxelTexture({ dims, channels, voxels }: Section): Data3DTexture {
@@ -131,6 +135,7 @@ export class SectionFaces {
   maxRays = 1;
   readonly #middle: Vector3; // world
   readonly #ends: Plane[];
+  #window: Window | null = null; // that the table holds
   readonly #size = new Vector2();
   readonly #meshes: Mesh<BufferGeometry, RawShaderMaterial>[];
 
@@ -147,6 +152,7 @@ export class SectionFaces {
       uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
       uPlaneCount: { value: 0 },
       uRays: { value: 1 },
+      uGrey: { value: 0 },
       uGlossy: { value: Math.max(...section.materials.specular) > 0 },
       uRig: { value: rigUniform(section) },
       uExposure: { value: section.exposure },
@@ -195,6 +201,21 @@ export class SectionFaces {
       mesh.geometry = geometry;
     }
     this.object.visible = corners.length > 0;
+  }
+
+  /** How faces look: 0 cinematic … 1 grey values through a window; null for photographs, which have colours. */
+  setStyle(grey: number, window: Window | null): void {
+    this.#uniforms["uGrey"]!.value = grey;
+    if (!window || (window.center === this.#window?.center && window.width === this.#window.width)) {
+      return;
+    }
+    this.#window = { ...window };
+    const table = this.#uniforms["uMaterials"]!.value as DataTexture;
+    shades(window, this.section.curve).forEach((shade, code) => {
+      const clamped = Math.min(kMostShade, Math.max(-kMostShade, shade));
+      table.image.data![4 * (kGlossRow * kCodes + code) + kShade] = DataUtils.toHalfFloat(clamped);
+    });
+    table.needsUpdate = true;
   }
 
   /** Frees what the GPU holds. */

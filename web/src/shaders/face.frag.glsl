@@ -21,10 +21,23 @@ uniform vec4 uPlanes[kMaxPlanes];
 uniform int uPlaneCount;
 uniform int uRays;  // a pixel, along either side
 uniform bool uGlossy;
+uniform float uGrey;  // 0 cinematic … 1 values through the window
 uniform LightRig uRig;
 uniform float uExposure;
 
 out vec4 fragColor;
+
+// Premultiplied display sRGB of what `rays` rays saw of lit tissue.
+vec4 cinematic(FaceSum sum, vec3 towardsEye, float rays) {
+  if (sum.alpha <= 0.0) {
+    return vec4(0.0);
+  }
+  vec3 light = sum.reflectance * vLight.rgb;
+  if (sum.specular > 0.0) {
+    light += sum.specular * faceGloss(uRig, vOutward, towardsEye, sum.roughness / sum.specular);
+  }
+  return sum.alpha / rays * vec4(srgbFromLinear(uExposure / sum.alpha * light), 1.0);
+}
 
 void main() {
   vec3 eye = (uPatientFromWorld * vec4(cameraPosition, 1.0)).xyz;
@@ -32,6 +45,7 @@ void main() {
   vec3 up = dFdy(vPosition);
   vec3 last = vec3(textureSize(uVoxels, 0) - 1);
   FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0);
+  vec4 grey = vec4(0.0);
   for (int i = 0; i < uRays * uRays; ++i) {
     vec2 offset = (vec2(i % uRays, i / uRays) + 0.5) / float(uRays) - 0.5;
     vec3 position = vPosition + offset.x * right + offset.y * up;
@@ -43,17 +57,18 @@ void main() {
     ray.leave = min(distanceToSide(ray.start, ray.stride, last),
                     distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
-    march(ray, uVoxels, uMaterials, uSteps, uGlossy, sum);
+    if (uGrey < 1.0) {
+      march(ray, uVoxels, uMaterials, uSteps, uGlossy, sum);
+    }
+    if (uGrey > 0.0) {
+      grey += greyAt(ray.start, uVoxels, uMaterials);
+    }
   }
   float rays = float(uRays * uRays);
-  float alpha = sum.alpha / rays;
-  bool opaque = alpha > 0.999;
-  if (alpha <= 0.0 || opaque != (kOpaque == 1)) {
+  vec4 color = mix(cinematic(sum, normalize(eye - vPosition), rays), grey / rays, uGrey);
+  bool opaque = color.a > 0.999;
+  if (color.a <= 0.0 || opaque != (kOpaque == 1)) {
     discard;
   }
-  vec3 light = sum.reflectance * vLight.rgb;
-  if (sum.specular > 0.0) {
-    light += sum.specular * faceGloss(uRig, vOutward, normalize(eye - vPosition), sum.roughness / sum.specular);
-  }
-  fragColor = vec4(alpha * srgbFromLinear(uExposure / sum.alpha * light), alpha);
+  fragColor = color;
 }

@@ -13,7 +13,11 @@ const float kPi = 3.14159265;
 // Rows of the table of materials, which has one column for each code.
 const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
 const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
-const float kGlossRow = 0.625;     // specular, roughness
+const float kGlossRow = 0.625;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
+
+// Of codes: between these, interpolation mixes the body with the air around it.
+const float kLowestInside = 4.0 / 255.0;
+const float kSurelyInside = 12.0 / 255.0;
 
 struct KeyLight {
   vec3 direction;
@@ -55,10 +59,21 @@ vec3 linearFromSrgb(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
 }
 
-// Where the table of materials has the code of a sample (0…1).
-float materialColumn(vec4 voxel) {
-  float code = kChannels == 1 ? voxel.r : dot(voxel.rgb, vec3(0.2126, 0.7152, 0.0722));
-  return (255.0 * code + 0.5) / 256.0;
+// Code of a sample, 0…1.
+float codeOf(vec4 voxel) {
+  return kChannels == 1 ? voxel.r : dot(voxel.rgb, vec3(0.2126, 0.7152, 0.0722));
+}
+
+// Where the table of materials has a code.
+float materialColumn(float code) { return (255.0 * code + 0.5) / 256.0; }
+
+// What a ray meets on the face in grey: premultiplied display sRGB and alpha.
+vec4 greyAt(vec3 index, highp sampler3D voxels, sampler2D materials) {
+  vec4 voxel = texture(voxels, (index + 0.5) / vec3(textureSize(voxels, 0)));
+  float code = codeOf(voxel);
+  float alpha = clamp((code - kLowestInside) / (kSurelyInside - kLowestInside), 0.0, 1.0);
+  vec3 shade = vec3(clamp(texture(materials, vec2(materialColumn(code), kGlossRow)).b, 0.0, 1.0));
+  return alpha * vec4(kChannels == 3 ? voxel.rgb : shade, 1.0);
 }
 
 // How far a ray runs from inside the volume to its side, mm.
@@ -94,7 +109,7 @@ void march(FaceRay ray, highp sampler3D voxels, sampler2D materials, vec2 steps[
     }
     bool surface = depth * ray.slope < ray.surface;
     vec4 voxel = texture(voxels, start + depth * stride);
-    float column = materialColumn(voxel);
+    float column = materialColumn(codeOf(voxel));
     vec4 material = texture(materials, vec2(column, surface ? kSurfaceRow : kInteriorRow));
     if (material.a <= 0.0 || (!surface && transmittance == 1.0)) {
       // Matter beyond a gap is another surface, with light of its own: the splats show it.

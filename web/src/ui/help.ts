@@ -11,6 +11,8 @@ const kHelp: [string, string][] = [
   ["A  C  S", "axial, coronal, sagittal plane"],
   ["F", "flip the plane"],
   ["P", "plane on or off"],
+  ["G", "faces cinematic or grey"],
+  ["W", "next window of grey values"],
   ["H", "show or hide the handle"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],

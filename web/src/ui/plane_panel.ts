@@ -1,6 +1,5 @@
 import type { Vector3 } from "three";
 
-import { type FaceSource } from "../model/faces";
 import { flipped, projectBox } from "../model/geometry";
 import {
   kAxes,
@@ -21,29 +20,23 @@ const kOperators: Record<ClipOperator, string> = {
   exact: "Every pixel integrates its splat up to the plane",
 };
 
-const kFaces: Record<FaceSource, string> = {
-  volume: "Cut faces are drawn from the section volume",
-  splats: "Cut faces are what the cut leaves of the splats",
-};
-
 /** Everything about the cut: where it is, what is removed, how splats meet it. */
 export class PlanePanel {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
   readonly #orientations = new Map<Orientation, HTMLButtonElement>();
   readonly #operators = new Map<ClipOperator, HTMLButtonElement>();
-  readonly #faces = new Map<FaceSource, HTMLButtonElement>();
   readonly #slider: HTMLInputElement;
   readonly #readout = h("output", { class: "readout" });
   readonly #side = h("span", { class: "side" });
   readonly #power: HTMLButtonElement;
   readonly #handle: HTMLButtonElement;
   readonly #hint = h("p", { class: "hint" });
-  readonly #noSection = h("p", { class: "hint" });
   #lastNormal = kAxes.axial;
   #shown = "";
 
-  constructor(viewer: Viewer) {
+  /** `face` is the part about cut faces. */
+  constructor(viewer: Viewer, face: HTMLElement) {
     this.#viewer = viewer;
     for (const name of kOrientations) {
       const button = h(
@@ -57,10 +50,6 @@ export class PlanePanel {
     for (const [name, hint] of Object.entries(kOperators) as [ClipOperator, string][]) {
       const button = h("button", { title: hint, onclick: () => viewer.setClip(name) }, capital(name));
       this.#operators.set(name, button);
-    }
-    for (const [name, hint] of Object.entries(kFaces) as [FaceSource, string][]) {
-      const button = h("button", { title: hint, onclick: () => viewer.setSection(name) }, capital(name));
-      this.#faces.set(name, button);
     }
     this.#slider = h("input", {
       type: "range",
@@ -107,9 +96,7 @@ export class PlanePanel {
         ),
         this.#handle,
       ),
-      h("h3", {}, "Cut face"),
-      h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#faces.values()),
-      this.#noSection,
+      face,
       h("h3", {}, "Cut of the splats"),
       h(
         "div",
@@ -159,10 +146,10 @@ export class PlanePanel {
   }
 
   update(): void {
-    const { state, info, noSection } = this.#viewer;
-    const { plane, clip, section, handle } = state;
+    const { state, info } = this.#viewer;
+    const { plane, clip, handle } = state;
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([plane, clip, section, noSection, handle, info?.bounds]);
+    const shown = JSON.stringify([plane, clip, handle, info?.bounds]);
     if (shown === this.#shown) {
       return;
     }
@@ -177,12 +164,6 @@ export class PlanePanel {
     for (const [name, button] of this.#operators) {
       button.setAttribute("aria-pressed", String(name === clip));
     }
-    for (const [name, button] of this.#faces) {
-      button.setAttribute("aria-pressed", String(name === (noSection ? "splats" : section)));
-      button.disabled = noSection !== null;
-    }
-    this.#noSection.textContent = noSection ?? "";
-    this.#noSection.hidden = !noSection;
     this.#hint.textContent = kOperators[clip];
     this.#slider.disabled = !plane;
     if (plane && info) {

@@ -16,6 +16,8 @@ interface Shot {
   plane: [number, number, number, number] | null;
   clip: ClipOperator;
   section?: FaceSource;
+  grey?: number;
+  shades?: [number, number]; // centre and width of the window
 }
 
 const kViews: Shot["view"][] = [
@@ -35,6 +37,15 @@ const kShots: Shot[] = [
     (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
   ),
   ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
+  { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
+  {
+    view: [20, 60, 1],
+    plane: [0.1, 0, -1, 10],
+    clip: "exact",
+    section: "volume",
+    grey: 0.5,
+    shades: [-300, 900],
+  },
 ];
 
 function facesOf(shot: Shot): Shot[] {
@@ -56,20 +67,25 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
 
-  async function show({ view, plane, clip, section = "volume" }: Shot): Promise<void> {
+  async function show({ view, plane, clip, section = "volume", grey = 0, shades }: Shot): Promise<void> {
     await page.evaluate(
-      ([[azimuth, elevation, zoom], cut, operator, source]) => {
+      ([[azimuth, elevation, zoom], cut, operator, source, share, [center, width]]) => {
         window.clipgs.setView({ azimuth, elevation, zoom });
         window.clipgs.setPlane(cut && { normal: cut.slice(0, 3) as Triple, offset: cut[3] });
         window.clipgs.setClip(operator);
         window.clipgs.setSection(source);
+        window.clipgs.setGrey(share);
+        window.clipgs.setWindow({ center, width });
       },
-      [view, plane, clip, section] as const,
+      [view, plane, clip, section, grey, shades ?? [40, 400]] as const,
     );
   }
 
   /** What `clipgs render` makes of a shot. */
-  async function rendered({ view, plane, clip, section }: Shot, size: string): Promise<Picture> {
+  async function rendered(
+    { view, plane, clip, section, grey, shades }: Shot,
+    size: string,
+  ): Promise<Picture> {
     const path = join(session.folder, "render.png");
     const cut = plane ? ["--plane", plane.join()] : [];
     const source = section ? ["--section", section] : [];
@@ -86,13 +102,15 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       size,
       ...cut,
       ...source,
+      ...(grey ? ["--grey", String(grey), "--window", shades!.join()] : []),
     );
     return readPng(page, path);
   }
 
   for (const shot of kShots) {
+    const style = shot.grey ? `, grey ${shot.grey} ${shot.shades!.join()}` : "";
     const cut = shot.plane ? `plane ${shot.plane.join()}, ${shot.clip}, ${shot.section}` : "uncut";
-    it(`equals clipgs render: view ${shot.view.join()}, ${cut}`, async () => {
+    it(`equals clipgs render: view ${shot.view.join()}, ${cut}${style}`, async () => {
       const truth = await rendered(shot, "300x220");
       await show(shot);
       const got = await pagePicture(page, truth.width, truth.height);
@@ -165,6 +183,27 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await linked.close();
     await page.getByRole("group", { name: "Cut face" }).getByRole("button", { name: "Volume" }).click();
     expect(await state()).toBe("volume");
+  });
+
+  it("shows faces in grey, with windows by buttons, numbers and keys", async () => {
+    const state = () => page.evaluate(() => window.clipgs.state);
+    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    expect(await page.getByRole("group", { name: "Window" }).isVisible()).toBe(false);
+    await page.keyboard.press("g");
+    expect((await state()).grey).toBe(1);
+    const soft = await pagePicture(page, 160, 160);
+    await page.getByRole("group", { name: "Window" }).getByRole("button", { name: "Bone" }).click();
+    expect((await state()).window).toEqual({ center: 400, width: 1800 });
+    expect(psnr(await pagePicture(page, 160, 160), soft).color).toBeLessThan(40);
+    await page.keyboard.press("w");
+    expect((await state()).window).toEqual({ center: -600, width: 1500 });
+    await page.getByRole("spinbutton", { name: "Width of the window" }).fill("300");
+    await page.keyboard.press("Enter");
+    expect((await state()).window).toEqual({ center: -600, width: 300 });
+    await page.waitForFunction(() => location.hash.includes("grey=1&window=-600,300"));
+    await page.locator("canvas").focus();
+    await page.keyboard.press("g");
+    expect((await state()).grey).toBe(0);
   });
 
   it("says so where a case has no section volume", async () => {

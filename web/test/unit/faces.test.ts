@@ -13,7 +13,7 @@ import {
   surfaceDepth,
 } from "../../src/model/faces";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
-import { kCodes, type LightRig, makeVoxels, parseSection } from "../../src/sog/section";
+import { kCodes, kFirstInside, type LightRig, makeVoxels, parseSection } from "../../src/sog/section";
 import { makeSectionBlock } from "./section_fixture";
 import { makeRandom } from "./sog_fixture";
 
@@ -226,6 +226,10 @@ describe("face.glsl", () => {
     expect(value(glsl, /kLeastTransmittance = 1\.0 \/ (\d+)/)).toBe(
       value(rays, /kLeastTransmittance = 1\.0f \/ (\d+)/),
     );
+    const inside = Number(value(readFileSync("../src/section/section.h", "utf8"), /kFirstInside = (\d+)/));
+    expect(kFirstInside).toBe(inside);
+    expect(Number(value(glsl, /kLowestInside = (\S+) \/ 255/))).toBe(0.25 * inside);
+    expect(Number(value(glsl, /kSurelyInside = (\S+) \/ 255/))).toBe(0.75 * inside);
     const cut = readFileSync("../src/core/cut.h", "utf8");
     expect(value(glsl, /kMaxPlanes = (\d+)/)).toBe(value(cut, /kMostPlanes = (\d+)/));
     const lights = readFileSync("../src/cinema/lights.h", "utf8");

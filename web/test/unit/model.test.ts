@@ -90,7 +90,7 @@ describe("the camera", () => {
 describe("links", () => {
   it("say again what they said", () => {
     const text =
-      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&size=512x384";
+      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&window=40,400&size=512x384";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
   });
@@ -115,6 +115,11 @@ describe("links", () => {
       "#clip=other",
       "#clip=toString",
       "#section=other",
+      "#grey=2",
+      "#grey=-1",
+      "#grey=x",
+      "#window=40",
+      "#window=40,0",
       "#size=x",
       "#size=4x4",
       "#size=1e3",
