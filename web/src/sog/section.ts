@@ -9,6 +9,7 @@ export const kMaxKeys = 8;
 const kMaxSide = 1024;
 const kMaxImage = 16383;
 const kBlock = 16;
+const kErrorBands = 16;
 const kMaxExtinction = 1e6;
 const kMaxReflectance = 100;
 
@@ -44,7 +45,8 @@ export interface SectionInfo {
   sourceSpacing: Triple; // mm, of the volume that was traced
   modality: Modality;
   curve: number[]; // values of the codes
-  valueError: number;
+  /** Rms errors of values where the code is 16k … 16k + 15. */
+  valueErrors: number[];
   materials: FaceMaterials;
   rig: LightRig;
   exposure: number;
@@ -165,7 +167,7 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
     sourceSpacing: reader.vector("source_spacing", Number.MIN_VALUE),
     modality: kModalities.includes(modality) ? modality : "unknown",
     curve: readCurve(reader),
-    valueError: reader.number("value_error", 0),
+    valueErrors: reader.numbers("value_errors", kErrorBands, 0),
     materials: readMaterials(reader.child("materials")),
     rig: readRig(lights),
     exposure: lights.number("exposure", Number.MIN_VALUE),

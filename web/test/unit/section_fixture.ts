@@ -20,7 +20,7 @@ export function makeSectionBlock(): Record<string, unknown> {
     source_spacing: [1, 0.5, 1.5],
     modality: "CT",
     curve: ramp(-1000, 1550),
-    value_error: 4,
+    value_errors: Array(16).fill(4),
     materials: {
       extinction: ramp(0, 3),
       specular: ramp(0, 0.2),
