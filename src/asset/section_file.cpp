@@ -329,6 +329,9 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
     reader.fail("columns");
   }
+  if (reader.vector<2>("tile") != Vec2(mosaic.tile_width, mosaic.tile_height)) {
+    reader.fail("tile");
+  }
   const Texels texels =
       decode_webp(find_image(reader, files), mosaic.width(), mosaic.height(), name + ": its image");
   section.voxels = to_voxels(texels, mosaic, section.dims, section.channels);

@@ -100,11 +100,9 @@ TEST(SectionFile, RefusesWhatIsMissingOrOutOfRange) {
   for (const auto& [key, value] : good.items()) {
     json bad = good;
     bad.erase(key);
-    if (key != "tile") {
-      EXPECT_THROW(decode_section(bad, images, "test"), Error) << key;
-    }
+    EXPECT_THROW(decode_section(bad, images, "test"), Error) << key;
     bad[key] = "nonsense";
-    if (key != "tile" && key != "modality") {
+    if (key != "modality") {
       EXPECT_THROW(decode_section(bad, images, "test"), Error) << key;
     }
   }
@@ -116,6 +114,7 @@ TEST(SectionFile, RefusesWhatIsMissingOrOutOfRange) {
   refused("/dims/0", 1e9);
   refused("/dims/0", 2.5);
   refused("/dims/0", 900);  // not what the image holds
+  refused("/tile/0", 64);
   refused("/spacing/1", 0);
   refused("/axis_x/0", 5);
   refused("/channels", 2);

@@ -39,17 +39,9 @@ Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
                  : glm::mix(rig.sky_horizon, rig.sky_bottom, -up);
 }
 
-/// Share of a uniform white sky that the GGX lobe with α = `roughness` returns (after Lazarov's and
-/// Karis's fits of the split sum, for F = 1).
-float lobe_reflectance(float cosine, float roughness) {
-  const float r = std::sqrt(roughness);
-  const float a = 1 - r;
-  const float b = 0.0425f - 0.0275f * r;
-  const float k = std::min(a * a, std::exp2(-9.28f * cosine)) * a + b;
-  const float scale = -1.04f * k + (1.04f - 0.572f * r);
-  const float bias = 1.04f * k + (-0.04f + 0.022f * r);
-  return scale + bias;
-}
+/// Share of a uniform white sky that the GGX lobe with α = `roughness` returns: Karis's fit of the
+/// split sum (2014), which for F = 1 does not depend on the angle.
+float lobe_reflectance(float roughness) { return 1 - 0.55f * std::sqrt(roughness); }
 
 }  // namespace
 
@@ -70,7 +62,7 @@ Vec3 face_gloss(const LightRig& rig, const Vec3& normal, const Vec3& out, float 
     return Vec3(0);
   }
   const Vec3 mirrored = 2 * cosine * normal - out;
-  Vec3 sum = lobe_reflectance(cosine, roughness) * sky_radiance(rig, mirrored);
+  Vec3 sum = lobe_reflectance(roughness) * sky_radiance(rig, mirrored);
   for (const KeyLight& key : rig.keys) {
     const float spread = 0.5f * key.angular_radius;
     const float wider = std::min(1.0f, std::sqrt(roughness * roughness + spread * spread));
