@@ -84,7 +84,7 @@ count_tests "tests asan ubsan"
 # The rooms that work on several threads.
 step "build tsan" configure_and_build tsan core cinema splat section train measure
 # Statistics over many samples and finite differences take minutes there and start no new threads.
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|AsTheTracer|Gloss|FastIsTheReference|FitReflectance'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|LearnsAndGrows'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.
 step "tidy" bash scripts/tidy.sh src/core src/measure
