@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "asset/section_file.h"
 #include "asset/zip.h"
@@ -15,8 +16,12 @@ namespace clipgs {
 
 /// A scene, and the volume that the faces of a cut are drawn from, if it has one.
 struct Case {
+  Case() = default;
+  Case(Scene what, std::optional<Section> faces = std::nullopt)  // NOLINT: a scene is a case
+      : scene(std::move(what)), section(std::move(faces)) {}
+
   Scene scene;
-  std::optional<Section> section = {};
+  std::optional<Section> section;
 };
 
 /// What a case says of itself, without decoding its images.

@@ -43,8 +43,8 @@ struct Quality {
 // and noise averages out over them.
 constexpr std::array kQualities = {
     Quality{"draft", 192, 300, 8, 8, 40000, 4000, 1},
-    Quality{"standard", 256, 2000, 20, 10, 100000, 16000, 2},
-    Quality{"high", 512, 3000, 32, 12, 250000, 40000, 2},
+    Quality{"standard", 256, 2000, 20, 10, 60000, 8000, 2},
+    Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
 };
 
 const Quality& find_quality(const std::string& name) {

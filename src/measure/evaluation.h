@@ -61,7 +61,8 @@ struct Evaluation {
 struct EvaluationOptions {
   std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,
                                      ClipOperator::kExact};
-  std::vector<FaceSource> faces = {};  ///< empty: the volume, if the case has one, and the splats
+  /// Empty: the volume, if the case has one, and the splats.
+  std::vector<FaceSource> faces;
 };
 
 /// A test picture of the dataset, checked against its camera's size. Throws Error.

@@ -42,6 +42,12 @@ Scene make_scene() {
   return scene;
 }
 
+EvaluationOptions only(ClipOperator clip) {
+  EvaluationOptions options;
+  options.clips = {clip};
+  return options;
+}
+
 class EvaluationTest : public testing::Test {
  protected:
   EvaluationTest() {
@@ -134,7 +140,7 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
 }
 
 TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
-  Evaluation evaluation = evaluate(contents_, dataset_, {{ClipOperator::kSoft}});
+  Evaluation evaluation = evaluate(contents_, dataset_, only(ClipOperator::kSoft));
   evaluation.bytes = 1234;
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(evaluation_json(evaluation));
   EXPECT_EQ(json["splats"], 600);
@@ -161,7 +167,7 @@ TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
     frame.uncut_file.clear();
     frame.depth_file.clear();
   }
-  const Evaluation evaluation = evaluate(contents_, dataset_, {{ClipOperator::kExact}});
+  const Evaluation evaluation = evaluate(contents_, dataset_, only(ClipOperator::kExact));
   const auto json = nlohmann::json::parse(evaluation_json(evaluation));
   EXPECT_TRUE(json["rows"][0]["leak"].is_null());
   EXPECT_TRUE(json["rows"][0]["band_ssim"].is_null());

@@ -146,7 +146,7 @@ std::string table_html(const Evaluation& evaluation) {
       const char* clip = clip_operator_name(row.drawing.clip);
       const char* faces = face_source_name(row.drawing.faces);
       html +=
-          fmt::format("<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"{}\">{}</td><td>{}</td>",
+          fmt::format(R"(<tr><td>{}</td><td class="{}">{}</td><td class="{}">{}</td><td>{}</td>)",
                       split_name(split), clip, clip, faces, faces, escape_html(row.against));
       for (const Column& column : kColumns) {
         const std::optional<double> value = column.value(row.mean);
