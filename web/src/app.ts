@@ -3,6 +3,7 @@ import { formatLink, parseLink } from "./model/link";
 import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
 import { h, icon, kIcons } from "./ui/dom";
+import { FaceOverlay } from "./ui/face_overlay";
 import { FacePanel } from "./ui/face_panel";
 import { helpDialog } from "./ui/help";
 import { OrientationCube } from "./ui/orientation_cube";
@@ -17,6 +18,7 @@ const kStatsIntervalMs = 250;
 export class App {
   readonly viewer: Viewer;
   readonly #panel: PlanePanel;
+  readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
   readonly #cube: OrientationCube;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
@@ -44,10 +46,12 @@ export class App {
     );
     root.append(canvas);
     this.viewer = new Viewer(canvas);
+    this.#overlay = new FaceOverlay(this.viewer);
     this.#facePanel = new FacePanel(this.viewer);
     this.#panel = new PlanePanel(this.viewer, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     root.append(
+      this.#overlay.element,
       h(
         "header",
         { class: "bar" },
@@ -80,6 +84,7 @@ export class App {
     new PointerControls(this.viewer, (mm) => this.#panel.step(mm));
     this.viewer.changed = () => this.#update();
     this.viewer.drawnFrame = () => {
+      this.#overlay.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
     };
     const resized = new ResizeObserver(() => this.#resize());

@@ -10,10 +10,11 @@ import {
 } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
-import type { FaceSource } from "./model/faces";
+import { type FaceSource, faceUnder } from "./model/faces";
 import { kWorldFromPatient, type Plane } from "./model/geometry";
 import { type Window, windowPresets } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
+import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
 import { FullScreenPass } from "./render/full_screen";
 import { GpuScene } from "./render/gpu_scene";
@@ -272,13 +273,15 @@ export class Viewer {
     return this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
   }
 
+  /** What panels leave of the canvas, from its top left, CSS px. */
+  get freeSize(): { width: number; height: number } {
+    return { width: this.#width - this.#inset.right, height: this.#height - this.#inset.bottom };
+  }
+
   /** CSS px. */
   get focalLength(): number {
-    return focalLength(
-      this.state.view.zoom,
-      this.#width - this.#inset.right,
-      this.#height - this.#inset.bottom,
-    );
+    const { width, height } = this.freeSize;
+    return focalLength(this.state.view.zoom, width, height);
   }
 
   /** Where a point (RAS mm) appears, CSS px from the canvas's top left; null behind the camera. */
@@ -300,6 +303,13 @@ export class Viewer {
     );
     const origin = this.#camera.position.clone().applyMatrix4(kMmFromWorld);
     return new Ray(origin, through.applyMatrix4(kMmFromWorld).sub(origin).normalize());
+  }
+
+  /** What the face under a place on the canvas (CSS px) shows there; null where there is no face or only air. */
+  readingAt(x: number, y: number): Reading | null {
+    const { section } = this;
+    const point = section && faceUnder(section, this.#facePlanes, this.ray(x, y));
+    return point && readSection(section, point);
   }
 
   /** The picture of exactly width × height px without the handle, as `clipgs render` writes it. */
@@ -437,6 +447,12 @@ export class Viewer {
     faces.setStyle(grey, this.window);
     faces.maxRays = rays;
     return { mesh, faces };
+  }
+
+  /** What exposes faces: the cut, and the ends of the volume. */
+  get #facePlanes(): Plane[] {
+    const { plane } = this.state;
+    return [...(plane ? [plane] : []), ...(this.#case?.faces?.ends ?? [])];
   }
 
   #makeFaces(section: Section | null): SectionFaces | null {

@@ -1,4 +1,4 @@
-import { Matrix4, Vector3 } from "three";
+import { Matrix4, type Ray, Vector3 } from "three";
 
 import { codeOfVoxel, type Section, type SectionInfo } from "../sog/section";
 import { type Plane, projectOnto, signedDistance } from "./geometry";
@@ -19,6 +19,8 @@ const kDepthVoxels = 4;
 
 /** Rounding, mm. */
 const kSlack = 1e-6;
+/** Of points that rays meet, mm. */
+const kTouch = 1e-4;
 
 /** A step of the march, mm: short at the face, where most is seen. */
 export interface Step {
@@ -165,4 +167,24 @@ export function facePolygons(grid: Grid, planes: readonly Plane[]): Vector3[][] 
       inside,
     );
   });
+}
+
+/** Whether what all planes keep of a section's box reaches to within `slack` mm of a point. */
+function isKept(grid: Grid, planes: readonly Plane[], point: Vector3, slack: number): boolean {
+  return [...boxSides(grid), ...planes].every((plane) => signedDistance(plane, point) >= -slack);
+}
+
+/** Where a ray (RAS mm) meets the face that it sees of those that planes expose; null where it sees none. */
+export function faceUnder(grid: Grid, planes: readonly Plane[], ray: Ray): Vector3 | null {
+  for (const plane of planes) {
+    const slope = plane.normal.dot(ray.direction);
+    const distance = -signedDistance(plane, ray.origin) / slope;
+    if (slope > 0 && distance > 0) {
+      const point = ray.at(distance, new Vector3());
+      if (isKept(grid, planes, point, kTouch)) {
+        return point;
+      }
+    }
+  }
+  return null;
 }

@@ -134,7 +134,8 @@ export class SectionFaces {
   /** Rays a pixel, along either side, at most: as many as the section has detail for. */
   maxRays = 1;
   readonly #middle: Vector3; // world
-  readonly #ends: Plane[];
+  /** The sides of the volume that are faces. */
+  readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
   readonly #size = new Vector2();
   readonly #meshes: Mesh<BufferGeometry, RawShaderMaterial>[];
@@ -158,7 +159,7 @@ export class SectionFaces {
       uExposure: { value: section.exposure },
     };
     this.#meshes = [true, false].map((opaque) => faceMesh(this.#uniforms, opaque, section.channels));
-    this.#ends = sectionEnds(section);
+    this.ends = sectionEnds(section);
     this.#middle = gridMiddle(section).applyMatrix4(kWorldFromPatient);
     for (const mesh of this.#meshes) {
       mesh.onBeforeRender = (renderer, _scene, camera) => {
@@ -175,7 +176,7 @@ export class SectionFaces {
   setPlanes(planes: readonly Plane[]): void {
     planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
     this.#uniforms["uPlaneCount"]!.value = planes.length;
-    const all = [...planes, ...this.#ends];
+    const all = [...planes, ...this.ends];
     const corners: number[] = [];
     const outwards: number[] = [];
     const lights: number[] = [];

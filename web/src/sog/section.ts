@@ -9,7 +9,7 @@ export const kMaxKeys = 8;
 const kMaxSide = 1024;
 const kMaxImage = 16383;
 const kBlock = 16;
-const kErrorBands = 16;
+export const kErrorBands = 16;
 const kMaxExtinction = 1e6;
 const kMaxReflectance = 100;
 

@@ -1,0 +1,68 @@
+import { Vector3 } from "three";
+
+import { codeOfVoxel, kCodes, kErrorBands, kFirstInside, type Section } from "../sog/section";
+import { indexFromPatient } from "./faces";
+
+// What is said about points of a section: the twin of Section::read and of src/section/annotate.cpp.
+
+/** A value and its rms error at a point (RAS mm). */
+export interface Reading {
+  point: Vector3;
+  value: number;
+  error: number;
+}
+
+/** Code at a voxel index inside the volume; a fraction between voxels. */
+export function sampleCode(section: Section, index: Vector3): number {
+  const at = index.toArray().map((v, k) => Math.min(section.dims[k]! - 1, Math.max(0, v)));
+  const low = at.map((v, k) => Math.max(0, Math.min(Math.floor(v), section.dims[k]! - 2)));
+  let sum = 0;
+  for (let corner = 0; corner < 8; ++corner) {
+    let weight = 1;
+    const [x, y, z] = low.map((l, k) => {
+      const upper = (corner >> k) & 1;
+      weight *= upper ? at[k]! - l : 1 - (at[k]! - l);
+      return Math.min(l + upper, section.dims[k]! - 1);
+    });
+    sum += weight * codeOfVoxel(section, x!, y!, z!);
+  }
+  return sum;
+}
+
+function valueOfCode(curve: readonly number[], code: number): number {
+  const low = Math.min(Math.floor(code), kCodes - 2);
+  return curve[low]! + (code - low) * (curve[low + 1]! - curve[low]!);
+}
+
+/** What is at a point; null outside the volume and in the air around the body. */
+export function readSection(section: Section, point: Vector3): Reading | null {
+  const index = point.clone().applyMatrix4(indexFromPatient(section));
+  const kRounding = 1e-3;
+  const inside = index.toArray().every((v, k) => v >= -kRounding && v <= section.dims[k]! - 1 + kRounding);
+  const code = sampleCode(section, index);
+  if (!inside || code < kFirstInside) {
+    return null;
+  }
+  const band = Math.min(kErrorBands - 1, Math.floor((code * kErrorBands) / kCodes));
+  return {
+    point: point.clone(),
+    value: valueOfCode(section.curve, code),
+    error: section.valueErrors[band]!,
+  };
+}
+
+/** With a minus of its own width, and no negative zero. */
+function decimal(value: number, digits: number): string {
+  return (Number(value.toFixed(digits)) + 0).toFixed(digits).replace("-", "\u2212");
+}
+
+/** "63 ± 4 HU" */
+export function valueText({ modality }: Pick<Section, "modality">, { value, error }: Reading): string {
+  const unit = modality === "CT" ? " HU" : "";
+  return `${decimal(value, 0)} ± ${decimal(error, error < 0.95 ? 1 : 0)}${unit}`;
+}
+
+/** "R 12.3 A −4.0 S 88.1 mm" */
+export function pointText(point: Vector3): string {
+  return `R ${decimal(point.x, 1)} A ${decimal(point.y, 1)} S ${decimal(point.z, 1)} mm`;
+}
