@@ -4,6 +4,7 @@ import type { App } from "./app";
 import type { FaceSource } from "./model/faces";
 import type { Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
+import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
@@ -24,6 +25,12 @@ export interface ClipgsApi {
   setGrey(grey: number): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: Window | null): void;
+  /** Marks a point with its value, 20 of them at most; false where there is none: outside and in air. */
+  addPin(point: Triple): boolean;
+  /** By its index in `pins`. */
+  removePin(index: number): void;
+  /** What is marked, the oldest first, with `text` as the page shows it. */
+  readonly pins: { point: Triple; value: number; error: number; text: string }[];
   /** What is shown. */
   readonly state: {
     case: string | null;
@@ -68,6 +75,16 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
+    addPin: (point) => viewer.addPin(new Vector3(...point)),
+    removePin: (index) => viewer.removePin(index),
+    get pins() {
+      return viewer.state.pins.map((pin) => ({
+        point: pin.point.toArray(),
+        value: pin.value,
+        error: pin.error,
+        text: valueText(viewer.section!, pin),
+      }));
+    },
     get state() {
       const { view, plane, clip, section, grey } = viewer.state;
       return {

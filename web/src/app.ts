@@ -47,7 +47,7 @@ export class App {
     root.append(canvas);
     this.viewer = new Viewer(canvas);
     this.#overlay = new FaceOverlay(this.viewer);
-    this.#facePanel = new FacePanel(this.viewer);
+    this.#facePanel = new FacePanel(this.viewer, this.#overlay.button);
     this.#panel = new PlanePanel(this.viewer, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     root.append(
@@ -294,6 +294,8 @@ export class App {
       p: () => this.#panel.toggle(),
       g: () => this.#facePanel.toggleGrey(),
       w: () => this.#facePanel.nextWindow(),
+      i: () => this.#overlay.pin(),
+      escape: () => this.#overlay.cancel(),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
       r: () => this.#panel.reset(),
       m: () => void this.#showMenu(),

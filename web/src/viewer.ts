@@ -10,7 +10,7 @@ import {
 } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
-import { type FaceSource, faceUnder } from "./model/faces";
+import { type FaceSource, faceUnder, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane } from "./model/geometry";
 import { type Window, windowPresets } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
@@ -36,6 +36,7 @@ export interface ViewerState {
   grey: number; // how faces look: 0 cinematic … 1 grey
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
+  pins: readonly Reading[]; // points that are marked, the oldest first
 }
 
 /** What the last frames cost. */
@@ -69,6 +70,10 @@ const kWarmUpFrames = 4;
 const kMaxPixelRatio = 2;
 /** Rays through a pixel of a face, along either side, once nothing moves. */
 const kMaxRays = 2;
+/** Of one case. */
+const kMaxPins = 20;
+/** A pin belongs to a face this near to it, mm. */
+const kPinReach = 1;
 const kMmFromWorld = kWorldFromPatient.clone().invert();
 
 /**
@@ -85,6 +90,7 @@ export class Viewer {
     grey: 0,
     window: null,
     handle: true,
+    pins: [],
   };
   readonly stats: ViewerStats = {
     frameMs: 0,
@@ -199,6 +205,7 @@ export class Viewer {
     const faces = this.#makeFaces(loaded.section);
     this.#windows = faces ? windowPresets(faces.section) : new Map();
     this.state.window = null;
+    this.state.pins = [];
     this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, faces, spare };
     this.stats.sectionBytes = faces?.section.voxels.length ?? 0;
     this.stats.sectionMs = loaded.sectionMs;
@@ -259,6 +266,25 @@ export class Viewer {
     this.#touch();
   }
 
+  /** Marks a point (RAS mm); the oldest pin goes where there are too many. Returns whether it has a value. */
+  addPin(point: Vector3): boolean {
+    const pin = this.section && readSection(this.section, point);
+    if (pin) {
+      this.#setPins([...this.state.pins, pin].slice(-kMaxPins));
+    }
+    return pin !== null;
+  }
+
+  removePin(index: number): void {
+    this.#setPins(this.state.pins.filter((_, i) => i !== index));
+  }
+
+  /** Whether a pin lies on a face that is seen. */
+  showsPin({ point }: Reading): boolean {
+    const { section } = this;
+    return section !== null && isOnFace(section, this.#facePlanes, this.#eye, point, kPinReach);
+  }
+
   setHover(grip: Grip | null): void {
     this.#widget.setHover(grip);
     this.#canvasStale = true;
@@ -301,7 +327,7 @@ export class Viewer {
     const through = new Vector3((2 * x) / this.#width - 1, 1 - (2 * y) / this.#height, 0.5).unproject(
       this.#camera,
     );
-    const origin = this.#camera.position.clone().applyMatrix4(kMmFromWorld);
+    const origin = this.#eye;
     return new Ray(origin, through.applyMatrix4(kMmFromWorld).sub(origin).normalize());
   }
 
@@ -339,6 +365,18 @@ export class Viewer {
     this.#layer.dispose();
     this.#background.dispose();
     this.#renderer.dispose();
+  }
+
+  /** Of the camera as it was placed last, RAS mm. */
+  get #eye(): Vector3 {
+    return this.#camera.position.clone().applyMatrix4(kMmFromWorld);
+  }
+
+  /** Pins lie over the picture, which stays as it is. */
+  #setPins(pins: readonly Reading[]): void {
+    this.state.pins = pins;
+    this.#canvasStale = true;
+    this.changed();
   }
 
   #touch(): void {

@@ -188,3 +188,17 @@ export function faceUnder(grid: Grid, planes: readonly Plane[], ray: Ray): Vecto
   }
   return null;
 }
+
+/** Whether a point lies within `slack` mm of a face that `eye` sees of those that planes expose (RAS mm). */
+export function isOnFace(
+  grid: Grid,
+  planes: readonly Plane[],
+  eye: Vector3,
+  point: Vector3,
+  slack: number,
+): boolean {
+  const near = planes.some(
+    (plane) => signedDistance(plane, eye) < 0 && Math.abs(signedDistance(plane, point)) <= slack,
+  );
+  return near && isKept(grid, planes, point, slack);
+}

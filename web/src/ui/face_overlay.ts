@@ -1,21 +1,27 @@
-import { pointText, valueText } from "../model/values";
+import { pointText, type Reading, valueText } from "../model/values";
 import type { Viewer } from "../viewer";
-import { h } from "./dom";
+import { h, icon, kIcons } from "./dom";
 
-const kReadoutWidth = 300; // no wider, CSS px
+// No wider, CSS px.
+const kReadoutWidth = 300;
+const kPinWidth = 150;
 
 interface Place {
   x: number;
   y: number;
 }
 
-/** What is said about faces over their picture: the value under the pointer. */
+/** What is said about faces over their picture: the value under the pointer, and pins. */
 export class FaceOverlay {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
   readonly #value = h("strong");
   readonly #point = h("span");
   readonly #readout: HTMLElement;
+  readonly #pins = h("div", { role: "list", "aria-label": "Pins" });
+  /** Makes the next click on a face put a pin there. */
+  readonly button: HTMLButtonElement;
+  #shownPins: readonly Reading[] = [];
   #pointer: Place | null = null; // over the canvas, with no button pressed
 
   constructor(viewer: Viewer) {
@@ -26,21 +32,111 @@ export class FaceOverlay {
       this.#value,
       this.#point,
     );
-    this.element = h("div", { class: "overlay" }, this.#readout);
+    this.element = h("div", { class: "overlay" }, this.#pins, this.#readout);
+    this.button = h(
+      "button",
+      {
+        title: "Mark a point of a face with its value (I)",
+        "aria-pressed": "false",
+        onclick: () => this.#await(!this.#awaiting),
+      },
+      icon(kIcons.pin),
+      "Pin",
+    );
     const { canvas } = viewer;
+    // Before other listeners: the click that puts a pin does nothing else.
+    canvas.addEventListener("pointerdown", (event) => {
+      if (this.#awaiting && event.button === 0 && this.#pinAt(this.#placeOf(event))) {
+        event.stopImmediatePropagation();
+      }
+    });
     for (const type of ["pointermove", "pointerdown", "pointerup", "pointerleave"] as const) {
       canvas.addEventListener(type, (event) => {
-        const box = canvas.getBoundingClientRect();
         const over = event.buttons === 0 && type !== "pointerleave" && event.pointerType !== "touch";
-        this.#pointer = over ? { x: event.clientX - box.left, y: event.clientY - box.top } : null;
+        this.#pointer = over ? this.#placeOf(event) : null;
         this.#updateReadout();
       });
     }
   }
 
+  /** Pins the point under the pointer, or else the one of the next click on a face. */
+  pin(): void {
+    if (!this.#pointer || !this.#pinAt(this.#pointer)) {
+      this.#await(!this.#awaiting);
+    }
+  }
+
+  /** No click is waited for any more. */
+  cancel(): void {
+    this.#await(false);
+  }
+
   /** After every frame. */
   update(): void {
     this.#updateReadout();
+    this.#updatePins();
+  }
+
+  get #awaiting(): boolean {
+    return this.button.getAttribute("aria-pressed") === "true";
+  }
+
+  #await(click: boolean): void {
+    this.button.setAttribute("aria-pressed", String(click));
+    this.#viewer.canvas.classList.toggle("pinning", click);
+  }
+
+  #placeOf(event: PointerEvent): Place {
+    const box = this.#viewer.canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+
+  /** Whether there was something to pin. */
+  #pinAt({ x, y }: Place): boolean {
+    const reading = this.#viewer.readingAt(x, y);
+    const pinned = reading !== null && this.#viewer.addPin(reading.point);
+    if (pinned) {
+      this.#await(false);
+    }
+    return pinned;
+  }
+
+  #updatePins(): void {
+    const viewer = this.#viewer;
+    const { pins } = viewer.state;
+    if (pins !== this.#shownPins) {
+      this.#shownPins = pins;
+      this.#pins.replaceChildren(...pins.map((pin, i) => this.#mark(pin, i)));
+    }
+    pins.forEach((pin, i) => {
+      const mark = this.#pins.children[i] as HTMLElement;
+      const at = viewer.project(pin.point);
+      mark.hidden = !at;
+      mark.classList.toggle("faded", !viewer.showsPin(pin));
+      if (at) {
+        mark.classList.toggle("left", at.x > viewer.freeSize.width - kPinWidth);
+        place(mark, at);
+      }
+    });
+  }
+
+  #mark(pin: Reading, index: number): HTMLElement {
+    const text = valueText(this.#viewer.section!, pin);
+    const where = pointText(pin.point);
+    return h(
+      "div",
+      { class: "pin", role: "listitem" },
+      h("i"),
+      h(
+        "button",
+        {
+          title: `${where}: click to remove`,
+          "aria-label": `Remove pin ${index + 1}: ${text} at ${where}`,
+          onclick: () => this.#viewer.removePin(index),
+        },
+        text,
+      ),
+    );
   }
 
   #updateReadout(): void {

@@ -17,13 +17,15 @@ export class FacePanel {
   readonly #grey: HTMLInputElement;
   readonly #blend: HTMLElement;
   readonly #window: HTMLElement;
+  readonly #pin: HTMLElement;
   readonly #presets = h("div", { class: "segments fit", role: "group", "aria-label": "Window" });
   readonly #center = this.#number("Centre of the window");
   readonly #width = this.#number("Width of the window");
   #windows: ReadonlyMap<string, Window> = new Map();
   #shown = "";
 
-  constructor(viewer: Viewer) {
+  /** `pin` is the button that marks points of faces. */
+  constructor(viewer: Viewer, pin: HTMLElement) {
     this.#viewer = viewer;
     for (const [name, hint] of Object.entries(kSources) as [FaceSource, string][]) {
       const label = name === "volume" ? "Volume" : "Splats";
@@ -49,6 +51,7 @@ export class FacePanel {
         h("label", {}, "Width", this.#width),
       ),
     );
+    this.#pin = h("div", { class: "segments" }, pin);
     this.element = h(
       "div",
       {},
@@ -57,6 +60,7 @@ export class FacePanel {
       this.#noSection,
       this.#blend,
       this.#window,
+      this.#pin,
     );
   }
 
@@ -88,6 +92,7 @@ export class FacePanel {
     }
     this.#noSection.textContent = noSection ?? "";
     this.#noSection.hidden = !noSection;
+    this.#pin.hidden = noSection !== null;
     this.#blend.hidden = source === "splats";
     this.#grey.value = String(grey);
     this.#window.hidden = source === "splats" || grey === 0 || !window;

@@ -13,6 +13,7 @@ const kHelp: [string, string][] = [
   ["P", "plane on or off"],
   ["G", "faces cinematic or grey"],
   ["W", "next window of grey values"],
+  ["I", "pin the value under the pointer (click it to remove)"],
   ["H", "show or hide the handle"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],

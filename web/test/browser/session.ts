@@ -14,8 +14,12 @@ export const missing = process.env["CLIPGS"]
   ? undefined
   : [kProgram, kChromium].find((path) => !existsSync(path));
 
-export function clipgs(...args: string[]): void {
-  execFileSync(kProgram, ["--quiet", ...args], { stdio: ["ignore", "ignore", "inherit"] });
+/** Runs the program and returns what it prints. */
+export function clipgs(...args: string[]): string {
+  return execFileSync(kProgram, ["--quiet", ...args], {
+    stdio: ["ignore", "pipe", "inherit"],
+    encoding: "utf8",
+  });
 }
 
 /** A case made of the phantom: hardly trained, but with everything a case has. */

@@ -206,6 +206,61 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect((await state()).grey).toBe(0);
   });
 
+  it("says values under the pointer and of pins as clipgs render does", async () => {
+    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const { center } = await readBounds(session.cases);
+    const reading = page.getByLabel("Value under the pointer");
+    const pins = page.getByRole("list", { name: "Pins" });
+    for (const [r, a] of [
+      [0, 0],
+      [31, 12],
+      [-20, 24],
+    ] as const) {
+      const at = await page.evaluate((p) => window.clipgs.project(p)!, [
+        center[0] + r,
+        center[1] + a,
+        0,
+      ] as Triple);
+      await page.mouse.move(at.x, at.y);
+      await reading.waitFor();
+      await page.keyboard.press("i");
+      const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
+      expect(pin.point[0]).toBeCloseTo(center[0] + r, 0);
+      expect(pin.point[2]).toBeCloseTo(0, 3);
+      const printed = clipgs(
+        "render",
+        join(session.cases, "phantom.sog"),
+        "-o",
+        join(session.folder, "pin.png"),
+        "--pin",
+        pin.point.join(),
+      );
+      const value = printed.trim().split("mm: ")[1]!;
+      expect(value).toMatch(/ HU$/);
+      expect(pin.text.replace("\u2212", "-")).toBe(value);
+      expect(await reading.textContent()).toContain(pin.text);
+      expect(await pins.getByRole("button").last().textContent()).toBe(pin.text);
+    }
+    await page.mouse.move(5, 300);
+    expect(await reading.isVisible()).toBe(false);
+    expect(await pins.locator(".faded").count()).toBe(0);
+    await show({ view: [10, 60, 1], plane: [0, 0, -1, 20], clip: "exact" });
+    await expect.poll(() => pins.locator(".faded").count()).toBe(3);
+    await pins.getByRole("button").last().click(); // it lies over the others
+    expect(await pins.getByRole("listitem").count()).toBe(2);
+    await page.evaluate(() => [1, 0].forEach((index) => window.clipgs.removePin(index)));
+    expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
+
+    await page.getByRole("button", { name: "Pin", exact: true }).click();
+    const view = await page.evaluate(() => window.clipgs.state.view);
+    const at = await page.evaluate((p) => window.clipgs.project(p)!, [center[0], center[1], -20] as Triple);
+    await page.mouse.click(at.x, at.y);
+    await expect.poll(() => pins.getByRole("listitem").count()).toBe(1);
+    expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
+    expect(await page.evaluate(() => window.clipgs.addPin([1000, 0, 0]))).toBe(false);
+    await page.evaluate(() => window.clipgs.removePin(0));
+  });
+
   it("says so where a case has no section volume", async () => {
     const bare = join(session.cases, "bare.sog");
     clipgs("pack", join(session.folder, "scene.ply"), "-o", bare, "--no-section");

@@ -1,7 +1,7 @@
 import { Ray, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 
-import { faceUnder, gridMiddle, sectionEnds } from "../../src/model/faces";
+import { faceUnder, gridMiddle, isOnFace, sectionEnds } from "../../src/model/faces";
 import { planeThrough, signedDistance } from "../../src/model/geometry";
 import { pointText, readSection, sampleCode, valueText } from "../../src/model/values";
 import { makeVoxels, parseSection, type Section } from "../../src/sog/section";
@@ -94,5 +94,25 @@ describe("faceUnder", () => {
     expect(faceUnder(section, [plane], towards(above, middle))).toBeNull();
     expect(faceUnder(section, [plane], towards(middle, below))).toBeNull();
     expect(faceUnder(section, [plane], towards(below, middle.clone().add(new Vector3(20, 0, 0))))).toBeNull();
+  });
+});
+
+describe("isOnFace", () => {
+  const section = makeSection();
+  const middle = gridMiddle(section);
+  const plane = planeThrough(new Vector3(0, 0, 1), middle);
+  const above = (mm: number) => middle.clone().add(new Vector3(0, 0, mm));
+
+  it("is true of what is near to a face that is seen", () => {
+    const isOn = (eye: Vector3, point: Vector3) => isOnFace(section, [plane], eye, point, 1);
+    expect([0, 0.9, -0.9, 1.1, -1.1].map((mm) => isOn(above(-100), above(mm)))).toEqual([
+      true,
+      true,
+      true,
+      false,
+      false,
+    ]);
+    expect(isOn(above(100), middle)).toBe(false);
+    expect(isOn(above(-100), middle.clone().add(new Vector3(20, 0, 0)))).toBe(false);
   });
 });
