@@ -10,8 +10,8 @@ import {
 } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
-import { type FaceSource, faceUnder, isOnFace } from "./model/faces";
-import { kWorldFromPatient, type Plane } from "./model/geometry";
+import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
+import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import { type Window, windowPresets } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
 import { type Reading, readSection } from "./model/values";
@@ -308,6 +308,21 @@ export class Viewer {
   get focalLength(): number {
     const { width, height } = this.freeSize;
     return focalLength(this.state.view.zoom, width, height);
+  }
+
+  /** Of lengths across the view at a point (RAS mm), CSS px; null behind the camera. */
+  pixelsPerMm(point: Vector3): number | null {
+    this.#placeCamera();
+    const depth =
+      -1000 * point.clone().applyMatrix4(kWorldFromPatient).applyMatrix4(this.#camera.matrixWorldInverse).z;
+    return depth > 0 ? this.focalLength / depth : null;
+  }
+
+  /** The middle of the cut face, or of the volume where nothing is cut, RAS mm. */
+  get faceMiddle(): Vector3 | null {
+    const { section, state } = this;
+    const middle = section && gridMiddle(section);
+    return middle && state.plane ? projectOnto(state.plane, middle) : middle;
   }
 
   /** Where a point (RAS mm) appears, CSS px from the canvas's top left; null behind the camera. */

@@ -66,3 +66,22 @@ export function valueText({ modality }: Pick<Section, "modality">, { value, erro
 export function pointText(point: Vector3): string {
   return `R ${decimal(point.x, 1)} A ${decimal(point.y, 1)} S ${decimal(point.z, 1)} mm`;
 }
+
+/** Where in the patient a direction (RAS) leads, by its main parts, the largest first: "S", "LA". */
+export function directionLetters(direction: Vector3): string {
+  const kWeak = 0.3;
+  const letters = ["RL", "AP", "SI"];
+  const parts = direction
+    .toArray()
+    .map((v, k) => ({ strength: Math.abs(v), letter: letters[k]![v < 0 ? 1 : 0]! }))
+    .sort((a, b) => b.strength - a.strength);
+  return parts
+    .filter(({ strength }, i) => i === 0 || strength > kWeak)
+    .map(({ letter }) => letter)
+    .join("");
+}
+
+/** Length of a scale bar: the longest of 1, 2, 5, 10, … 500 mm that is at most `most`, or else 1. */
+export function barLength(most: number): number {
+  return [500, 200, 100, 50, 20, 10, 5, 2].find((mm) => mm <= most) ?? 1;
+}

@@ -1,17 +1,24 @@
-import { pointText, type Reading, valueText } from "../model/values";
+import { barLength, directionLetters, pointText, type Reading, valueText } from "../model/values";
+import { cameraAxes, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 import { h, icon, kIcons } from "./dom";
 
 // No wider, CSS px.
 const kReadoutWidth = 300;
 const kPinWidth = 150;
+/** Of the picture's width: the scale bar is no longer. */
+const kBarShare = 0.25;
+const kEdges = ["left", "right", "top", "bottom"] as const;
 
 interface Place {
   x: number;
   y: number;
 }
 
-/** What is said about faces over their picture: the value under the pointer, and pins. */
+/**
+ * What is said about faces over their picture: the value under the pointer, pins, and where faces are grey, a scale
+ * bar, the window, and where in the patient the picture's edges are.
+ */
 export class FaceOverlay {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
@@ -19,6 +26,16 @@ export class FaceOverlay {
   readonly #point = h("span");
   readonly #readout: HTMLElement;
   readonly #pins = h("div", { role: "list", "aria-label": "Pins" });
+  readonly #letters = kEdges.map((edge) => h("span", { class: edge }));
+  readonly #bar = h("i");
+  readonly #length = h("span");
+  readonly #window = h("span");
+  readonly #marks = h(
+    "div",
+    { class: "marks", role: "img", hidden: true },
+    ...this.#letters,
+    h("div", { class: "scale" }, this.#window, this.#length, this.#bar),
+  );
   /** Makes the next click on a face put a pin there. */
   readonly button: HTMLButtonElement;
   #shownPins: readonly Reading[] = [];
@@ -32,10 +49,11 @@ export class FaceOverlay {
       this.#value,
       this.#point,
     );
-    this.element = h("div", { class: "overlay" }, this.#pins, this.#readout);
+    this.element = h("div", { class: "overlay" }, this.#marks, this.#pins, this.#readout);
     this.button = h(
       "button",
       {
+        class: "small",
         title: "Mark a point of a face with its value (I)",
         "aria-pressed": "false",
         onclick: () => this.#await(!this.#awaiting),
@@ -73,8 +91,9 @@ export class FaceOverlay {
 
   /** After every frame. */
   update(): void {
-    this.#updateReadout();
+    this.#updateMarks();
     this.#updatePins();
+    this.#updateReadout();
   }
 
   get #awaiting(): boolean {
@@ -99,6 +118,31 @@ export class FaceOverlay {
       this.#await(false);
     }
     return pinned;
+  }
+
+  #updateMarks(): void {
+    const viewer = this.#viewer;
+    const { grey, section, view } = viewer.state;
+    const middle = grey > 0 && section === "volume" ? viewer.faceMiddle : null;
+    const scale = middle && viewer.pixelsPerMm(middle);
+    this.#marks.hidden = !scale;
+    if (!scale) {
+      return;
+    }
+    const { width, height } = viewer.freeSize;
+    this.#marks.style.width = `${width}px`;
+    this.#marks.style.height = `${height}px`;
+    const { right, down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
+    const [left, up] = [right.clone().negate(), down.clone().negate()];
+    const letters = [left, right, up, down].map(directionLetters);
+    letters.forEach((text, i) => (this.#letters[i]!.textContent = text));
+    const { window } = viewer;
+    const mm = barLength((kBarShare * width) / scale);
+    this.#bar.style.width = `${(mm * scale).toFixed(1)}px`;
+    this.#length.textContent = `${mm} mm`;
+    const edges = kEdges.map((edge, i) => `${edge} ${letters[i]}`).join(", ");
+    this.#marks.setAttribute("aria-label", `Directions of the patient: ${edges}. Scale bar: ${mm} mm`);
+    this.#window.textContent = window ? `C ${window.center.toFixed(0)} W ${window.width.toFixed(0)}` : "";
   }
 
   #updatePins(): void {

@@ -51,16 +51,15 @@ export class FacePanel {
         h("label", {}, "Width", this.#width),
       ),
     );
-    this.#pin = h("div", { class: "segments" }, pin);
+    this.#pin = pin;
     this.element = h(
       "div",
       {},
-      h("h3", {}, "Cut face"),
+      h("div", { class: "titled" }, h("h3", {}, "Cut face"), pin),
       h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#sources.values()),
       this.#noSection,
       this.#blend,
       this.#window,
-      this.#pin,
     );
   }
 

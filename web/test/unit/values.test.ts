@@ -3,7 +3,14 @@ import { describe, expect, it } from "vitest";
 
 import { faceUnder, gridMiddle, isOnFace, sectionEnds } from "../../src/model/faces";
 import { planeThrough, signedDistance } from "../../src/model/geometry";
-import { pointText, readSection, sampleCode, valueText } from "../../src/model/values";
+import {
+  barLength,
+  directionLetters,
+  pointText,
+  readSection,
+  sampleCode,
+  valueText,
+} from "../../src/model/values";
 import { makeVoxels, parseSection, type Section } from "../../src/sog/section";
 import { makeSectionBlock } from "./section_fixture";
 import { makeRandom } from "./sog_fixture";
@@ -61,6 +68,18 @@ describe("values", () => {
     expect(valueText(ct, { point, value: -0.2, error: 0.94 })).toBe("0 ± 0.9 HU");
     expect(valueText({ modality: "MR" }, { point, value: 412, error: 12 })).toBe("412 ± 12");
     expect(pointText(new Vector3(12.34, -4, 88.06))).toBe("R 12.3 A \u22124.0 S 88.1 mm");
+  });
+});
+
+describe("directions and lengths", () => {
+  it("are told by letters of the body, the main ones first", () => {
+    expect(directionLetters(new Vector3(0, 0, -1))).toBe("I");
+    expect(directionLetters(new Vector3(-0.5, 0.86, 0.1))).toBe("AL");
+    expect(directionLetters(new Vector3(0.6, 0.6, -0.53))).toBe("RAI");
+  });
+
+  it("are round", () => {
+    expect([0.7, 1, 4.9, 5, 73, 280, 9000].map(barLength)).toEqual([1, 1, 2, 5, 50, 200, 500]);
   });
 });
 
