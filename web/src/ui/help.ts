@@ -3,7 +3,8 @@ import { h } from "./dom";
 
 const kHelp: [string, string][] = [
   ["Drag", "turn"],
-  ["Right drag, Shift drag, two fingers", "move"],
+  ["Right drag, Shift + drag, two fingers", "move"],
+  ["Right drag on a grey face", "window: wider to the right, higher upwards"],
   ["Wheel, pinch", "zoom"],
   ["Drag the arrow", "slide the plane"],
   ["Drag the rim (Shift: snap)", "tilt the plane"],
@@ -13,7 +14,7 @@ const kHelp: [string, string][] = [
   ["P", "plane on or off"],
   ["G", "faces cinematic or grey"],
   ["W", "next window of grey values"],
-  ["I", "pin the value under the pointer (click it to remove)"],
+  ["I", "pin the value under the pointer; a click on it removes it"],
   ["H", "show or hide the handle"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],

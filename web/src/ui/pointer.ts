@@ -1,5 +1,6 @@
 import { Vector3 } from "three";
 
+import { draggedWindow } from "../model/grey";
 import { type Grip, PlaneDrag } from "../model/plane_drag";
 import { cameraAxes, framingDistance, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
@@ -8,9 +9,9 @@ const kDegreesPerPixel = 0.4;
 const kMaxElevation = 89.9;
 const kZoom: [number, number] = [0.25, 24];
 
-type Gesture = { kind: "orbit" } | { kind: "pan" } | { kind: "plane"; drag: PlaneDrag };
+type Gesture = { kind: "orbit" } | { kind: "pan" } | { kind: "window" } | { kind: "plane"; drag: PlaneDrag };
 
-/** Mouse, pen and touch on the canvas: turns, moves and zooms the view, and drags the plane's handle. */
+/** Mouse, pen and touch on the canvas: turns, moves and zooms the view, drags the plane's handle and the window. */
 export class PointerControls {
   readonly #viewer: Viewer;
   readonly #pointers = new Map<number, { x: number; y: number }>();
@@ -66,6 +67,8 @@ export class PointerControls {
       );
       this.#gesture = { kind: "plane", drag };
       this.#setHover(grip);
+    } else if (event.button === 2 && !event.shiftKey && this.#showsGreyAt(at)) {
+      this.#gesture = { kind: "window" };
     } else {
       this.#gesture = {
         kind: event.button !== 0 || event.shiftKey || this.#pointers.size > 1 ? "pan" : "orbit",
@@ -94,12 +97,24 @@ export class PointerControls {
           kMaxElevation,
         ),
       });
+    } else if (this.#gesture.kind === "window") {
+      const { window, section } = this.#viewer;
+      if (window && section) {
+        this.#viewer.setWindow(draggedWindow(window, at.x - before.x, at.y - before.y, section.curve));
+      }
     } else {
       this.#pan((at.x - before.x) / this.#pointers.size, (at.y - before.y) / this.#pointers.size);
       if (spread > 0) {
         this.#zoom(this.#spread() / spread);
       }
     }
+  }
+
+  /** Whether grey values are shown at a place, through a window. */
+  #showsGreyAt({ x, y }: { x: number; y: number }): boolean {
+    const { state, window } = this.#viewer;
+    const grey = state.section === "volume" && state.grey > 0 && window !== null;
+    return grey && this.#viewer.readingAt(x, y) !== null;
   }
 
   #up(event: PointerEvent): void {

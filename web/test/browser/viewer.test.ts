@@ -206,6 +206,36 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect((await state()).grey).toBe(0);
   });
 
+  it("drags the window with the right button on a grey face, and moves the view elsewhere", async () => {
+    const state = () => page.evaluate(() => window.clipgs.state.window!);
+    const pan = () => page.evaluate(() => window.clipgs.project([0, 0, 0])!.x);
+    const { center } = await readBounds(session.cases);
+    const drag = async (from: Triple, shift = false) => {
+      const at = await page.evaluate((p) => window.clipgs.project(p)!, from);
+      await page.mouse.move(at.x, at.y);
+      if (shift) {
+        await page.keyboard.down("Shift");
+      }
+      await page.mouse.down({ button: "right" });
+      await page.mouse.move(at.x + 30, at.y - 20, { steps: 3 });
+      await page.mouse.up({ button: "right" });
+      await page.keyboard.up("Shift");
+    };
+    const face: Triple = [center[0], center[1], 0];
+    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 1, shades: [40, 400] });
+    const before = await pan();
+    await drag(face);
+    expect((await state()).width).toBeGreaterThan(440);
+    expect((await state()).center).toBeGreaterThan(50);
+    expect(await pan()).toBe(before);
+    await drag(face, true);
+    expect(await pan()).toBeGreaterThan(before + 20);
+    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 0, shades: [40, 400] });
+    await drag(face);
+    expect(await pan()).toBeGreaterThan(before + 20);
+    expect(await state()).toEqual({ center: 40, width: 400 });
+  });
+
   it("says values under the pointer and of pins as clipgs render does", async () => {
     await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const { center } = await readBounds(session.cases);
