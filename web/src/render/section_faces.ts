@@ -1,20 +1,16 @@
 import {
   BufferAttribute,
   BufferGeometry,
-  CustomBlending,
   Data3DTexture,
   DataTexture,
   DataUtils,
   GLSL3,
-  Group,
   HalfFloatType,
   type IUniform,
   LessDepth,
   LinearFilter,
   Mesh,
   NoBlending,
-  OneFactor,
-  OneMinusSrcAlphaFactor,
   type PerspectiveCamera,
   RawShaderMaterial,
   RedFormat,
@@ -96,39 +92,38 @@ function rigUniform({ rig }: Section): object {
   };
 }
 
-/** Faces where no splat is seen behind them, to be drawn before the splats, or those elsewhere, after them. */
-function faceMesh(
-  uniforms: Record<string, IUniform>,
-  opaque: boolean,
-  channels: number,
-): Mesh<BufferGeometry, RawShaderMaterial> {
+type FaceMesh = Mesh<BufferGeometry, RawShaderMaterial>;
+
+/** Faces where no splat is seen behind them, or those elsewhere. */
+function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels: number): FaceMesh {
   const material = new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: shader("face.vert.glsl"),
     fragmentShader: shader("face.frag.glsl"),
     uniforms,
     defines: { kOpaque: opaque ? 1 : 0, kChannels: channels },
-    transparent: !opaque,
     depthWrite: opaque,
     depthFunc: LessDepth,
-    blending: opaque ? NoBlending : CustomBlending,
-    blendSrc: OneFactor,
-    blendDst: OneMinusSrcAlphaFactor,
+    blending: NoBlending,
   });
   const mesh = new Mesh(new BufferGeometry(), material);
-  mesh.renderOrder = opaque ? -1 : 1;
+  mesh.renderOrder = -1;
   mesh.frustumCulled = false;
+  mesh.matrixAutoUpdate = false;
+  mesh.matrix.copy(kWorldFromPatient);
   return mesh;
 }
 
 /**
- * The faces that planes expose and those where the volume ends, drawn from a section's volume, for a scene that holds the splats too. Seen from the
- * removed side a face lies in front of all that is kept: where it is opaque it is drawn first, so that splats behind
- * it cost nothing, and elsewhere over them.
+ * The faces that planes expose and those where the volume ends, drawn from a section's volume. Seen from the removed
+ * side a face lies in front of all that is kept, and no two of them overlap: where one is opaque it is drawn with the
+ * splats, before them, so that those behind it cost nothing; elsewhere into a picture of its own, to be put before
+ * that of the splats.
  */
 export class SectionFaces {
-  /** In the viewer's world. */
-  readonly object = new Group();
+  /** What is opaque and what is not, in the viewer's world. */
+  readonly opaque: FaceMesh;
+  readonly partial: FaceMesh;
   readonly section: Section;
   readonly #uniforms: Record<string, IUniform>;
   /** Rays a pixel, along either side, at most: as many as the section has detail for. */
@@ -138,7 +133,6 @@ export class SectionFaces {
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
   readonly #size = new Vector2();
-  readonly #meshes: Mesh<BufferGeometry, RawShaderMaterial>[];
 
   constructor(section: Section) {
     this.section = section;
@@ -158,7 +152,8 @@ export class SectionFaces {
       uRig: { value: rigUniform(section) },
       uExposure: { value: section.exposure },
     };
-    this.#meshes = [true, false].map((opaque) => faceMesh(this.#uniforms, opaque, section.channels));
+    this.opaque = faceMesh(this.#uniforms, true, section.channels);
+    this.partial = faceMesh(this.#uniforms, false, section.channels);
     this.ends = sectionEnds(section);
     this.#middle = gridMiddle(section).applyMatrix4(kWorldFromPatient);
     for (const mesh of this.#meshes) {
@@ -166,10 +161,7 @@ export class SectionFaces {
         this.#uniforms["uRays"]!.value = this.#rays(renderer, camera as PerspectiveCamera);
         mesh.material.uniformsNeedUpdate = true;
       };
-      this.object.add(mesh);
     }
-    this.object.matrixAutoUpdate = false;
-    this.object.matrix.copy(kWorldFromPatient);
   }
 
   /** Shows the faces that planes (RAS mm) expose, and those where the volume ends in matter. */
@@ -197,11 +189,11 @@ export class SectionFaces {
     geometry.setAttribute("position", attribute(corners, 3));
     geometry.setAttribute("outward", attribute(outwards, 3));
     geometry.setAttribute("light", attribute(lights, 4));
-    this.#meshes[0]!.geometry.dispose();
+    this.opaque.geometry.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry = geometry;
+      mesh.visible = corners.length > 0;
     }
-    this.object.visible = corners.length > 0;
   }
 
   /** How faces look: 0 cinematic … 1 grey values through a window; null for photographs, which have colours. */
@@ -227,6 +219,10 @@ export class SectionFaces {
       mesh.geometry.dispose();
       mesh.material.dispose();
     }
+  }
+
+  get #meshes(): FaceMesh[] {
+    return [this.opaque, this.partial];
   }
 
   #rays(renderer: WebGLRenderer, camera: PerspectiveCamera): number {

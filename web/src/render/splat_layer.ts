@@ -2,6 +2,7 @@ import {
   CustomBlending,
   GLSL3,
   HalfFloatType,
+  type IUniform,
   LinearFilter,
   Mesh,
   OneFactor,
@@ -42,16 +43,22 @@ export class SplatLayer {
   readonly object: Mesh;
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
-  readonly #target: WebGLRenderTarget;
-  readonly #uniforms = { uPicture: { value: null as unknown }, uTexelsPerPixel: { value: new Vector2() } };
+  readonly #target: WebGLRenderTarget; // splats and opaque faces
+  readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
+  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
     // Without the extension 8 bits must do.
     const type = renderer.extensions.has("EXT_color_buffer_float") ? HalfFloatType : UnsignedByteType;
-    this.#target = new WebGLRenderTarget(1, 1, { type });
-    this.#target.texture.minFilter = this.#target.texture.magFilter = LinearFilter;
-    this.#uniforms.uPicture.value = this.#target.texture;
+    const filter = { minFilter: LinearFilter, magFilter: LinearFilter } as const;
+    this.#target = new WebGLRenderTarget(1, 1, { type, ...filter });
+    this.#faces = new WebGLRenderTarget(1, 1, { type, ...filter, depthBuffer: false });
+    this.#uniforms = {
+      uPicture: { value: this.#target.texture },
+      uFaces: { value: this.#faces.texture },
+      uTexelsPerPixel: { value: new Vector2() },
+    };
     this.object = new Mesh(
       fullScreenTriangle(),
       new RawShaderMaterial({
@@ -77,7 +84,7 @@ export class SplatLayer {
     const width = Math.max(1, Math.round(canvas.x * scale));
     const height = Math.max(1, Math.round(canvas.y * scale));
     this.#draw(subject, camera, width, height);
-    this.#uniforms.uTexelsPerPixel.value.set(1 / canvas.x, 1 / canvas.y);
+    (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / canvas.x, 1 / canvas.y);
   }
 
   /** The picture of exactly width × height px, as `clipgs render` writes it. */
@@ -86,10 +93,7 @@ export class SplatLayer {
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(
       "composite.frag.glsl",
-      {
-        uPicture: { value: this.#target.texture },
-        uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) },
-      },
+      { ...this.#uniforms, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
       { kStraight: 1 },
     );
     straight.render(this.#renderer, bytes);
@@ -104,12 +108,9 @@ export class SplatLayer {
     return { width, height, data };
   }
 
-  clear(): void {
-    this.#clear();
-  }
-
   dispose(): void {
     this.#target.dispose();
+    this.#faces.dispose();
     this.object.geometry.dispose();
     (this.object.material as RawShaderMaterial).dispose();
   }
@@ -118,20 +119,18 @@ export class SplatLayer {
     const renderer = this.#renderer;
     mesh.updateColors(renderer, mesh.sceneCamera(camera, width, height).position);
     this.#target.setSize(width, height);
-    this.#scene.add(mesh);
-    if (faces) {
-      this.#scene.add(faces.object);
-    }
-    this.#clear();
-    renderer.setRenderTarget(this.#target);
+    this.#render(this.#target, camera, faces ? [mesh, faces.opaque] : [mesh]);
+    this.#faces.setSize(faces ? width : 1, faces ? height : 1);
+    this.#render(this.#faces, camera, faces ? [faces.partial] : []);
+  }
+
+  #render(target: WebGLRenderTarget, camera: PerspectiveCamera, objects: readonly Mesh[]): void {
+    const renderer = this.#renderer;
+    objects.forEach((object) => this.#scene.add(object));
+    renderer.setRenderTarget(target);
+    renderer.clear();
     renderer.render(this.#scene, camera);
     renderer.setRenderTarget(null);
     this.#scene.clear();
-  }
-
-  #clear(): void {
-    this.#renderer.setRenderTarget(this.#target);
-    this.#renderer.clear();
-    this.#renderer.setRenderTarget(null);
   }
 }

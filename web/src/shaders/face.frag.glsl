@@ -1,5 +1,5 @@
 // Exposed faces: premultiplied display sRGB. Drawn twice: before the splats where no splat is seen behind the face
-// (kOpaque 1), which then keeps them away by its depth, and after them elsewhere.
+// (kOpaque 1), which then keeps them away by its depth, and elsewhere into a picture of their own.
 precision highp float;
 precision highp int;
 precision highp sampler2D;

@@ -10,6 +10,7 @@ import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { clipgs, makePhantomCase, missing, Session } from "./session";
 
 const kMinPsnr = 35;
+const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
 
 interface Shot {
   view: [number, number, number];
@@ -116,8 +117,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       const got = await pagePicture(page, truth.width, truth.height);
       expect(coverage(truth)).toBeGreaterThan(0.03);
       const { color, alpha } = psnr(got, truth);
-      expect(color).toBeGreaterThan(kMinPsnr);
-      expect(alpha).toBeGreaterThan(kMinPsnr);
+      // Splats cut hard do not fill what the edge of a face leaves of a pixel, which the page draws whole or not at all.
+      const least = shot.section === "volume" && shot.clip === "hard" ? kMinPsnr : kMinAlike;
+      expect(color).toBeGreaterThan(least);
+      expect(alpha).toBeGreaterThan(least);
     });
   }
 
@@ -191,6 +194,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await page.getByRole("group", { name: "Window" }).isVisible()).toBe(false);
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(1);
+    const marks = page.getByRole("img", {
+      name: /left R.*, right L.*, top S.*, bottom I.* Scale bar: \d+ mm/,
+    });
+    await marks.waitFor();
     const soft = await pagePicture(page, 160, 160);
     await page.getByRole("group", { name: "Window" }).getByRole("button", { name: "Bone" }).click();
     expect((await state()).window).toEqual({ center: 400, width: 1800 });
@@ -204,6 +211,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.locator("canvas").focus();
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(0);
+    await marks.waitFor({ state: "hidden" });
   });
 
   it("drags the window with the right button on a grey face, and moves the view elsewhere", async () => {
