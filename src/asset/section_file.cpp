@@ -93,16 +93,15 @@ std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, 
 /// By how much coding moved the values.
 ErrorBands coding_errors(const Section& section, const std::vector<std::uint8_t>& decoded) {
   ErrorBands errors;
+  const auto value = [&](const std::uint8_t* v) {
+    return section.channels == 1 ? section.curve.values()[v[0]]
+                                 : section.value(Vec3(v[0], v[1], v[2]));
+  };
   for (size_t i = 0; i < decoded.size(); i += section.channels) {
-    Vec3 before(0);
-    Vec3 after(0);
-    for (int c = 0; c < section.channels; ++c) {
-      before[c] = section.voxels[i + c];
-      after[c] = decoded[i + c];
-    }
-    const float code = section.code(after);
+    const float told = value(&decoded[i]);
+    const float code = section.curve.code(told);
     if (code >= Section::kFirstInside) {
-      errors.add(code, section.curve.value(code) - section.curve.value(section.code(before)));
+      errors.add(code, told - value(&section.voxels[i]));
     }
   }
   return errors;

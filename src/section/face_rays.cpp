@@ -38,7 +38,11 @@ float growth(float first, int count, float sum) {
 }  // namespace
 
 FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut, int taps)
-    : section_(section), camera_(camera), origin_(section.index_from_world(camera.position)) {
+    : section_(section),
+      camera_(camera),
+      origin_(section.index_from_world(camera.position)),
+      low_(section.curve.values().front()),
+      entries_per_value_((kEntries - 1) / (section.curve.values().back() - low_)) {
   for (int k = 0; k < 3; ++k) {
     index_from_direction_[k] = section.direction[k] / section.spacing[k];
   }
@@ -81,12 +85,12 @@ void FaceRays::plan_steps(int taps) {
 }
 
 void FaceRays::fill_materials() {
-  constexpr size_t kLast = ValueCurve::kCodes - 1;
-  materials_.resize(kLast * kPerCode + 1);
-  for (size_t i = 0; i < materials_.size(); ++i) {
-    const size_t code = std::min(i / kPerCode, kLast - 1);
-    const float t = static_cast<float>(i - code * kPerCode) / kPerCode;
-    materials_[i] = mix(section_.materials[code], section_.materials[code + 1], t);
+  for (size_t i = 0; i < kEntries; ++i) {
+    const float code = section_.curve.code(low_ + static_cast<float>(i) / entries_per_value_);
+    const size_t low = std::min(static_cast<size_t>(code), ValueCurve::kCodes - 2);
+    codes_.push_back(code);
+    materials_.push_back(
+        mix(section_.materials[low], section_.materials[low + 1], code - static_cast<float>(low)));
   }
 }
 

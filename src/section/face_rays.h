@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -60,8 +61,8 @@ class FaceRays {
   }
 
   /// Calls visit(weight, sampled, code, material, surface) for what the ray sees, from the face
-  /// inwards: `weight` is transmittance times opacity, `surface` whether it is matter at the face.
-  /// Returns alpha.
+  /// inwards: `sampled` is what Section::sample() returned, `code` that of its value, `weight` is
+  /// transmittance times opacity, `surface` whether it is matter at the face. Returns alpha.
   template <typename Visit>
   float march(const FaceRay& ray, const Visit& visit) const {
     constexpr float kLeastTransmittance = 1.0f / 256;
@@ -74,8 +75,7 @@ class FaceRays {
       }
       const bool surface = step.middle * slope < ray.face->surface;
       const Vec3 sampled = section_.sample(index_at(ray, t));
-      const float code = section_.code(sampled);
-      const auto entry = static_cast<size_t>(code * kPerCode + 0.5f);
+      const size_t entry = entry_of(section_.value(sampled));
       const float alpha = step.alphas[entry];
       if (alpha <= 0 || (!surface && transmittance == 1)) {
         // Matter beyond a gap is another surface, with light of its own: the splats show it.
@@ -85,6 +85,7 @@ class FaceRays {
         continue;
       }
       const FaceMaterial& material = materials_[entry];
+      const float code = codes_[entry];
       if (transmittance * (1 - alpha) < kLeastTransmittance) {
         // As good as opaque: the rest is this tissue's, so that nothing behind counts as seen.
         visit(transmittance, sampled, code, material, surface);
@@ -97,18 +98,22 @@ class FaceRays {
   }
 
  private:
-  static constexpr int kPerCode = 4;  // table entries between neighbouring codes
+  static constexpr size_t kEntries = 2048;  // of tables over the section's values
 
   /// A step of the march, mm: short at the face, where most is seen.
   struct Step {
     float length = 0;
     float middle = 0;
-    std::vector<float> alphas;  // what a step through matter of each code hides, kPerCode a code
+    std::vector<float> alphas;  // what a step through matter of each value hides
   };
 
   void add_face(const Plane& plane);
   void plan_steps(int taps);
   void fill_materials();
+  size_t entry_of(float value) const {
+    const float at = (value - low_) * entries_per_value_ + 0.5f;
+    return std::min(static_cast<size_t>(std::max(at, 0.0f)), kEntries - 1);
+  }
 
   const Section& section_;
   Camera camera_;
@@ -116,7 +121,10 @@ class FaceRays {
   Mat3 index_from_direction_;  // a row vector times this: mm to section's voxels
   std::vector<Face> faces_;
   std::vector<Step> steps_;
-  std::vector<FaceMaterial> materials_;  // kPerCode a code
+  float low_;  // value of the first entry
+  float entries_per_value_;
+  std::vector<float> codes_;
+  std::vector<FaceMaterial> materials_;
 };
 
 }  // namespace clipgs

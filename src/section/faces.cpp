@@ -106,14 +106,14 @@ float inside_share(float code) {
 /// What the ray meets on the face in grey: premultiplied display sRGB and alpha.
 Vec4 grey_at(const Section& section, const FaceRays& rays, const FaceRay& ray,
              const Window& window) {
-  const Vec3 sampled = section.sample(rays.index_at(ray, ray.enter));
-  const float code = section.code(sampled);
-  const float alpha = inside_share(code);
+  const Vec3 index = rays.index_at(ray, ray.enter);
+  const Vec3 sampled = section.sample(index);
+  const float alpha = inside_share(section.code(index));
   if (section.channels == 3) {
     return {alpha * sampled / 255.0f, alpha};
   }
   const float black = window.center - 0.5f * window.width;
-  const float shade = std::clamp((section.curve.value(code) - black) / window.width, 0.0f, 1.0f);
+  const float shade = std::clamp((section.value(sampled) - black) / window.width, 0.0f, 1.0f);
   return {Vec3(alpha * shade), alpha};
 }
 

@@ -242,8 +242,7 @@ TEST(Faces, GreyShowsValuesThroughTheWindow) {
       if (glm::length(at) > 18.5f) {
         EXPECT_EQ(rgba[3], 0);  // air around the body
       } else if (glm::length(at) < 14) {
-        const float value =
-            section.curve.value(section.code(section.sample(section.index_from_world(at))));
+        const float value = section.value(section.sample(section.index_from_world(at)));
         EXPECT_EQ(rgba[3], 1);
         EXPECT_NEAR(rgba[0], std::clamp((value - 60) / 100, 0.0f, 1.0f), 1e-3f);
         EXPECT_EQ(rgba[0], rgba[2]);

@@ -212,9 +212,9 @@ ErrorBands reading_errors(const Section& section, const Volume& volume, const Gr
     for (int y = grid.low.y; y <= grid.high.y; ++y) {
       for (int x = grid.low.x; x <= grid.high.x; ++x) {
         const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
-        const float code = section.code(section.sample(index));
-        if (code >= Section::kFirstInside) {
-          errors.add(code, section.curve.value(code) - volume.at(x, y, z));
+        if (section.code(index) >= Section::kFirstInside) {
+          const float value = section.value(section.sample(index));
+          errors.add(section.curve.code(value), value - volume.at(x, y, z));
         }
       }
     }
@@ -228,9 +228,9 @@ ErrorBands resizing_errors(const Section& fine, const Section& coarse) {
     for (int y = 0; y < fine.dims.y; ++y) {
       for (int x = 0; x < fine.dims.x; ++x) {
         const Vec3 at(x, y, z);
-        const float told = coarse.code(coarse.sample(at * ratio));
-        if (told >= Section::kFirstInside) {
-          errors.add(told, coarse.curve.value(told) - fine.curve.value(fine.code(fine.sample(at))));
+        if (coarse.code(at * ratio) >= Section::kFirstInside) {
+          const float told = coarse.value(coarse.sample(at * ratio));
+          errors.add(coarse.curve.code(told), told - fine.value(fine.sample(at)));
         }
       }
     }
@@ -310,15 +310,29 @@ Section resize_section(const Section& section, int size) {
     return section;
   }
   small.voxels.resize(small.voxel_count() * static_cast<size_t>(small.channels));
-  const auto channels = static_cast<size_t>(section.channels);
-  for (size_t c = 0; c < channels; ++c) {
+  // What `meaning` says of a channel's codes, resampled.
+  const auto resampled = [&](size_t channel, const auto& meaning) {
     Field field{section.dims, std::vector<float>(section.voxel_count())};
     for (size_t i = 0; i < field.values.size(); ++i) {
-      field.values[i] = section.voxels[channels * i + c];
+      field.values[i] = meaning(section.voxels[section.channels * i + channel]);
     }
-    field = resample(std::move(field), small.dims);
-    for (size_t i = 0; i < field.values.size(); ++i) {
-      small.voxels[channels * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
+    return resample(std::move(field), small.dims).values;
+  };
+  if (section.channels == 1) {
+    const std::vector<float> values =
+        resampled(0, [&](std::uint8_t code) { return section.curve.values()[code]; });
+    const std::vector<float> inside =
+        resampled(0, [](std::uint8_t code) { return code >= Section::kFirstInside ? 1.0f : 0.0f; });
+    for (size_t i = 0; i < values.size(); ++i) {
+      small.voxels[i] = inside[i] < 0.5f ? 0 : nearest_code(section.curve.code(values[i]));
+    }
+  } else {
+    for (size_t c = 0; c < 3; ++c) {
+      const std::vector<float> levels =
+          resampled(c, [](std::uint8_t level) { return static_cast<float>(level); });
+      for (size_t i = 0; i < levels.size(); ++i) {
+        small.voxels[3 * i + c] = static_cast<std::uint8_t>(std::lround(levels[i]));
+      }
     }
   }
   small.value_errors = resizing_errors(section, small).on_top_of(section.value_errors);

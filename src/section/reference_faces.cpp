@@ -14,7 +14,7 @@ using DVec3 = glm::dvec3;
 constexpr double kStepVoxels = 0.01;  // of the traced volume
 constexpr double kDepthVoxels = 4;
 
-/// Trilinear voxel by the definition: a sum over eight corners with their weights.
+/// Section::sample() by the definition: a sum over eight corners with their weights.
 DVec3 sample(const Section& section, const DVec3& index) {
   DVec3 sum(0);
   for (int corner = 0; corner < 8; ++corner) {
@@ -30,7 +30,8 @@ DVec3 sample(const Section& section, const DVec3& index) {
     for (int c = 0; c < section.channels; ++c) {
       const size_t offset =
           (static_cast<size_t>(at.z) * section.dims.y + at.y) * section.dims.x + at.x;
-      sum[c] += weight * section.voxels[offset * section.channels + c];
+      const std::uint8_t code = section.voxels[offset * section.channels + c];
+      sum[c] += weight * (section.channels == 1 ? section.curve.values()[code] : code);
     }
   }
   return sum;
@@ -89,8 +90,7 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
       break;
     }
     const DVec3 sampled = sample(section, index);
-    const double code =
-        section.channels == 1 ? sampled.x : glm::dot(sampled, DVec3(0.2126, 0.7152, 0.0722));
+    const double code = section.curve.code(section.value(Vec3(sampled)));
     const double extinction = lerp(
         section, code, [](const FaceMaterial& m) { return static_cast<double>(m.extinction); });
     const bool at_face = (t - enter) * slope < surface;

@@ -4,22 +4,26 @@
 
 namespace clipgs {
 
+const std::array<float, ValueCurve::kCodes> Section::kIdentity = ValueCurve().values();
+
 std::optional<Section::Reading> Section::read(const Vec3& world) const {
   const Vec3 index = index_from_world(world);
   const bool inside = glm::all(glm::greaterThanEqual(index, Vec3(0))) &&
                       glm::all(glm::lessThanEqual(index, Vec3(dims - 1)));
-  const float c = code(sample(index));
+  const float c = code(index);
   if (!inside || c < kFirstInside) {
     return std::nullopt;
   }
-  return Reading{curve.value(c), value_errors[error_band(c)]};
+  const float read = value(sample(index));
+  return Reading{read, value_errors[error_band(curve.code(read))]};
+}
+
+float Section::code_at(const IVec3& voxel) const {
+  const std::uint8_t* v = &voxels[offset(voxel.x, voxel.y, voxel.z) * channels];
+  return channels == 1 ? v[0] : value(Vec3(v[0], v[1], v[2]));
 }
 
 std::vector<Plane> Section::ends() const {
-  const auto code_at = [&](size_t voxel) {
-    const std::uint8_t* v = &voxels[voxel * channels];
-    return static_cast<size_t>(code(channels == 1 ? Vec3(v[0]) : Vec3(v[0], v[1], v[2])));
-  };
   const auto has_matter = [&](int axis, int at) {
     IVec3 first(0);
     IVec3 last = dims - 1;
@@ -27,7 +31,7 @@ std::vector<Plane> Section::ends() const {
     for (int z = first.z; z <= last.z; ++z) {
       for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
-          if (materials[code_at(offset(x, y, z))].extinction > 0) {
+          if (materials[static_cast<size_t>(code_at({x, y, z}))].extinction > 0) {
             return true;
           }
         }

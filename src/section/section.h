@@ -59,29 +59,21 @@ struct Section {
     return ((world - origin) * direction) / spacing;
   }
   Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }
-  /// Trilinear voxel, each channel in 0…255, at an index in [0, dims − 1]; beyond, the nearest.
+  /// Trilinear at an index in [0, dims − 1]; beyond, the nearest: a value in the first channel, or
+  /// sRGB in 0…255 for photographs. Values are interpolated, not codes: the curve bends, and bone
+  /// and skin would end elsewhere than in the volume.
   Vec3 sample(const Vec3& index) const {
-    const Vec3 at = glm::clamp(index, Vec3(0), Vec3(dims - 1));
-    const IVec3 low = glm::min(IVec3(at), glm::max(dims - 2, IVec3(0)));
-    const IVec3 step = glm::min(IVec3(1), dims - 1 - low);
-    const Vec3 t = at - Vec3(low);
-    const size_t x = static_cast<size_t>(step.x) * channels;
-    const size_t y = static_cast<size_t>(step.y) * dims.x * channels;
-    const size_t z = static_cast<size_t>(step.z) * dims.x * dims.y * channels;
-    const std::uint8_t* v = &voxels[offset(low.x, low.y, low.z) * channels];
-    const auto channel = [&](const std::uint8_t* c) {
-      const float near =
-          glm::mix(glm::mix<float>(c[0], c[x], t.x), glm::mix<float>(c[y], c[y + x], t.x), t.y);
-      const float far = glm::mix(glm::mix<float>(c[z], c[z + x], t.x),
-                                 glm::mix<float>(c[z + y], c[z + y + x], t.x), t.y);
-      return glm::mix(near, far, t.z);
-    };
-    return channels == 1 ? Vec3(channel(v), 0, 0)
-                         : Vec3(channel(v), channel(v + 1), channel(v + 2));
+    return channels == 1 ? Vec3(trilinear(index, 0, curve.values()), 0, 0)
+                         : Vec3(trilinear(index, 0, kIdentity), trilinear(index, 1, kIdentity),
+                                trilinear(index, 2, kIdentity));
   }
-  /// Code of what `sample` returned: photographs are loaded with Rec. 709 luma as their values.
-  float code(const Vec3& sampled) const {
+  /// Value of what `sample` returned: photographs are loaded with Rec. 709 luma as theirs.
+  float value(const Vec3& sampled) const {
     return channels == 1 ? sampled.x : glm::dot(sampled, Vec3(0.2126f, 0.7152f, 0.0722f));
+  }
+  /// Trilinear code, which tells the body from the air around it.
+  float code(const Vec3& index) const {
+    return channels == 1 ? trilinear(index, 0, kIdentity) : value(sample(index));
   }
   /// A value, and its rms error.
   struct Reading {
@@ -94,12 +86,35 @@ struct Section {
   static size_t error_band(float code) {
     return std::min(static_cast<size_t>(code) * kErrorBands / ValueCurve::kCodes, kErrorBands - 1);
   }
+  /// Code of one voxel.
+  float code_at(const IVec3& voxel) const;
   /// The sides of the box at which matter ends only because the volume does, as planes that keep
   /// the inside: they are faces as those of a cut are.
   std::vector<Plane> ends() const;
   /// Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep than this is
   /// lit as the face itself.
   float surface_depth(const Vec3& normal) const;
+
+ private:
+  static const std::array<float, ValueCurve::kCodes> kIdentity;
+
+  /// Interpolates what `meaning` says of the eight codes of a channel around `index`.
+  float trilinear(const Vec3& index, size_t channel,
+                  const std::array<float, ValueCurve::kCodes>& meaning) const {
+    const Vec3 at = glm::clamp(index, Vec3(0), Vec3(dims - 1));
+    const IVec3 low = glm::min(IVec3(at), glm::max(dims - 2, IVec3(0)));
+    const IVec3 step = glm::min(IVec3(1), dims - 1 - low);
+    const Vec3 t = at - Vec3(low);
+    const size_t x = static_cast<size_t>(step.x) * channels;
+    const size_t y = static_cast<size_t>(step.y) * dims.x * channels;
+    const size_t z = static_cast<size_t>(step.z) * dims.x * dims.y * channels;
+    const std::uint8_t* v = &voxels[offset(low.x, low.y, low.z) * channels + channel];
+    const auto along_x = [&](size_t row) {
+      return glm::mix(meaning[v[row]], meaning[v[row + x]], t.x);
+    };
+    return glm::mix(glm::mix(along_x(0), along_x(y), t.y),
+                    glm::mix(along_x(z), along_x(z + y), t.y), t.z);
+  }
 };
 
 /// Linear albedo of a photograph's colour as Section::sample() returns it.

@@ -74,8 +74,7 @@ TEST(Section, KeepsEveryVoxelWhereItIsAsFineAsTheVolume) {
   EXPECT_FALSE(section.read(Vec3(1000, 0, 0)));
   for (const IVec3 at : {IVec3(20, 20, 31), IVec3(10, 22, 19), IVec3(20, 20, 20)}) {
     const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(at)));
-    EXPECT_NEAR(section.curve.value(section.code(section.sample(index))),
-                volume.at(at.x, at.y, at.z), 4);
+    EXPECT_NEAR(section.value(section.sample(index)), volume.at(at.x, at.y, at.z), 4);
   }
 }
 
@@ -91,7 +90,7 @@ TEST(Section, CoversTheMatterAtTheGivenSize) {
   // Linear along the radius, so that averaging changes little but at the boundaries.
   const Vec3 inside = volume.world_from_index(Vec3(40, 40, 60));
   const Vec3 index = section.index_from_world(inside);
-  EXPECT_NEAR(section.curve.value(section.code(section.sample(index))), volume.sample(inside), 5);
+  EXPECT_NEAR(section.value(section.sample(index)), volume.sample(inside), 5);
 }
 
 TEST(Section, AirAroundTheBodyIsOneCodeAndAirInsideIsKept) {
@@ -99,7 +98,7 @@ TEST(Section, AirAroundTheBodyIsOneCodeAndAirInsideIsKept) {
   const Section section = make_section(volume, tissue(), {64});
   EXPECT_EQ(section.voxels.front(), section.voxels[1]);
   const Vec3 cavity = section.index_from_world(volume.world_from_index(Vec3(20, 20, 20)));
-  EXPECT_NEAR(section.curve.value(section.code(section.sample(cavity))), -850, 4);
+  EXPECT_NEAR(section.value(section.sample(cavity)), -850, 4);
   EXPECT_EQ(section.voxels.front(), 0);
   for (const std::uint8_t code : section.voxels) {
     EXPECT_TRUE(code == 0 || code >= Section::kFirstInside);
@@ -112,7 +111,7 @@ TEST(Section, KeepsWhatThePresetHides) {
   const Section section = make_section(volume, dense, {64});
   const Vec3 hidden = section.index_from_world(volume.world_from_index(Vec3(20, 20, 30)));
   EXPECT_LT(volume.at(20, 20, 30), 60);
-  EXPECT_NEAR(section.curve.value(section.code(section.sample(hidden))), volume.at(20, 20, 30), 4);
+  EXPECT_NEAR(section.value(section.sample(hidden)), volume.at(20, 20, 30), 4);
 }
 
 TEST(Section, ResizedCoversTheSameBoxAndSaysWhatIsLost) {
@@ -162,7 +161,7 @@ TEST(Section, PhotographsKeepTheirColours) {
   EXPECT_EQ(section.channels, 3);
   const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(12, 12, 18)));
   EXPECT_EQ(section.sample(index), Vec3(200, 100, 50));
-  EXPECT_NEAR(section.code(section.sample(index)), 117.65f, 0.1f);
+  EXPECT_NEAR(section.value(section.sample(index)), 117.65f, 0.1f);
 }
 
 TEST(Section, RefusesBadSizes) {

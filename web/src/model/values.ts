@@ -12,8 +12,8 @@ export interface Reading {
   error: number;
 }
 
-/** Code at a voxel index inside the volume; a fraction between voxels. */
-export function sampleCode(section: Section, index: Vector3): number {
+/** What `meaning` says of the codes around a voxel index, interpolated. */
+export function interpolated(section: Section, index: Vector3, meaning: (code: number) => number): number {
   const at = index.toArray().map((v, k) => Math.min(section.dims[k]! - 1, Math.max(0, v)));
   const low = at.map((v, k) => Math.max(0, Math.min(Math.floor(v), section.dims[k]! - 2)));
   let sum = 0;
@@ -24,14 +24,24 @@ export function sampleCode(section: Section, index: Vector3): number {
       weight *= upper ? at[k]! - l : 1 - (at[k]! - l);
       return Math.min(l + upper, section.dims[k]! - 1);
     });
-    sum += weight * codeOfVoxel(section, x!, y!, z!);
+    sum += weight * meaning(codeOfVoxel(section, x!, y!, z!));
   }
   return sum;
 }
 
-function valueOfCode(curve: readonly number[], code: number): number {
+/** Of a table over the codes, between which it is linear. */
+export function between(table: readonly number[], code: number): number {
   const low = Math.min(Math.floor(code), kCodes - 2);
-  return curve[low]! + (code - low) * (curve[low + 1]! - curve[low]!);
+  return table[low]! + (code - low) * (table[low + 1]! - table[low]!);
+}
+
+/** The code, a fraction, that means a value. */
+export function codeOfValue(curve: readonly number[], value: number): number {
+  const above = curve.findIndex((v) => v > value);
+  if (above <= 0) {
+    return above === 0 ? 0 : kCodes - 1;
+  }
+  return above - 1 + (value - curve[above - 1]!) / (curve[above]! - curve[above - 1]!);
 }
 
 /** What is at a point; null outside the volume and in the air around the body. */
@@ -39,16 +49,12 @@ export function readSection(section: Section, point: Vector3): Reading | null {
   const index = point.clone().applyMatrix4(indexFromPatient(section));
   const kRounding = 1e-3;
   const inside = index.toArray().every((v, k) => v >= -kRounding && v <= section.dims[k]! - 1 + kRounding);
-  const code = sampleCode(section, index);
-  if (!inside || code < kFirstInside) {
+  if (!inside || interpolated(section, index, (code) => code) < kFirstInside) {
     return null;
   }
-  const band = Math.min(kErrorBands - 1, Math.floor((code * kErrorBands) / kCodes));
-  return {
-    point: point.clone(),
-    value: valueOfCode(section.curve, code),
-    error: section.valueErrors[band]!,
-  };
+  const value = interpolated(section, index, (code) => between(section.curve, code));
+  const band = Math.floor((codeOfValue(section.curve, value) * kErrorBands) / kCodes);
+  return { point: point.clone(), value, error: section.valueErrors[Math.min(kErrorBands - 1, band)]! };
 }
 
 /** With a minus of its own width, and no negative zero. */

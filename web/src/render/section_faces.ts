@@ -15,6 +15,8 @@ import {
   RawShaderMaterial,
   RedFormat,
   RGBAFormat,
+  type TextureDataType,
+  UnsignedByteType,
   Vector2,
   Vector3,
   Vector4,
@@ -33,6 +35,7 @@ import {
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { shades, type Window } from "../model/grey";
+import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type Section } from "../sog/section";
 import { shader } from "./shaders";
 import { viewportSize } from "./splat_mesh";
@@ -43,33 +46,65 @@ const kShade = 2; // channel of that row
 const kMostShade = 1000; // as good as infinite, where half floats are still fine
 const kMaxPlanes = 6; // as face.glsl has it
 
-function voxelTexture({ dims, channels, voxels }: Section): Data3DTexture {
-  const texture = new Data3DTexture(voxels as Uint8Array<ArrayBuffer>, ...dims);
+/** Columns of the table of materials, evenly over the values of the curve; as face.glsl is told. */
+const kColumns = 2048;
+
+function volumeTexture(
+  data: Uint8Array | Uint16Array,
+  { dims, channels }: Section,
+  type: TextureDataType,
+): Data3DTexture {
+  const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, ...dims);
   texture.format = channels === 3 ? RGBAFormat : RedFormat;
+  texture.type = type;
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }
 
 /**
+ * Values as half floats from 0 to 1. Interpolated between voxels they end where the volume's own do; codes, whose
+ * curve bends, would not.
+ */
+function valueTexture(section: Section): Data3DTexture {
+  const { curve, voxels } = section;
+  const low = curve[0]!;
+  const range = curve[kCodes - 1]! - low;
+  const halves = Uint16Array.from(curve, (value) => DataUtils.toHalfFloat((value - low) / range));
+  const data = new Uint16Array(voxels.length);
+  for (let i = 0; i < data.length; ++i) {
+    data[i] = halves[voxels[i]!]!;
+  }
+  return volumeTexture(data, section, HalfFloatType);
+}
+
+/** Values of the columns of the table of materials. */
+function columnValues(curve: readonly number[]): number[] {
+  const low = curve[0]!;
+  const step = (curve[kCodes - 1]! - low) / (kColumns - 1);
+  return Array.from({ length: kColumns }, (_, i) => low + step * i);
+}
+
+/**
  * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
  * by the optical depth of the first step, at most ½, so that any fits.
  */
-function materialTexture({ materials }: Section, firstStep: number): DataTexture {
+function materialTexture({ materials, curve }: Section, firstStep: number): DataTexture {
   const rows = [
     [...materials.surface, materials.extinction.map((e) => e * firstStep)],
     [...materials.interior, materials.extinction.map((e) => e * firstStep)],
     [materials.specular, materials.roughness],
   ];
-  const data = new Uint16Array(kTableRows * kCodes * 4);
-  rows.forEach((columns, row) =>
-    columns.forEach((column, c) =>
-      column.forEach((value, code) => {
-        data[4 * (row * kCodes + code) + c] = DataUtils.toHalfFloat(value);
+  const codes = columnValues(curve).map((value) => codeOfValue(curve, value));
+  const data = new Uint16Array(kTableRows * kColumns * 4);
+  rows.forEach((tables, row) =>
+    tables.forEach((table, c) =>
+      codes.forEach((code, column) => {
+        data[4 * (row * kColumns + column) + c] = DataUtils.toHalfFloat(between(table, code));
       }),
     ),
   );
-  const texture = new DataTexture(data, kCodes, kTableRows, RGBAFormat, HalfFloatType);
+  const texture = new DataTexture(data, kColumns, kTableRows, RGBAFormat, HalfFloatType);
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
@@ -101,7 +136,7 @@ function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels:
     vertexShader: shader("face.vert.glsl"),
     fragmentShader: shader("face.frag.glsl"),
     uniforms,
-    defines: { kOpaque: opaque ? 1 : 0, kChannels: channels },
+    defines: { kOpaque: opaque ? 1 : 0, kChannels: channels, kColumns },
     depthWrite: opaque,
     depthFunc: LessDepth,
     blending: NoBlending,
@@ -138,10 +173,12 @@ export class SectionFaces {
     this.section = section;
     const steps = planSteps(section);
     const first = steps[0]!.length;
+    const voxels = volumeTexture(section.voxels, section, UnsignedByteType);
     this.#uniforms = {
       uPatientFromWorld: { value: kWorldFromPatient.clone().invert() },
       uIndexFromPatient: { value: indexFromPatient(section) },
-      uVoxels: { value: voxelTexture(section) },
+      uVoxels: { value: voxels },
+      uValues: { value: section.channels === 3 ? voxels : valueTexture(section) },
       uMaterials: { value: materialTexture(section, first) },
       uSteps: { value: steps.map(({ middle, length }) => new Vector2(middle, length / first)) },
       uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
@@ -204,9 +241,9 @@ export class SectionFaces {
     }
     this.#window = { ...window };
     const table = this.#uniforms["uMaterials"]!.value as DataTexture;
-    shades(window, this.section.curve).forEach((shade, code) => {
+    shades(window, columnValues(this.section.curve)).forEach((shade, column) => {
       const clamped = Math.min(kMostShade, Math.max(-kMostShade, shade));
-      table.image.data![4 * (kGlossRow * kCodes + code) + kShade] = DataUtils.toHalfFloat(clamped);
+      table.image.data![4 * (kGlossRow * kColumns + column) + kShade] = DataUtils.toHalfFloat(clamped);
     });
     table.needsUpdate = true;
   }
@@ -214,6 +251,7 @@ export class SectionFaces {
   /** Frees what the GPU holds. */
   free(): void {
     this.#uniforms["uVoxels"]!.value.dispose();
+    this.#uniforms["uValues"]!.value.dispose();
     this.#uniforms["uMaterials"]!.value.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry.dispose();

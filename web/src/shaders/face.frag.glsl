@@ -14,7 +14,8 @@ flat in vec4 vLight;
 uniform vec3 cameraPosition;  // world
 uniform mat4 uPatientFromWorld;
 uniform mat4 uIndexFromPatient;
-uniform sampler3D uVoxels;
+uniform sampler3D uVoxels;  // codes, or sRGB
+uniform sampler3D uValues;  // from 0 to 1, or sRGB
 uniform sampler2D uMaterials;
 uniform vec2 uSteps[kTaps];
 uniform vec4 uPlanes[kMaxPlanes];
@@ -58,10 +59,10 @@ void main() {
                     distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
     if (uGrey < 1.0) {
-      march(ray, uVoxels, uMaterials, uSteps, uGlossy, sum);
+      march(ray, uValues, uMaterials, uSteps, uGlossy, sum);
     }
     if (uGrey > 0.0) {
-      grey += greyAt(ray.start, uVoxels, uMaterials);
+      grey += greyAt(ray.start, uVoxels, uValues, uMaterials);
     }
   }
   float rays = float(uRays * uRays);

@@ -2,7 +2,8 @@
 // of their arguments only, so that any GLSL program can include this text. C++ twins: FaceRays::march in
 // src/section/face_rays.h, src/section/faces.cpp and src/section/face_light.cpp.
 //
-// Positions are voxel indices, directions are RAS. The including program defines kChannels: 1 (codes) or 3 (sRGB).
+// Positions are voxel indices, directions are RAS. The including program defines kChannels: 1 (values) or 3 (sRGB),
+// and kColumns, of the table of materials.
 
 const int kTaps = 8;
 const int kMaxKeys = 8;
@@ -10,7 +11,7 @@ const int kMaxPlanes = 6;
 const float kLeastTransmittance = 1.0 / 256.0;
 const float kPi = 3.14159265;
 
-// Rows of the table of materials, which has one column for each code.
+// Rows of the table of materials, whose columns are evenly spread over the values.
 const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
 const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
 const float kGlossRow = 0.625;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
@@ -59,20 +60,21 @@ vec3 linearFromSrgb(vec3 srgb) {
   return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
 }
 
-// Code of a sample, 0…1.
-float codeOf(vec4 voxel) {
+// Value of a sample, 0…1.
+float valueOf(vec4 voxel) {
   return kChannels == 1 ? voxel.r : dot(voxel.rgb, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// Where the table of materials has a code.
-float materialColumn(float code) { return (255.0 * code + 0.5) / 256.0; }
+// Where the table of materials has a value.
+float materialColumn(float value) { return (value * float(kColumns - 1) + 0.5) / float(kColumns); }
 
 // What a ray meets on the face in grey: premultiplied display sRGB and alpha.
-vec4 greyAt(vec3 index, highp sampler3D voxels, sampler2D materials) {
-  vec4 voxel = texture(voxels, (index + 0.5) / vec3(textureSize(voxels, 0)));
-  float code = codeOf(voxel);
+vec4 greyAt(vec3 index, highp sampler3D voxels, highp sampler3D values, sampler2D materials) {
+  vec3 at = (index + 0.5) / vec3(textureSize(voxels, 0));
+  vec4 voxel = texture(voxels, at);
+  float code = valueOf(voxel);
   float alpha = clamp((code - kLowestInside) / (kSurelyInside - kLowestInside), 0.0, 1.0);
-  vec3 shade = vec3(clamp(texture(materials, vec2(materialColumn(code), kGlossRow)).b, 0.0, 1.0));
+  vec3 shade = vec3(clamp(texture(materials, vec2(materialColumn(texture(values, at).r), kGlossRow)).b, 0.0, 1.0));
   return alpha * vec4(kChannels == 3 ? voxel.rgb : shade, 1.0);
 }
 
@@ -96,9 +98,9 @@ float distanceToCut(vec3 position, vec3 direction, vec4 planes[kMaxPlanes], int 
 }
 
 // Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first.
-void march(FaceRay ray, highp sampler3D voxels, sampler2D materials, vec2 steps[kTaps], bool glossy,
+void march(FaceRay ray, highp sampler3D values, sampler2D materials, vec2 steps[kTaps], bool glossy,
            inout FaceSum sum) {
-  vec3 texel = 1.0 / vec3(textureSize(voxels, 0));
+  vec3 texel = 1.0 / vec3(textureSize(values, 0));
   vec3 start = (ray.start + 0.5) * texel;
   vec3 stride = ray.stride * texel;
   float transmittance = 1.0;
@@ -108,8 +110,8 @@ void march(FaceRay ray, highp sampler3D voxels, sampler2D materials, vec2 steps[
       break;
     }
     bool surface = depth * ray.slope < ray.surface;
-    vec4 voxel = texture(voxels, start + depth * stride);
-    float column = materialColumn(codeOf(voxel));
+    vec4 voxel = texture(values, start + depth * stride);
+    float column = materialColumn(valueOf(voxel));
     vec4 material = texture(materials, vec2(column, surface ? kSurfaceRow : kInteriorRow));
     if (material.a <= 0.0 || (!surface && transmittance == 1.0)) {
       // Matter beyond a gap is another surface, with light of its own: the splats show it.

@@ -285,7 +285,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await show({ view: [10, 60, 1], plane: [0, 0, -1, 20], clip: "exact" });
     await expect.poll(() => pins.locator(".faded").count()).toBe(3);
     await pins.getByRole("button").last().click(); // it lies over the others
-    expect(await pins.getByRole("listitem").count()).toBe(2);
+    await expect.poll(() => pins.getByRole("listitem").count()).toBe(2);
     await page.evaluate(() => [1, 0].forEach((index) => window.clipgs.removePin(index)));
     expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
 

@@ -6,9 +6,9 @@ import { planeThrough, signedDistance } from "../../src/model/geometry";
 import {
   barLength,
   directionLetters,
+  interpolated,
   pointText,
   readSection,
-  sampleCode,
   valueText,
 } from "../../src/model/values";
 import { makeVoxels, parseSection, type Section } from "../../src/sog/section";
@@ -34,16 +34,26 @@ describe("values", () => {
         const v = section.voxels.subarray(size * (x + 5 * (y + 18 * z)));
         return channels === 3 ? 0.2126 * v[0]! + 0.7152 * v[1]! + 0.0722 * v[2]! : v[0]!;
       };
-      expect(sampleCode(section, new Vector3(4, 17, 6))).toBeCloseTo(at(4, 17, 6), 9);
-      expect(sampleCode(section, new Vector3(9, -3, 6))).toBeCloseTo(at(4, 0, 6), 9);
+      const sample = (x: number, y: number, z: number) =>
+        interpolated(section, new Vector3(x, y, z), (code) => code);
+      expect(sample(4, 17, 6)).toBeCloseTo(at(4, 17, 6), 9);
+      expect(sample(9, -3, 6)).toBeCloseTo(at(4, 0, 6), 9);
       const lerp = (a: number, b: number, t: number) => a + t * (b - a);
       const between = (z: number) =>
         lerp(lerp(at(1, 2, z), at(2, 2, z), 0.25), lerp(at(1, 3, z), at(2, 3, z), 0.25), 0.5);
-      expect(sampleCode(section, new Vector3(1.25, 2.5, 3.125))).toBeCloseTo(
-        lerp(between(3), between(4), 0.125),
-        9,
-      );
+      expect(sample(1.25, 2.5, 3.125)).toBeCloseTo(lerp(between(3), between(4), 0.125), 9);
     }
+  });
+
+  it("are interpolated as values, not as codes", () => {
+    const curve = Array.from({ length: 256 }, (_, code) => code * code);
+    const section = makeSection({ curve });
+    section.voxels.fill(100);
+    section.voxels[1 + 5 * (1 + 18 * 2)] = 200;
+    const half = new Vector3(-5, 12, 23).add(
+      new Vector3(...section.axes[0]).multiplyScalar(0.5 * section.spacing[0]),
+    );
+    expect(readSection(section, half)!.value).toBeCloseTo(0.5 * (100 * 100 + 200 * 200), 3);
   });
 
   it("lie where the grid says, with the error of their band, and not outside or in air", () => {
