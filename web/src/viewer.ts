@@ -46,7 +46,7 @@ export interface ViewerStats {
   drawn: number; // splats
   total: number;
   scale: number; // resolution of the picture shown, 1: full
-  sectionBytes: number; // of the volume that faces are drawn from, 0: none
+  sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
   sectionMs: number; // decoding it
 }
 
@@ -207,7 +207,7 @@ export class Viewer {
     this.state.window = null;
     this.state.pins = [];
     this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, faces, spare };
-    this.stats.sectionBytes = faces?.section.voxels.length ?? 0;
+    this.stats.sectionBytes = faces?.bytes ?? 0;
     this.stats.sectionMs = loaded.sectionMs;
     this.#splatFrames = 0;
     this.#widget.setSphere(info.sphere);

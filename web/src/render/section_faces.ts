@@ -161,6 +161,8 @@ export class SectionFaces {
   readonly partial: FaceMesh;
   readonly section: Section;
   readonly #uniforms: Record<string, IUniform>;
+  /** On the GPU: sRGB, or codes and their values. */
+  readonly bytes: number;
   /** Rays a pixel, along either side, at most: as many as the section has detail for. */
   maxRays = 1;
   readonly #middle: Vector3; // world
@@ -171,6 +173,7 @@ export class SectionFaces {
 
   constructor(section: Section) {
     this.section = section;
+    this.bytes = section.voxels.length * (section.channels === 3 ? 1 : 3);
     const steps = planSteps(section);
     const first = steps[0]!.length;
     const voxels = volumeTexture(section.voxels, section, UnsignedByteType);
