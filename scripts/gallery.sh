@@ -66,6 +66,21 @@ picture() {
   echo "gallery: $out/$name.webp, $(($(stat -c %s "$out/$name.webp") / 1024)) KB"
 }
 
+# faces NAME VIEW: the same face cinematic, half grey and grey through the soft-tissue window, and a grey slab.
+faces() {
+  local name="$1" case="$folder/$1.sog" view="$2" plane slab i=0 arguments
+  plane="$(from_case "$case" '[0, 0, -1, -c.center_ras_mm[2]].join(",")')"
+  slab="$(from_case "$case" '[0, -1, 0, -c.center_ras_mm[1] - 15, 30].join(",")')"
+  for arguments in "--plane $plane" "--plane $plane --grey 0.5" "--plane $plane --grey 1 --annotate" \
+      "--slab $slab --grey 1 --window bone --annotate"; do
+    i=$((i + 1))
+    # shellcheck disable=SC2086
+    "$clipgs" --quiet render "$case" -o "$folder/$name-face$i.png" --view "$view" --size "$size" $arguments
+    convert "$folder/$name-face$i.png" -background 'rgb(18,20,26)' -flatten "$folder/$name-face$i.png"
+  done
+  convert "$folder/$name-face"{1,2,3,4}.png +append -quality 80 "$out/$name-faces.webp"
+}
+
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
@@ -73,6 +88,7 @@ QUALITY="${QUALITY:-draft}" picture phantom "$folder/phantom.nii.gz" "Phantom to
 
 if [ -n "${CLIPGS_DATA:-}" ]; then
   picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
+  faces head 20,50
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
 fi
