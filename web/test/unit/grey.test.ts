@@ -1,17 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import { draggedWindow, shades, windowPresets } from "../../src/model/grey";
-import { makeVoxels, parseSection, type Section } from "../../src/sog/section";
-import { makeSectionBlock } from "./section_fixture";
-import { makeRandom } from "./sog_fixture";
-
-/** The fixture with random voxels. */
-function makeSection(changes: object = {}): Section {
-  const block = { ...makeSectionBlock(), ...changes };
-  const info = parseSection({ section: block }, new Map([["section.webp", null]]))!;
-  const random = makeRandom(5);
-  return { ...info, voxels: makeVoxels(info).map(() => Math.floor(256 * random())) };
-}
+import { makeSection } from "./section_fixture";
 
 describe("windows", () => {
   const section = makeSection();

@@ -1,4 +1,5 @@
-import { kCodes } from "../../src/sog/section";
+import { kCodes, makeVoxels, parseSection, type Section } from "../../src/sog/section";
+import { makeRandom } from "./sog_fixture";
 
 const ramp = (from: number, to: number) =>
   Array.from({ length: kCodes }, (_, i) => from + ((to - from) * i) / (kCodes - 1));
@@ -64,4 +65,12 @@ export function withValue<T extends object>(object: T, path: string, value: unkn
     parent[last] = value;
   }
   return copy;
+}
+
+/** The fixture with random voxels. */
+export function makeSection(changes: object = {}): Section {
+  const block = { ...makeSectionBlock(), ...changes };
+  const info = parseSection({ section: block }, new Map([["section.webp", null]]))!;
+  const random = makeRandom(5);
+  return { ...info, voxels: makeVoxels(info).map(() => Math.floor(256 * random())) };
 }

@@ -11,17 +11,8 @@ import {
   readSection,
   valueText,
 } from "../../src/model/values";
-import { makeVoxels, parseSection, type Section } from "../../src/sog/section";
-import { makeSectionBlock } from "./section_fixture";
+import { makeSection } from "./section_fixture";
 import { makeRandom } from "./sog_fixture";
-
-/** The fixture with random voxels. */
-function makeSection(changes: object = {}): Section {
-  const block = { ...makeSectionBlock(), ...changes };
-  const info = parseSection({ section: block }, new Map([["section.webp", null]]))!;
-  const random = makeRandom(5);
-  return { ...info, voxels: makeVoxels(info).map(() => Math.floor(256 * random())) };
-}
 
 describe("values", () => {
   const point = new Vector3();
