@@ -121,9 +121,13 @@ void for_face_pixels(const Section& section, const Dataset& dataset, const Frame
 
 /// Training frames that show a face, evenly chosen.
 std::vector<const Frame*> frames_with_faces(const Section& section, const Dataset& dataset) {
+  const std::vector<Plane> ends = section.ends();
   std::vector<const Frame*> all;
   for (const Frame* frame : dataset.split(Split::kTrain)) {
-    if (FaceRays(section, frame->camera, frame->plane, kTaps).any()) {
+    const auto seen = [&](const Plane& face) {
+      return face.signed_distance(frame->camera.position) < 0;
+    };
+    if ((frame->plane && seen(*frame->plane)) || std::ranges::any_of(ends, seen)) {
       all.push_back(frame);
     }
   }

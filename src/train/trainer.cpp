@@ -98,7 +98,11 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     view.plane = frames[i]->plane;
     view.rgba = to_bytes(premultiplied(dataset.load(*frames[i])));
     if (section != nullptr) {
-      view.faces = to_bytes(draw_faces(*section, view.camera, view.plane));
+      const Image faces = draw_faces(*section, view.camera, view.plane);
+      // Most uncut views show none: nothing is kept for them, and nothing put in front.
+      if (std::ranges::any_of(faces.data, [](float v) { return v > 0; })) {
+        view.faces = to_bytes(faces);
+      }
     }
   };
   Progress progress("loading", frames.size());
