@@ -133,6 +133,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"seed", arguments.seed},
           {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
           {"series", arguments.loading.series},
+          {"keep_table", arguments.loading.keep_table},
           {"section", arguments.section.none ? 0 : arguments.section.size}};
 }
 

@@ -6,8 +6,8 @@
 
 namespace clipgs {
 
-/// Adds --series and --hu, which every command that reads a volume understands. `options` must
-/// outlive the parsing.
+/// Adds --series, --hu and --keep-table, which every command that reads a volume understands.
+/// `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   command.add_option("--series", options.series,
                      "DICOM series, by UID or by its number in the list (default: the largest)");
@@ -21,6 +21,8 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
       ->type_name("SCALE,OFFSET")
       ->delimiter(',')
       ->expected(2);
+  command.add_flag("--keep-table", options.keep_table,
+                   "Leave the scanner's table and cushions in a CT's pictures");
 }
 
 }  // namespace clipgs

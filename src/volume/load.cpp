@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "volume/dicom_series.h"
+#include "volume/isolate_body.h"
 #include "volume/itk_reader.h"
 
 namespace clipgs {
@@ -158,6 +159,16 @@ void clamp_outside_of_scan(Volume& volume) {
   }
 }
 
+void take_table_off(Volume& volume, const std::string& where) {
+  constexpr double kWorthSaying = 1;  // ml
+  const double removed = isolate_body(volume);
+  if (removed >= kWorthSaying) {
+    warn(fmt::format(
+        "{}: took {:.0f} ml of table, cushions and the like off (--keep-table leaves them)", where,
+        removed));
+  }
+}
+
 /// Everything between an image as stored and a volume that can be trusted.
 Volume make_volume(const StoredImage& stored, Modality modality, const LoadOptions& options,
                    const std::string& where) {
@@ -191,6 +202,9 @@ Volume make_volume(const StoredImage& stored, Modality modality, const LoadOptio
   }
   if (volume.modality == Modality::kCt) {
     clamp_outside_of_scan(volume);
+    if (!options.keep_table) {
+      take_table_off(volume, where);
+    }
   }
   return volume;
 }

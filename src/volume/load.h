@@ -18,6 +18,7 @@ struct Rescale {
 struct LoadOptions {
   std::string series;         ///< DICOM series UID or 1-based number; empty: the largest
   std::optional<Rescale> hu;  ///< --hu scale,offset; empty: values as stored
+  bool keep_table = false;    ///< leave what a CT shows beside the patient
 };
 
 /// One series of a DICOM folder, as a person tells series apart.
@@ -39,7 +40,8 @@ std::vector<SeriesInfo> list_series(const std::filesystem::path& folder);
 /// anything it cannot make sense of: truncated or corrupt files, no image in a folder, missing
 /// slices, zero-size, NaN or constant data. Colour volumes become photographs. Several series in a
 /// folder are listed in a warning. CT is cut off at −1024 HU: scanners mark pixels outside their
-/// field with less.
+/// field with less. Table and cushions are taken off a CT (isolate_body()), with a warning that
+/// says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.

@@ -1,0 +1,121 @@
+#include "volume/isolate_body.h"
+
+#include <algorithm>
+#include <functional>
+#include <gtest/gtest.h>
+
+#include "volume/phantom.h"
+
+namespace clipgs {
+namespace {
+
+constexpr float kAir = -1000;
+
+struct Thing {
+  std::function<bool(const Vec3&)> holds;  // of mm from the middle of the picture
+  float hu;
+};
+
+/// Later things lie over earlier ones.
+Volume scan(const std::vector<Thing>& things) {
+  Volume volume;
+  volume.dims = {120, 90, 40};
+  volume.spacing = {2, 2, 3};
+  volume.modality = Modality::kCt;
+  volume.values.assign(volume.voxels(), kAir);
+  for (int z = 0; z < volume.dims.z; ++z) {
+    for (int y = 0; y < volume.dims.y; ++y) {
+      for (int x = 0; x < volume.dims.x; ++x) {
+        const Vec3 mm = (Vec3(x, y, z) - 0.5f * Vec3(volume.dims - 1)) * volume.spacing;
+        for (const Thing& thing : things) {
+          if (thing.holds(mm)) {
+            volume.values[volume.offset(x, y, z)] = thing.hu;
+          }
+        }
+      }
+    }
+  }
+  return volume;
+}
+
+std::function<bool(const Vec3&)> tube(Vec2 centre, Vec2 radii) {
+  return [=](const Vec3& p) { return glm::length((Vec2(p) - centre) / radii) < 1; };
+}
+
+std::function<bool(const Vec3&)> box(Vec3 low, Vec3 high) {
+  return [=](const Vec3& p) {
+    return glm::all(glm::lessThan(low, p)) && glm::all(glm::lessThan(p, high));
+  };
+}
+
+/// A chest with thin walls, lungs with a vessel, an arm, and an ear-like flap.
+std::vector<Thing> patient() {
+  return {{tube({0, 0}, {70, 50}), 40},    {tube({-32, 5}, {26, 34}), -850},
+          {tube({32, 5}, {26, 34}), -850}, {tube({35, 10}, {3, 3}), 50},
+          {tube({95, -10}, {16, 16}), 30}, {box({-4, 48, -10}, {4, 68, 12}), 20}};
+}
+
+/// A table of two shells with foam between them, and a cable: none of it touches the patient.
+std::vector<Thing> table() {
+  return {{box({-110, -80, -100}, {110, -62, 100}), -50},
+          {box({-106, -77, -100}, {106, -65, 100}), -950},
+          {tube({-80, 60}, {3, 3}), 300}};
+}
+
+std::vector<Thing> both(std::vector<Thing> first, const std::vector<Thing>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+TEST(IsolateBody, TakesTheTableOffAndNothingElse) {
+  Volume scanned = scan(both(table(), patient()));
+  const Volume expected = scan(patient());
+  const Volume alone = scan(table());
+  const auto matter = std::ranges::count_if(alone.values, [](float hu) { return hu > -300; });
+  EXPECT_NEAR(isolate_body(scanned), static_cast<double>(matter) * 2 * 2 * 3 / 1000, 1e-6);
+  for (size_t i = 0; i < scanned.values.size(); ++i) {
+    // Air far from the patient is -1024 HU after, near it what it was.
+    ASSERT_EQ(std::max(scanned.values[i], kAir), expected.values[i]) << "voxel " << i;
+  }
+}
+
+TEST(IsolateBody, OfATableThatTouchesThePatientOnlyTheTouchingPartStays) {
+  Volume scanned = scan(both({{box({-110, -54, -100}, {110, -48, 100}), -50}}, patient()));
+  isolate_body(scanned);
+  const auto hu = [&](float x, float y) {
+    return scanned.sample(
+        scanned.world_from_index(Vec3(x, y, 0) / scanned.spacing + 0.5f * Vec3(scanned.dims - 1)));
+  };
+  EXPECT_EQ(hu(-90, -51), -1024);
+  EXPECT_EQ(hu(60, -51), -1024);
+  EXPECT_EQ(hu(0, -45), 40);
+}
+
+TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
+  const auto unchanged = [](Volume volume) {
+    const std::vector<float> before = volume.values;
+    EXPECT_EQ(isolate_body(volume), 0);
+    EXPECT_EQ(volume.values, before);
+  };
+  Volume mr = scan(both(table(), patient()));
+  mr.modality = Modality::kMr;
+  unchanged(mr);
+  Volume without_air = scan(both(table(), patient()));
+  for (float& value : without_air.values) {
+    value = std::max(value, 0.0f);
+  }
+  unchanged(without_air);
+  unchanged(scan(table()));
+}
+
+TEST(IsolateBody, KeepsEveryVoxelOfThePhantom) {
+  Volume volume = make_phantom(96);
+  const std::vector<float> before = volume.values;
+  isolate_body(volume);
+  for (size_t i = 0; i < before.size(); ++i) {
+    ASSERT_TRUE(volume.values[i] == before[i] || before[i] < -900) << before[i];
+  }
+}
+
+}  // namespace
+}  // namespace clipgs
