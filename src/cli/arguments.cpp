@@ -81,14 +81,14 @@ std::optional<Plane> parse_plane(const std::string& text) {
   return plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane");
 }
 
-Cut parse_cut(const std::vector<std::string>& planes, const std::string& slab) {
+Cut parse_cut(const std::vector<std::string>& planes, const std::vector<std::string>& slabs) {
   std::vector<Plane> result;
-  result.reserve(planes.size() + 2);
+  result.reserve(planes.size() + 2 * slabs.size());
   for (const std::string& text : planes) {
     result.push_back(plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane"));
   }
-  if (!slab.empty()) {
-    const std::vector<float> n = parse_numbers(slab, 5, 5, "--slab");
+  for (const std::string& text : slabs) {
+    const std::vector<float> n = parse_numbers(text, 5, 5, "--slab");
     const Plane near = plane_of(n, "--slab");
     if (!(n[4] > 0)) {
       throw CLI::ValidationError("--slab", "the thickness must be greater than 0");

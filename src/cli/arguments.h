@@ -21,9 +21,9 @@ View parse_view(const std::string& text);
 /// "nx,ny,nz,c": the kept side is n·x ≥ c in RAS mm; n is normalised, c scaled alike. Empty: none.
 std::optional<Plane> parse_plane(const std::string& text);
 
-/// What `planes` (each as above) and `slab` keep together; "nx,ny,nz,c,thickness" keeps
+/// What `planes` (each as above) and `slabs` keep together; "nx,ny,nz,c,thickness" keeps
 /// c <= n·x <= c + thickness.
-Cut parse_cut(const std::vector<std::string>& planes, const std::string& slab);
+Cut parse_cut(const std::vector<std::string>& planes, const std::vector<std::string>& slabs);
 
 /// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
 /// soft-tissue, bone, lung, brain.

@@ -18,7 +18,7 @@ struct RenderArguments {
   std::string output;
   std::string view = "0,0";
   std::vector<std::string> planes;
-  std::string slab;
+  std::vector<std::string> slabs;
   std::string clip = "exact";
   std::string section;
   float grey = 0;
@@ -47,7 +47,7 @@ FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
 void run_render(const RenderArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
-  const Cut cut = parse_cut(arguments.planes, arguments.slab);
+  const Cut cut = parse_cut(arguments.planes, arguments.slabs);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
@@ -90,8 +90,12 @@ void add_render_command(CLI::App& app) {
                    "what all of them keep")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--slab", arguments->slab,
-                      "Two cuts: nx,ny,nz,c,thickness keeps c <= n·x <= c + thickness");
+  command
+      ->add_option("--slab", arguments->slabs,
+                   "Two cuts: nx,ny,nz,c,thickness keeps c <= n·x <= c + thickness; may be given "
+                   "again")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
   command

@@ -1,13 +1,21 @@
 import { Vector3 } from "three";
 
 import type { App } from "./app";
+import type { Cut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
-import type { Triple } from "./model/geometry";
+import type { Plane, Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
 import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
+
+/** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */
+export interface ApiCut {
+  normal: Triple;
+  offset: number;
+  thickness?: number;
+}
 
 /** `window.clipgs`: the viewer for scripts of the page that holds it. Patient space (RAS mm) throughout. */
 export interface ClipgsApi {
@@ -16,8 +24,11 @@ export interface ClipgsApi {
   /** Shows another case of the server, by name. */
   open(name: string): Promise<void>;
   setView(view: { azimuth: number; elevation: number; zoom?: number }): void;
-  /** Keeps dot(normal, x) >= offset; null: nothing is cut. */
+  /** Cuts with one plane that keeps dot(normal, x) >= offset; null: nothing is cut. */
   setPlane(plane: { normal: Triple; offset: number } | null): void;
+  /** What all cuts keep is shown; `active` is the one that the page moves. False, and nothing changes, for more than
+   * six planes, of which a slab has two. */
+  setCuts(cuts: readonly ApiCut[], active?: number): boolean;
   setClip(clip: ClipOperator): void;
   /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
   setSection(section: FaceSource): void;
@@ -35,7 +46,9 @@ export interface ClipgsApi {
   readonly state: {
     case: string | null;
     view: { azimuth: number; elevation: number; zoom: number };
+    /** The active one of `cuts`. */
     plane: { normal: Triple; offset: number } | null;
+    cuts: ApiCut[];
     clip: ClipOperator;
     section: FaceSource;
     grey: number;
@@ -54,6 +67,20 @@ declare global {
   }
 }
 
+function unitCut({ normal, offset, thickness }: ApiCut): Cut {
+  const vector = new Vector3(...normal);
+  const length = vector.length();
+  return {
+    normal: vector.divideScalar(length),
+    offset: offset / length,
+    thickness: thickness ?? null,
+  };
+}
+
+function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number } {
+  return { normal: normal.toArray(), offset };
+}
+
 export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
   const { viewer } = app;
   return {
@@ -63,14 +90,9 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     setView: ({ azimuth, elevation, zoom = 1 }) =>
       viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
     setPlane: (plane) => {
-      if (plane) {
-        const normal = new Vector3(...plane.normal);
-        const length = normal.length();
-        viewer.setPlane({ normal: normal.divideScalar(length), offset: plane.offset / length });
-      } else {
-        viewer.setPlane(null);
-      }
+      viewer.setCuts(plane ? [unitCut(plane)] : []);
     },
+    setCuts: (cuts, active) => viewer.setCuts(cuts.map(unitCut), active),
     setClip: (clip) => viewer.setClip(clip),
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
@@ -86,11 +108,15 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       }));
     },
     get state() {
-      const { view, plane, clip, section, grey } = viewer.state;
+      const { view, cuts, clip, section, grey } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
-        plane: plane && { normal: plane.normal.toArray(), offset: plane.offset },
+        plane: viewer.cut && apiPlane(viewer.cut),
+        cuts: cuts.map((cut) => ({
+          ...apiPlane(cut),
+          ...(cut.thickness === null ? {} : { thickness: cut.thickness }),
+        })),
         clip,
         section,
         grey,

@@ -161,14 +161,15 @@ export class App {
     if (link.view) {
       this.viewer.setView(link.view);
     }
-    if (link.plane !== undefined) {
-      this.viewer.setPlane(link.plane);
+    if (link.cuts) {
+      this.viewer.setCuts(link.cuts);
     }
     if (link.clip) {
       this.viewer.setClip(link.clip);
     }
     this.viewer.setSection(link.section ?? "volume");
     this.viewer.setGrey(link.grey ?? 0);
+    this.viewer.setPins(link.pins ?? []);
     if (link.window) {
       this.viewer.setWindow(link.window);
     }
@@ -220,10 +221,11 @@ export class App {
   }
 
   #link(): string {
-    const { view, plane, clip, section, grey, window } = this.viewer.state;
+    const { view, cuts, clip, section, grey, window } = this.viewer.state;
+    const pins = this.viewer.state.pins.map((pin) => pin.point);
     const name = this.viewer.caseName ?? undefined;
     const style = grey > 0 ? { grey, window: window ?? undefined } : {};
-    return formatLink({ case: name, view, plane, clip, section, ...style, size: this.#fixedSize });
+    return formatLink({ case: name, view, cuts, clip, section, ...style, pins, size: this.#fixedSize });
   }
 
   #writeLink(): void {
@@ -292,6 +294,10 @@ export class App {
       s: () => this.#panel.orient("sagittal"),
       f: () => this.#panel.flip(),
       p: () => this.#panel.toggle(),
+      n: () => this.#panel.add(),
+      e: () => this.#panel.next(),
+      x: () => this.#panel.remove(),
+      b: () => this.#panel.toggleSlab(),
       g: () => this.#facePanel.toggleGrey(),
       w: () => this.#facePanel.nextWindow(),
       i: () => this.#overlay.pin(),

@@ -10,6 +10,7 @@ import {
 } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "./model/case_info";
+import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import { type Window, windowPresets } from "./model/grey";
@@ -30,7 +31,8 @@ import { type ClipOperator, kViewFloats } from "./worker/protocol";
 
 export interface ViewerState {
   view: View;
-  plane: Plane | null;
+  cuts: readonly Cut[]; // what all of them keep is shown
+  active: number; // the cut that is moved, by its index
   clip: ClipOperator;
   section: FaceSource;
   grey: number; // how faces look: 0 cinematic … 1 grey
@@ -84,7 +86,8 @@ export class Viewer {
   readonly canvas: HTMLCanvasElement;
   readonly state: ViewerState = {
     view: viewFrom(0, 0),
-    plane: null,
+    cuts: [],
+    active: 0,
     clip: "exact",
     section: "volume",
     grey: 0,
@@ -235,9 +238,29 @@ export class Viewer {
     this.#touch();
   }
 
-  setPlane(plane: Plane | null): void {
-    this.state.plane = plane;
-    this.#touch();
+  /** The cut that is moved; null: nothing is cut. */
+  get cut(): Cut | null {
+    return this.state.cuts[this.state.active] ?? null;
+  }
+
+  /** Returns whether there are no more planes than can be drawn; nothing changes otherwise. */
+  setCuts(cuts: readonly Cut[], active = 0): boolean {
+    const possible = canDraw(cuts);
+    if (possible) {
+      this.state.cuts = cuts;
+      this.state.active = Math.max(0, Math.min(active, cuts.length - 1));
+      this.#touch();
+    }
+    return possible;
+  }
+
+  /** Moves the active cut; a slab keeps its thickness. */
+  movePlane({ normal, offset }: Plane): void {
+    const { cuts, active } = this.state;
+    this.setCuts(
+      cuts.map((cut, i) => (i === active ? { ...cut, normal, offset } : cut)),
+      active,
+    );
   }
 
   setClip(clip: ClipOperator): void {
@@ -270,9 +293,16 @@ export class Viewer {
   addPin(point: Vector3): boolean {
     const pin = this.section && readSection(this.section, point);
     if (pin) {
-      this.#setPins([...this.state.pins, pin].slice(-kMaxPins));
+      this.#setPins([...this.state.pins, pin]);
     }
     return pin !== null;
+  }
+
+  /** Marks these points (RAS mm) alone, without those that have no value. */
+  setPins(points: readonly Vector3[]): void {
+    const { section } = this;
+    const readings = section ? points.map((point) => readSection(section, point)) : [];
+    this.#setPins(readings.filter((reading) => reading !== null));
   }
 
   removePin(index: number): void {
@@ -320,9 +350,9 @@ export class Viewer {
 
   /** The middle of the cut face, or of the volume where nothing is cut, RAS mm. */
   get faceMiddle(): Vector3 | null {
-    const { section, state } = this;
+    const { section } = this;
     const middle = section && gridMiddle(section);
-    return middle && state.plane ? projectOnto(state.plane, middle) : middle;
+    return middle && this.cut ? projectOnto(this.cut, middle) : middle;
   }
 
   /** Where a point (RAS mm) appears, CSS px from the canvas's top left; null behind the camera. */
@@ -389,7 +419,7 @@ export class Viewer {
 
   /** Pins lie over the picture, which stays as it is. */
   #setPins(pins: readonly Reading[]): void {
-    this.state.pins = pins;
+    this.state.pins = pins.slice(-kMaxPins);
     this.#canvasStale = true;
     this.changed();
   }
@@ -417,8 +447,8 @@ export class Viewer {
   async #sort(current: OpenCase, width: number, height: number): Promise<void> {
     const { mesh } = current;
     const view = new Float32Array(kViewFloats);
-    mesh.setClip(this.state.plane, this.state.clip);
-    writeSortView(view, mesh.sceneCamera(this.#camera, width, height), mesh.plane.toArray());
+    mesh.setClip(planesOf(this.state.cuts), this.state.clip);
+    writeSortView(view, mesh.sceneCamera(this.#camera, width, height), mesh.planes);
     const sorted = await this.#client.sort(current.ticket, view, mesh.clip, current.spare);
     if (sorted.count < 0) {
       current.spare = sorted.order;
@@ -491,12 +521,13 @@ export class Viewer {
 
   /** What is drawn of a case, as the state says; `rays` a pixel of a face, along either side, at most. */
   #subject({ mesh, faces }: OpenCase, rays: number): Subject {
-    const { plane, clip, section, grey } = this.state;
-    mesh.setClip(plane, clip);
+    const { cuts, clip, section, grey } = this.state;
+    const planes = planesOf(cuts);
+    mesh.setClip(planes, clip);
     if (!faces || section === "splats") {
       return { mesh, faces: null };
     }
-    faces.setPlanes(plane ? [plane] : []);
+    faces.setPlanes(planes);
     faces.setStyle(grey, this.window);
     faces.maxRays = rays;
     return { mesh, faces };
@@ -504,8 +535,7 @@ export class Viewer {
 
   /** What exposes faces: the cut, and the ends of the volume. */
   get #facePlanes(): Plane[] {
-    const { plane } = this.state;
-    return [...(plane ? [plane] : []), ...(this.#case?.faces?.ends ?? [])];
+    return [...planesOf(this.state.cuts), ...(this.#case?.faces?.ends ?? [])];
   }
 
   #makeFaces(section: Section | null): SectionFaces | null {
@@ -525,7 +555,7 @@ export class Viewer {
   }
 
   #drawCanvas(): void {
-    this.#widget.setPlane(this.state.handle && this.#case ? this.state.plane : null);
+    this.#widget.setPlane(this.state.handle && this.#case ? this.cut : null);
     this.#widget.update(this.#camera, this.#height);
     this.#renderer.clear();
     if (this.background) {

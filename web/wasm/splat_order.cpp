@@ -18,6 +18,7 @@ constexpr float kAlphaMin = 1.0f / 255.0f;
 constexpr float kClipSigma = 3.0f;
 constexpr float kBlurDeviation = 0.31622777f;  // √0.1 px
 constexpr std::uint32_t kBuckets = 1U << 16;
+constexpr int kMaxPlanes = 6;
 
 enum Clip : std::uint32_t { kNone = 0, kHard = 1, kSoft = 2, kExact = 3 };
 
@@ -36,7 +37,8 @@ struct View {
   float tan_max[2];
   float pixel_angle;  // largest tangent that one pixel spans: 1/focal length
   float near;
-  float plane[4];  // keeps plane·x − plane[3] >= 0
+  float plane_count;
+  float planes[kMaxPlanes][4];  // each keeps plane·x − plane[3] >= 0
 };
 
 struct Scene {
@@ -120,9 +122,9 @@ void unpack_splat(std::uint32_t i) {
   scene.size[i] = std::max(s[0], std::max(s[1], s[2]));
 }
 
-/// Writes the depth of every splat, −1 for those that cannot be seen. Without branches, so that the
+/// Writes the depth of every splat, −1 for those outside the picture. Without branches, so that the
 /// compiler turns it into SIMD.
-void cull() {
+void cull_unseen() {
   const View v = view;
   const float* const r = v.rotation;
   // |J's row| ≤ √(1 + l²)/z with l inside 1.3 times the frustum.
@@ -131,10 +133,6 @@ void cull() {
   const float stretch_x = std::sqrt(1.0f + lx * lx);
   const float stretch_y = std::sqrt(1.0f + ly * ly);
   const float blur = kBlurDeviation * v.pixel_angle;
-  // The operators differ in where a splat ends: d ≥ −cut·s_n is kept, and opacity·w ≥ 1/255.
-  const bool cuts = clip != kNone;
-  const float cut = clip == kExact ? kClipSigma : clip == kSoft ? 1.0f : 0.0f;
-  const float fade = clip == kSoft ? 1.0f : 0.0f;
   for (std::uint32_t i = 0; i < scene.count; ++i) {
     const float x = scene.x[i] - v.position[0];
     const float y = scene.y[i] - v.position[1];
@@ -146,11 +144,21 @@ void cull() {
     const float spread = reach * scene.size[i];
     const float half_x = spread * stretch_x + reach * blur * tz;  // extent × z
     const float half_y = spread * stretch_y + reach * blur * tz;
-    bool keep = (reach >= 0.0f) & (tz > v.near) & (tx + half_x >= v.tan_min[0] * tz) &
-                (tx - half_x <= v.tan_max[0] * tz) & (ty + half_y >= v.tan_min[1] * tz) &
-                (ty - half_y <= v.tan_max[1] * tz);
-    const float nx = v.plane[0], ny = v.plane[1], nz = v.plane[2];
-    const float d = nx * scene.x[i] + ny * scene.y[i] + nz * scene.z[i] - v.plane[3];
+    const bool keep = (reach >= 0.0f) & (tz > v.near) & (tx + half_x >= v.tan_min[0] * tz) &
+                      (tx - half_x <= v.tan_max[0] * tz) & (ty + half_y >= v.tan_min[1] * tz) &
+                      (ty - half_y <= v.tan_max[1] * tz);
+    scene.depth[i] = keep ? tz : -1.0f;
+  }
+}
+
+/// Writes the depth −1 for the splats that a plane removes. Without branches too.
+void cull_removed(const float* plane) {
+  // The operators differ in where a splat ends: d ≥ −cut·s_n is kept, and opacity·w ≥ 1/255.
+  const float cut = clip == kExact ? kClipSigma : clip == kSoft ? 1.0f : 0.0f;
+  const bool fades = clip == kSoft;
+  const float nx = plane[0], ny = plane[1], nz = plane[2], offset = plane[3];
+  for (std::uint32_t i = 0; i < scene.count; ++i) {
+    const float d = nx * scene.x[i] + ny * scene.y[i] + nz * scene.z[i] - offset;
     const float variance =
         nx * nx * scene.covariance[0][i] + ny * ny * scene.covariance[3][i] +
         nz * nz * scene.covariance[5][i] +
@@ -159,8 +167,8 @@ void cull() {
     const float deviation = std::sqrt(variance);
     // soft: α·(½ + d/(2 s_n)) ≥ 1/255, multiplied by 2 s_n
     const bool visible = scene.opacity[i] * (deviation + d) >= 2.0f * kAlphaMin * deviation;
-    keep &= !cuts | ((d >= -cut * deviation) & ((fade == 0.0f) | visible));
-    scene.depth[i] = keep ? tz : -1.0f;
+    const bool keep = (d >= -cut * deviation) & (!fades | visible);
+    scene.depth[i] = keep ? scene.depth[i] : -1.0f;
   }
 }
 
@@ -217,7 +225,10 @@ EXPORT(unpack) void unpack() {
 /// (0 none, 1 hard, 2 soft, 3 exact), far to near, to `draw_order`; returns how many.
 EXPORT(cull_and_sort) std::uint32_t cull_and_sort(std::uint32_t clip_operator) {
   clip = static_cast<Clip>(clip_operator);
-  cull();
+  cull_unseen();
+  for (int i = 0; clip != kNone && i < static_cast<int>(view.plane_count); ++i) {
+    cull_removed(view.planes[i]);
+  }
   float nearest = INFINITY;
   float farthest = 0;
   std::uint32_t count = 0;

@@ -1,8 +1,8 @@
 import { Vector3 } from "three";
 
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
+import { canDraw, type Cut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
-import type { Plane } from "./geometry";
 import type { Window } from "./grey";
 import { type View, viewFrom } from "./view";
 
@@ -10,11 +10,12 @@ import { type View, viewFrom } from "./view";
 export interface Link {
   case?: string;
   view?: View;
-  plane?: Plane | null; // null: "off"
+  cuts?: readonly Cut[]; // none: "off"
   clip?: ClipOperator;
   section?: FaceSource;
   grey?: number;
   window?: Window;
+  pins?: readonly Vector3[]; // RAS mm
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -25,7 +26,34 @@ function numbers(text: string | null, least: number, most: number): number[] | n
   return values.length >= least && values.length <= most && values.every(Number.isFinite) ? values : null;
 }
 
-/** Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&clip=…&section=…&grey=…&window=c,w&size=WxH`; what is not valid is left out. */
+/** `nx,ny,nz,c` of a plane or `nx,ny,nz,c,thickness` of a slab. */
+function parseCut(text: string, isSlab: boolean): Cut | null {
+  const n = numbers(text, isSlab ? 5 : 4, isSlab ? 5 : 4);
+  const normal = new Vector3().fromArray(n ?? [0, 0, 0]);
+  const length = normal.length();
+  if (!n || length === 0 || (isSlab && n[4]! <= 0)) {
+    return null;
+  }
+  normal.divideScalar(length);
+  return { normal, offset: n[3]! / length, thickness: isSlab ? n[4]! : null };
+}
+
+/** All planes and slabs, in their order; null where there are none or too many. */
+function parseCuts(parameters: URLSearchParams): Cut[] | null {
+  const cuts: Cut[] = [];
+  for (const [key, text] of parameters) {
+    const cut = key === "plane" || key === "slab" ? parseCut(text, key === "slab") : null;
+    if (cut) {
+      cuts.push(cut);
+    }
+  }
+  return cuts.length > 0 && canDraw(cuts) ? cuts : null;
+}
+
+/**
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&size=WxH`,
+ * planes, slabs and pins any number of times; what is not valid is left out.
+ */
 export function parseLink(hash: string): Link {
   const parameters = new URLSearchParams(hash.replace(/^#/, ""));
   const link: Link = {};
@@ -41,15 +69,11 @@ export function parseLink(hash: string): Link {
       link.view.pan.fromArray(pan);
     }
   }
-  const plane = numbers(parameters.get("plane"), 4, 4);
-  if (plane) {
-    const normal = new Vector3().fromArray(plane);
-    const length = normal.length();
-    if (length > 0) {
-      link.plane = { normal: normal.divideScalar(length), offset: plane[3]! / length };
-    }
+  const cuts = parseCuts(parameters);
+  if (cuts) {
+    link.cuts = cuts;
   } else if (parameters.get("plane") === "off") {
-    link.plane = null;
+    link.cuts = [];
   }
   const clip = parameters.get("clip");
   if (clip && clip !== "none" && Object.hasOwn(kClipOperators, clip)) {
@@ -66,6 +90,10 @@ export function parseLink(hash: string): Link {
   const window = numbers(parameters.get("window"), 2, 2);
   if (window && window[1]! > 0) {
     link.window = { center: window[0]!, width: window[1]! };
+  }
+  const pins = parameters.getAll("pin").flatMap((text) => numbers(text, 3, 3) ?? []);
+  if (pins.length > 0) {
+    link.pins = Array.from({ length: pins.length / 3 }, (_, i) => new Vector3().fromArray(pins, 3 * i));
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -100,15 +128,11 @@ export function formatLink(link: Link): string {
       );
     }
   }
-  if (link.plane) {
-    const { normal, offset } = link.plane;
-    parts.push(
-      `plane=${normal
-        .toArray()
-        .map((v) => rounded(v, 5))
-        .join(",")},${rounded(offset, 2)}`,
-    );
-  } else if (link.plane === null) {
+  for (const { normal, offset, thickness } of link.cuts ?? []) {
+    const place = [...normal.toArray().map((v) => rounded(v, 5)), rounded(offset, 2)].join();
+    parts.push(thickness === null ? `plane=${place}` : `slab=${place},${rounded(thickness, 2)}`);
+  }
+  if (link.cuts?.length === 0) {
     parts.push("plane=off");
   }
   if (link.clip) {
@@ -122,6 +146,9 @@ export function formatLink(link: Link): string {
   }
   if (link.window) {
     parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);
+  }
+  for (const pin of link.pins ?? []) {
+    parts.push(`pin=${pin.toArray().map((v) => rounded(v, 2))}`);
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

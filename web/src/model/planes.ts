@@ -21,6 +21,14 @@ export function planeAcross(axis: Vector3, bounds: Box, viewer: Vector3): Plane 
   return { normal, offset: 0.5 * (min + max) };
 }
 
+/** The body axis that is farthest from the normals of `planes`, the first of those that are as far. */
+export function freeAxis(planes: readonly Plane[]): Vector3 {
+  const nearest = (axis: Vector3) => Math.max(...planes.map(({ normal }) => Math.abs(normal.dot(axis))), 0);
+  return kOrientations
+    .map((name) => kAxes[name])
+    .reduce((best, axis) => (nearest(axis) < nearest(best) - 1e-6 ? axis : best));
+}
+
 /** Which body plane this is parallel to, if any. */
 export function orientationOf(plane: Plane): Orientation | null {
   return kOrientations.find((name) => Math.abs(plane.normal.dot(kAxes[name])) > 0.99999) ?? null;

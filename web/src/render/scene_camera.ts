@@ -1,6 +1,4 @@
-import { Matrix3, type Matrix4, type PerspectiveCamera, Vector2, Vector3 } from "three";
-
-import { kViewFloats } from "../worker/protocol";
+import { Matrix3, type Matrix4, type PerspectiveCamera, Vector2, Vector3, type Vector4 } from "three";
 
 /** A camera as a scene's own space sees it: `Camera` of shaders/gaussian.glsl. */
 export interface SceneCamera {
@@ -62,8 +60,8 @@ export function setSceneCamera(
   return scale;
 }
 
-/** Writes `camera` and `plane` (scene space) as the worker's sorting wants them. */
-export function writeSortView(out: Float32Array, camera: SceneCamera, plane: ArrayLike<number>): void {
+/** Writes `camera` and `planes` (scene space) as the worker's sorting wants them. */
+export function writeSortView(out: Float32Array, camera: SceneCamera, planes: readonly Vector4[]): void {
   const r = camera.rotation.elements; // column by column
   out.set([r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]], 0);
   camera.position.toArray(out, 9);
@@ -73,5 +71,6 @@ export function writeSortView(out: Float32Array, camera: SceneCamera, plane: Arr
   out[15] = (camera.size.y - camera.principal.y) / camera.focal.y;
   out[16] = 1 / Math.min(camera.focal.x, camera.focal.y);
   out[17] = camera.near;
-  out.set(plane, kViewFloats - 4);
+  out[18] = planes.length;
+  planes.forEach((plane, i) => plane.toArray(out, 19 + 4 * i));
 }

@@ -32,6 +32,7 @@ import {
   sectionEnds,
   surfaceDepth,
 } from "../model/faces";
+import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { shades, type Window } from "../model/grey";
@@ -44,7 +45,6 @@ const kTableRows = 4;
 const kGlossRow = 2;
 const kShade = 2; // channel of that row
 const kMostShade = 1000; // as good as infinite, where half floats are still fine
-const kMaxPlanes = 6; // as face.glsl has it
 
 /** Columns of the table of materials, evenly over the values of the curve; as face.glsl is told. */
 const kColumns = 2048;

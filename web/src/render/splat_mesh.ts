@@ -15,6 +15,7 @@ import {
   type WebGLRenderer,
 } from "three";
 
+import { areOpposite, kMaxPlanes } from "../model/cut";
 import type { Plane } from "../model/geometry";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
@@ -69,8 +70,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #sizeScratch = new Vector2();
   readonly #sceneToPatient: Matrix4;
   readonly #colorPass: FullScreenPass;
-  /** The plane in scene space; keeps xyz·x >= w. */
-  readonly plane = new Vector4(0, 0, 1, 0);
+  /** The planes in scene space; each keeps xyz·x >= w. */
+  planes: Vector4[] = [];
   clip: number = kClipOperators.none;
   /** Splats in the current order. */
   drawn = 0;
@@ -84,7 +85,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         glslVersion: GLSL3,
         vertexShader: shader("splat.vert.glsl"),
         fragmentShader: shader("splat.frag.glsl"),
-        defines: { kQuadsPerInstance },
+        defines: { kQuadsPerInstance, kPlanes: 1 },
         uniforms: {
           uScene: { value: scene.packed },
           uOrder: { value: scene.order },
@@ -94,7 +95,9 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uPackedScene: { value: packedScene },
           uCamera: { value: camera },
           uDepthToClip: { value: new Vector2() },
-          uPlane: { value: new Vector4() },
+          uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
+          uPlaneCount: { value: 0 },
+          uSlabs: { value: 0 },
           uClip: { value: 0 },
         },
         transparent: true,
@@ -123,18 +126,27 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.onBeforeRender = (renderer, _scene, viewer) => this.#update(renderer, viewer as PerspectiveCamera);
   }
 
-  /** Cuts with `plane` (RAS mm), or not at all. */
-  setClip(plane: Plane | null, operator: ClipOperator): void {
-    if (!plane) {
-      this.clip = kClipOperators.none;
-      return;
-    }
-    this.clip = kClipOperators[operator];
+  /** Cuts with `planes` (RAS mm, as planesOf() gives them), of which all together keep what is kept. */
+  setClip(planes: readonly Plane[], operator: ClipOperator): void {
+    this.clip = planes.length > 0 ? kClipOperators[operator] : kClipOperators.none;
+    const toScene = this.#sceneToPatient.clone().transpose();
     // n·(M x) − c = (Mᵀ(n, −c))·(x, 1), scaled so that the normal is a unit vector in scene space.
-    const p = new Vector4(plane.normal.x, plane.normal.y, plane.normal.z, -plane.offset);
-    p.applyMatrix4(this.#sceneToPatient.clone().transpose());
-    p.divideScalar(Math.hypot(p.x, p.y, p.z));
-    this.plane.set(p.x, p.y, p.z, -p.w);
+    this.planes = planes.map(({ normal, offset }) => {
+      const p = new Vector4(normal.x, normal.y, normal.z, -offset).applyMatrix4(toScene);
+      p.divideScalar(Math.hypot(p.x, p.y, p.z));
+      return p.setW(-p.w);
+    });
+    const { uniforms, defines } = this.material;
+    uniforms["uSlabs"]!.value = planes.reduce(
+      (bits, plane, i) => (i > 0 && areOpposite(planes[i - 1]!, plane) ? bits | (1 << i) : bits),
+      0,
+    );
+    // One plane costs no more than it did.
+    const most = planes.length > 1 ? kMaxPlanes : 1;
+    if (defines!["kPlanes"] !== most) {
+      defines!["kPlanes"] = most;
+      this.material.needsUpdate = true;
+    }
   }
 
   /** The camera as the scene sees it, for a picture of width × height px. */
@@ -191,7 +203,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     );
     const p = camera.projectionMatrix.elements;
     (uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, p[14]! / scale);
-    (uniforms["uPlane"]!.value as Vector4).copy(this.plane);
+    this.planes.forEach((plane, i) => (uniforms["uPlanes"]!.value as Vector4[])[i]!.copy(plane));
+    uniforms["uPlaneCount"]!.value = this.planes.length;
     uniforms["uClip"]!.value = this.clip;
     this.material.uniformsNeedUpdate = true;
   }

@@ -5,6 +5,10 @@
 // Scene space is that of the case file. Camera axes are x right, y down, z forward; image coordinates
 // are px from the top left.
 
+#ifndef kPlanes  // the most that an including program draws with
+#define kPlanes 1
+#endif
+
 const float kBlurVariance = 0.1;            // px², about that of a pixel's area
 const float kAlphaMin = 1.0 / 255.0;        // fainter contributions are skipped
 const float kAlphaMax = 0.99;               // opacity of one Gaussian at one pixel
@@ -34,7 +38,7 @@ struct Camera {
   float near;     // scene units
 };
 
-// What a pixel needs. With δ = pixel − center: α = min(kAlphaMax, opacity·Φ(z + slope·δ)·G(δ)),
+// What a pixel needs. With δ = pixel − center: α = min(kAlphaMax, opacity·keptShare(z + slope·δ)·G(δ)),
 // G(δ) = exp(−½ δᵀΣ₂⁻¹δ), where Σ₂ has the eigenvectors axis, axis⊥ and standard deviations sigma.
 struct Splat {
   bool visible;
@@ -44,8 +48,8 @@ struct Splat {
   vec2 sigma;     // px
   float reach;    // beyond this many sigma α < kAlphaMin
   float opacity;
-  float z;
-  vec2 slope;
+  float z[kPlanes];
+  vec2 slope[kPlanes];
 };
 
 // Decodes a coordinate of SOG: v = sign(x)·ln(|x| + 1).
@@ -74,21 +78,52 @@ float normalCdf(float x) {
   return 1.0 / (1.0 + exp(-x * (kCdfLinear + kCdfCubic * x * x)));
 }
 
-// The plane keeps dot(plane.xyz, x) − plane.w >= 0.
-Splat project(Gaussian g, Camera camera, vec4 plane, int clip) {
+// What planes leave together that leave these shares each. The slabs' bit of a plane says that it is opposite to the
+// one before: the two leave what is between them.
+float jointShare(float shares[kPlanes], int slabs) {
+  float product = 1.0;
+  float last = shares[0];
+  for (int i = 1; i < kPlanes; ++i) {
+    bool slab = ((slabs >> i) & 1) == 1;
+    product *= slab ? 1.0 : last;
+    last = slab ? max(0.0, last + shares[i] - 1.0) : shares[i];
+  }
+  return product * last;
+}
+
+// What planes at standardised distances z leave of a Gaussian at a pixel.
+float keptShare(float z[kPlanes], int slabs) {
+  float shares[kPlanes];
+  for (int i = 0; i < kPlanes; ++i) {
+    shares[i] = z[i] < 6.0 ? normalCdf(z[i]) : 1.0;  // Φ(6) differs from 1 by less than a float can tell
+  }
+  return jointShare(shares, slabs);
+}
+
+// Planes keep dot(plane.xyz, x) − plane.w >= 0; what all of them keep is kept.
+Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int slabs, int clip) {
   Splat s;
   s.visible = false;
   vec3 t = camera.rotation * (g.mean - camera.position);
   s.depth = t.z;
-  float d = dot(plane.xyz, g.mean) - plane.w;
-  vec3 local = plane.xyz * g.axes;             // Mᵀn
-  float variance = dot(local, local);          // s_n² = nᵀΣn
-  float deviation = sqrt(variance);
-  s.opacity = g.opacity;
-  if (clip == kClipSoft) {
-    s.opacity *= clamp(0.5 + d / (2.0 * deviation), 0.0, 1.0);
+  bool removed = false;
+  float d[kPlanes];
+  float variance[kPlanes];                      // s_n² = nᵀΣn
+  vec3 local[kPlanes];                          // Mᵀn
+  float shares[kPlanes];
+  for (int i = 0; i < kPlanes; ++i) {
+    shares[i] = 1.0;
+    if (clip == kClipNone || i >= count) {
+      continue;
+    }
+    d[i] = dot(planes[i].xyz, g.mean) - planes[i].w;
+    local[i] = planes[i].xyz * g.axes;
+    variance[i] = dot(local[i], local[i]);
+    float deviation = sqrt(variance[i]);
+    shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation), 0.0, 1.0) : 1.0;
+    removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation);
   }
-  bool removed = (clip == kClipHard && d < 0.0) || (clip == kClipExact && d < -kClipSigma * deviation);
+  s.opacity = g.opacity * jointShare(shares, slabs);
   if (removed || t.z <= camera.near || s.opacity < kAlphaMin) {
     return s;
   }
@@ -106,14 +141,16 @@ Splat project(Gaussian g, Camera camera, vec4 plane, int clip) {
   float yy = dot(by, by) + kBlurVariance;
   float det = xx * yy - xy * xy;
 
-  s.z = kUncut;
-  s.slope = vec2(0.0);
-  if (clip == kClipExact && d < kClipSigma * deviation) {
-    vec2 c = vec2(dot(bx, local), dot(by, local));            // A Σ n
-    vec2 k = vec2(yy * c.x - xy * c.y, xx * c.y - xy * c.x) / det;  // Σ₂⁻¹ c
-    float invS = inversesqrt(max(variance - dot(c, k), kMinConditionalVariance * variance));
-    s.z = d * invS;
-    s.slope = k * invS;
+  for (int i = 0; i < kPlanes; ++i) {
+    s.z[i] = kUncut;
+    s.slope[i] = vec2(0.0);
+    if (clip == kClipExact && i < count && d[i] < kClipSigma * sqrt(variance[i])) {
+      vec2 c = vec2(dot(bx, local[i]), dot(by, local[i]));            // A Σ n
+      vec2 k = vec2(yy * c.x - xy * c.y, xx * c.y - xy * c.x) / det;  // Σ₂⁻¹ c
+      float invS = inversesqrt(max(variance[i] - dot(c, k), kMinConditionalVariance * variance[i]));
+      s.z[i] = d[i] * invS;
+      s.slope[i] = k * invS;
+    }
   }
 
   s.center = camera.focal * t.xy / t.z + camera.principal;

@@ -4,15 +4,16 @@ precision highp int;
 
 #include "gaussian.glsl"
 
-in vec3 vPosition;
+in vec2 vPosition;
+in float vPlane[kPlanes];
 flat in vec4 vColor;
+
+uniform int uSlabs;
+
 out vec4 fragColor;
 
 void main() {
-  float alpha = vColor.a * exp(-0.5 * dot(vPosition.xy, vPosition.xy));
-  if (vPosition.z < 6.0) {  // Φ(6) differs from 1 by less than a float can tell
-    alpha *= normalCdf(vPosition.z);
-  }
+  float alpha = vColor.a * keptShare(vPlane, uSlabs) * exp(-0.5 * dot(vPosition, vPosition));
   if (alpha < kAlphaMin) {
     discard;
   }

@@ -17,15 +17,21 @@ uniform uint uCount;
 uniform PackedScene uPackedScene;
 uniform Camera uCamera;
 uniform vec2 uDepthToClip;  // clip z = x·depth + y, clip w = depth
-uniform vec4 uPlane;
+uniform vec4 uPlanes[kPlanes];
+uniform int uPlaneCount;
+uniform int uSlabs;
 uniform int uClip;
 
-out vec3 vPosition;  // pixel offset in sigma along the splat's axes, and the standardised plane distance
+out vec2 vPosition;  // pixel offset in sigma along the splat's axes
+out float vPlane[kPlanes];  // standardised distances of planes
 flat out vec4 vColor;
 
 void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside: nothing is drawn
-  vPosition = vec3(0.0);
+  vPosition = vec2(0.0);
+  for (int i = 0; i < kPlanes; ++i) {
+    vPlane[i] = kUncut;
+  }
   vColor = vec4(0.0);
   uint index = uint(gl_InstanceID) * uint(kQuadsPerInstance) + uint(position.z);
   if (index >= uCount) {
@@ -36,13 +42,16 @@ void main() {
   int width = textureSize(uScene, 0).x;
   ivec2 texel = ivec2(int(id) % width, int(id) / width);
   Gaussian g = unpackGaussian(texelFetch(uScene, texel, 0), uPackedScene, uScaleCodebook);
-  Splat s = project(g, uCamera, uPlane, uClip);
+  Splat s = project(g, uCamera, uPlanes, uPlaneCount, uSlabs, uClip);
   if (!s.visible) {
     return;
   }
   vec2 corner = position.xy * s.reach;
   vec2 offset = corner.x * s.sigma.x * s.axis + corner.y * s.sigma.y * vec2(-s.axis.y, s.axis.x);
-  vPosition = vec3(corner, s.z + dot(s.slope, offset));
+  vPosition = corner;
+  for (int i = 0; i < kPlanes; ++i) {
+    vPlane[i] = s.z[i] + dot(s.slope[i], offset);
+  }
   vColor = vec4(texelFetch(uColors, texel, 0).rgb, s.opacity);
   vec2 ndc = 2.0 * (s.center + offset) / uCamera.size - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, (uDepthToClip.x * s.depth + uDepthToClip.y) / s.depth, 1.0);

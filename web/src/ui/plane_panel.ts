@@ -1,7 +1,9 @@
 import type { Vector3 } from "three";
 
-import { flipped, projectBox } from "../model/geometry";
+import { canDraw, type Cut } from "../model/cut";
+import { flipped, type Plane, projectBox } from "../model/geometry";
 import {
+  freeAxis,
   kAxes,
   kOrientations,
   type Orientation,
@@ -20,7 +22,11 @@ const kOperators: Record<ClipOperator, string> = {
   exact: "Every pixel integrates its splat up to the plane",
 };
 
-/** Everything about the cut: where it is, what is removed, how splats meet it. */
+/** Of a slab when it is made, and its limits: mm. */
+const kThickness = 20;
+const kLeastThickness = 1;
+
+/** Everything about the cut: its planes, where they are, what is removed, how splats meet it. */
 export class PlanePanel {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
@@ -29,10 +35,17 @@ export class PlanePanel {
   readonly #slider: HTMLInputElement;
   readonly #readout = h("output", { class: "readout" });
   readonly #side = h("span", { class: "side" });
+  readonly #cuts = h("span", { class: "segments fit", role: "group", "aria-label": "Planes" });
+  readonly #several: HTMLElement;
+  readonly #add: HTMLButtonElement;
+  readonly #slab: HTMLButtonElement;
+  readonly #thickness: HTMLInputElement;
+  readonly #thicknessReadout = h("output", { class: "readout" });
+  readonly #thicknessRow: HTMLElement;
   readonly #power: HTMLButtonElement;
   readonly #handle: HTMLButtonElement;
   readonly #hint = h("p", { class: "hint" });
-  #lastNormal = kAxes.axial;
+  #lastCuts: readonly Cut[] = [];
   #shown = "";
 
   /** `face` is the part about cut faces. */
@@ -57,9 +70,45 @@ export class PlanePanel {
       "aria-label": "Position of the plane, mm",
       oninput: () => this.#moveTo(Number(this.#slider.value)),
     });
+    this.#add = h(
+      "button",
+      { class: "small", title: "Cut with one more plane (N)", onclick: () => this.add() },
+      icon(kIcons.plus),
+      "Plane",
+    );
+    this.#several = h(
+      "div",
+      { class: "titled planes" },
+      this.#cuts,
+      h(
+        "button",
+        { class: "small", title: "Remove this plane (X)", onclick: () => this.remove() },
+        icon(kIcons.minus),
+        "Remove",
+      ),
+    );
+    this.#slab = h(
+      "button",
+      { title: "A second face behind the plane (B)", onclick: () => this.toggleSlab() },
+      icon(kIcons.slab),
+      "Slab",
+    );
+    this.#thickness = h("input", {
+      type: "range",
+      step: "0.5",
+      min: String(kLeastThickness),
+      "aria-label": "Thickness of the slab, mm",
+      oninput: () => this.#setThickness(Number(this.#thickness.value)),
+    });
+    this.#thicknessRow = h(
+      "div",
+      {},
+      h("div", { class: "row position" }, h("span", { class: "side" }, "Slab"), this.#thicknessReadout),
+      this.#thickness,
+    );
     this.#power = h(
       "button",
-      { class: "plain", title: "Plane on or off (P)", onclick: () => this.toggle() },
+      { class: "plain", title: "Cut or uncut (P)", onclick: () => this.toggle() },
       icon(kIcons.power),
     );
     this.#handle = h(
@@ -71,7 +120,8 @@ export class PlanePanel {
     this.element = h(
       "section",
       { class: "panel", "aria-label": "Cutting plane" },
-      h("header", {}, h("h2", {}, "Cutting plane"), this.#power),
+      h("header", {}, h("h2", {}, "Cutting plane"), this.#add, this.#power),
+      this.#several,
       h(
         "div",
         { class: "segments tall", role: "group", "aria-label": "Orientation" },
@@ -81,7 +131,7 @@ export class PlanePanel {
       this.#slider,
       h(
         "div",
-        { class: "segments", role: "group", "aria-label": "Plane" },
+        { class: "segments tall", role: "group", "aria-label": "Plane" },
         h(
           "button",
           { title: "Keep the other side (F)", onclick: () => this.flip() },
@@ -94,8 +144,10 @@ export class PlanePanel {
           icon(kIcons.reset),
           "Reset",
         ),
+        this.#slab,
         this.#handle,
       ),
+      this.#thicknessRow,
       face,
       h("h3", {}, "Cut of the splats"),
       h(
@@ -112,25 +164,65 @@ export class PlanePanel {
   }
 
   flip(): void {
-    const { plane } = this.#viewer.state;
-    if (plane) {
-      this.#viewer.setPlane(flipped(plane));
+    const { cut } = this.#viewer;
+    if (cut) {
+      // What a slab keeps stays.
+      const plane = flipped(cut);
+      this.#viewer.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
     }
   }
 
+  /** Nothing cut, or what was before. */
   toggle(): void {
-    if (this.#viewer.state.plane) {
-      this.#viewer.setPlane(null);
+    const { cuts } = this.#viewer.state;
+    if (cuts.length > 0) {
+      this.#lastCuts = cuts;
+      this.#viewer.setCuts([]);
+    } else if (this.#lastCuts.length > 0) {
+      this.#viewer.setCuts(this.#lastCuts);
     } else {
-      this.#cutAcross(this.#lastNormal);
+      this.#cutAcross(kAxes.axial);
+    }
+  }
+
+  /** Cuts with one more plane, across the body axis that is cut least. */
+  add(): void {
+    const { cuts } = this.#viewer.state;
+    const plane = this.#planeAcross(freeAxis(cuts));
+    if (plane) {
+      this.#viewer.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
+    }
+  }
+
+  /** Without the active plane. */
+  remove(): void {
+    const { cuts, active } = this.#viewer.state;
+    this.#viewer.setCuts(
+      cuts.filter((_, i) => i !== active),
+      active - 1,
+    );
+  }
+
+  /** Moves another plane from now on. */
+  next(): void {
+    const { cuts, active } = this.#viewer.state;
+    if (cuts.length > 0) {
+      this.#viewer.setCuts(cuts, (active + 1) % cuts.length);
+    }
+  }
+
+  toggleSlab(): void {
+    const { cut } = this.#viewer;
+    if (cut) {
+      this.#setThickness(cut.thickness === null ? kThickness : null);
     }
   }
 
   /** Moves the plane along its normal, towards what it removes. */
   step(mm: number): void {
-    const { plane } = this.#viewer.state;
-    if (plane) {
-      this.#moveTo(-plane.offset + mm);
+    const { cut } = this.#viewer;
+    if (cut) {
+      this.#moveTo(-cut.offset + mm);
     }
   }
 
@@ -141,23 +233,25 @@ export class PlanePanel {
       const view = { azimuth: 28, elevation: 24, zoom: 1 };
       this.#viewer.state.view.pan.set(0, 0, 0);
       this.#viewer.setView(view);
+      this.#viewer.setCuts([]);
       this.#cutAcross(info.axis);
     }
   }
 
   update(): void {
-    const { state, info } = this.#viewer;
-    const { plane, clip, handle } = state;
+    const { state, info, cut } = this.#viewer;
+    const { cuts, active, clip, handle } = state;
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([plane, clip, handle, info?.bounds]);
+    const shown = JSON.stringify([cuts, active, clip, handle, info?.bounds]);
     if (shown === this.#shown) {
       return;
     }
     this.#shown = shown;
-    this.element.classList.toggle("off", !plane);
-    this.#power.setAttribute("aria-pressed", String(plane !== null));
+    this.element.classList.toggle("off", !cut);
+    this.#power.setAttribute("aria-pressed", String(cut !== null));
+    this.#updateCuts();
     this.#handle.setAttribute("aria-pressed", String(handle));
-    const orientation = plane && orientationOf(plane);
+    const orientation = cut && orientationOf(cut);
     for (const [name, button] of this.#orientations) {
       button.setAttribute("aria-pressed", String(name === orientation));
     }
@@ -165,41 +259,87 @@ export class PlanePanel {
       button.setAttribute("aria-pressed", String(name === clip));
     }
     this.#hint.textContent = kOperators[clip];
-    this.#slider.disabled = !plane;
-    if (plane && info) {
-      this.#lastNormal = plane.normal.clone();
+    this.#slider.disabled = !cut;
+    if (cut && info) {
       // The slider counts towards the removed side: to the right, less is removed.
-      const [min, max] = projectBox(info.bounds, plane.normal.clone().negate());
+      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
       this.#slider.min = String(min);
       this.#slider.max = String(max);
-      this.#slider.value = String(-plane.offset);
-      this.#side.textContent = orientation
-        ? `${capital(orientation)}, ${removedSide(plane)} removed`
-        : `Oblique, ${removedSide(plane)} removed`;
-      this.#readout.textContent = `${(-plane.offset - min).toFixed(1)} mm`;
+      this.#slider.value = String(-cut.offset);
+      this.#thickness.max = String(max - min);
+      this.#side.textContent = `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(cut)} removed`;
+      this.#readout.textContent = `${(-cut.offset - min).toFixed(1)} mm`;
     } else {
       this.#side.textContent = "Nothing is cut";
       this.#readout.textContent = "";
     }
+    this.#slab.setAttribute("aria-pressed", String(cut !== null && cut.thickness !== null));
+    this.#thicknessRow.hidden = cut === null || cut.thickness === null;
+    this.#thickness.value = String(cut?.thickness ?? kThickness);
+    this.#thicknessReadout.textContent = `${(cut?.thickness ?? 0).toFixed(1)} mm`;
   }
 
-  #cutAcross(axis: Vector3): void {
-    const { info, state } = this.#viewer;
-    if (info) {
-      this.#viewer.setPlane(
-        planeAcross(axis, info.bounds, viewDirection(state.view.azimuth, state.view.elevation)),
+  /** One button for each plane, where there are several. */
+  #updateCuts(): void {
+    const { cuts, active } = this.#viewer.state;
+    if (this.#cuts.children.length !== cuts.length) {
+      this.#cuts.replaceChildren(
+        ...cuts.map((_, i) =>
+          h(
+            "button",
+            { title: `Move plane ${i + 1} (E: the next)`, onclick: () => this.#activate(i) },
+            String(i + 1),
+          ),
+        ),
       );
+    }
+    [...this.#cuts.children].forEach((button, i) =>
+      button.setAttribute("aria-pressed", String(i === active)),
+    );
+    this.#several.hidden = cuts.length < 2;
+    const more = { normal: kAxes.axial, offset: 0, thickness: null };
+    this.#add.disabled = !canDraw([...cuts, more]);
+  }
+
+  #activate(index: number): void {
+    this.#viewer.setCuts(this.#viewer.state.cuts, index);
+  }
+
+  #planeAcross(axis: Vector3): Plane | null {
+    const { info, state } = this.#viewer;
+    return info && planeAcross(axis, info.bounds, viewDirection(state.view.azimuth, state.view.elevation));
+  }
+
+  /** Turns the plane, or makes it. */
+  #cutAcross(axis: Vector3): void {
+    const plane = this.#planeAcross(axis);
+    if (plane && this.#viewer.cut) {
+      this.#viewer.movePlane(plane);
+    } else if (plane) {
+      this.#viewer.setCuts([{ ...plane, thickness: null }]);
     }
   }
 
   /** Keeps the plane where it cuts something. */
   #moveTo(position: number): void {
-    const { info, state } = this.#viewer;
-    if (info && state.plane) {
-      const [min, max] = projectBox(info.bounds, state.plane.normal.clone().negate());
-      const offset = -Math.min(max, Math.max(min, position));
-      this.#viewer.setPlane({ normal: state.plane.normal, offset });
+    const { info, cut } = this.#viewer;
+    if (info && cut) {
+      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
+      this.#viewer.movePlane({
+        normal: cut.normal,
+        offset: -Math.min(max, Math.max(min, position)),
+      });
     }
+  }
+
+  /** null: a plane, not a slab. */
+  #setThickness(mm: number | null): void {
+    const { cuts, active } = this.#viewer.state;
+    const thickness = mm && Math.max(kLeastThickness, mm);
+    this.#viewer.setCuts(
+      cuts.map((cut, i) => (i === active ? { ...cut, thickness } : cut)),
+      active,
+    );
   }
 }
 

@@ -53,18 +53,11 @@ export class PointerControls {
     viewer.canvas.focus({ preventScroll: true });
     this.#pointers.set(event.pointerId, at);
     const grip = this.#pointers.size === 1 && event.button === 0 ? viewer.gripAt(at.x, at.y) : null;
-    if (grip && viewer.state.plane) {
+    if (grip && viewer.cut) {
       const { center, radius } = viewer.handle;
       const { view } = viewer.state;
       const { down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
-      const drag = new PlaneDrag(
-        grip,
-        viewer.state.plane,
-        center,
-        radius,
-        down.negate(),
-        viewer.ray(at.x, at.y),
-      );
+      const drag = new PlaneDrag(grip, viewer.cut, center, radius, down.negate(), viewer.ray(at.x, at.y));
       this.#gesture = { kind: "plane", drag };
       this.#setHover(grip);
     } else if (event.button === 2 && !event.shiftKey && this.#showsGreyAt(at)) {
@@ -87,7 +80,7 @@ export class PointerControls {
     this.#pointers.set(event.pointerId, at);
     const { view } = this.#viewer.state;
     if (this.#gesture.kind === "plane") {
-      this.#viewer.setPlane(this.#gesture.drag.move(this.#viewer.ray(at.x, at.y), event.shiftKey));
+      this.#viewer.movePlane(this.#gesture.drag.move(this.#viewer.ray(at.x, at.y), event.shiftKey));
     } else if (this.#gesture.kind === "orbit") {
       this.#viewer.setView({
         azimuth: wrapped(view.azimuth - kDegreesPerPixel * (at.x - before.x)),

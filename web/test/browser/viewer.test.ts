@@ -15,6 +15,7 @@ const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
 interface Shot {
   view: [number, number, number];
   plane: [number, number, number, number] | null;
+  more?: [number, number, number, number, number?][]; // planes, and slabs with their thickness
   clip: ClipOperator;
   section?: FaceSource;
   grey?: number;
@@ -38,6 +39,19 @@ const kShots: Shot[] = [
     (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
   ),
   ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
+  // A slab and two planes more; a second plane alone.
+  ...(["hard", "soft", "exact"] as const).flatMap((clip) =>
+    facesOf({
+      view: [30, 35, 1],
+      plane: [0, 0, -1, -40],
+      more: [
+        [0.2, -1, 0.1, -20, 45],
+        [1, 0.1, 0, -60],
+      ],
+      clip,
+    }),
+  ),
+  ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
   { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
   {
     view: [20, 60, 1],
@@ -68,27 +82,33 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
 
-  async function show({ view, plane, clip, section = "volume", grey = 0, shades }: Shot): Promise<void> {
+  async function show(shot: Shot): Promise<void> {
+    const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
     await page.evaluate(
-      ([[azimuth, elevation, zoom], cut, operator, source, share, [center, width]]) => {
+      ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width]]) => {
         window.clipgs.setView({ azimuth, elevation, zoom });
-        window.clipgs.setPlane(cut && { normal: cut.slice(0, 3) as Triple, offset: cut[3] });
+        window.clipgs.setCuts(
+          cuts.map(([x, y, z, offset, thickness]) => ({ normal: [x, y, z], offset, thickness })),
+        );
         window.clipgs.setClip(operator);
         window.clipgs.setSection(source);
         window.clipgs.setGrey(share);
         window.clipgs.setWindow({ center, width });
       },
-      [view, plane, clip, section, grey, shades ?? [40, 400]] as const,
+      [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400]] as const,
     );
   }
 
   /** What `clipgs render` makes of a shot. */
   async function rendered(
-    { view, plane, clip, section, grey, shades }: Shot,
+    { view, plane, more = [], clip, section, grey, shades }: Shot,
     size: string,
   ): Promise<Picture> {
     const path = join(session.folder, "render.png");
-    const cut = plane ? ["--plane", plane.join()] : [];
+    const cut = [...(plane ? [plane] : []), ...more].flatMap((numbers) => [
+      numbers.length > 4 ? "--slab" : "--plane",
+      numbers.join(),
+    ]);
     const source = section ? ["--section", section] : [];
     clipgs(
       "render",
@@ -110,7 +130,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   for (const shot of kShots) {
     const style = shot.grey ? `, grey ${shot.grey} ${shot.shades!.join()}` : "";
-    const cut = shot.plane ? `plane ${shot.plane.join()}, ${shot.clip}, ${shot.section}` : "uncut";
+    const more = shot.more?.map((numbers) => ` and ${numbers.join()}`).join("") ?? "";
+    const cut = shot.plane ? `plane ${shot.plane.join()}${more}, ${shot.clip}, ${shot.section}` : "uncut";
     it(`equals clipgs render: view ${shot.view.join()}, ${cut}${style}`, async () => {
       const truth = await rendered(shot, "300x220");
       await show(shot);
@@ -295,6 +316,14 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.mouse.click(at.x, at.y);
     await expect.poll(() => pins.getByRole("listitem").count()).toBe(1);
     expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
+    const pinned = await page.evaluate(() => window.clipgs.pins[0]!);
+    await page.waitForFunction(() => location.hash.split("pin=").length === 2);
+    const visitor = await session.open(new URL(page.url()).hash, errors);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const [followed] = await visitor.evaluate(() => window.clipgs.pins);
+    expect(Math.abs(followed!.value - pinned.value)).toBeLessThan(pinned.error);
+    expect(followed!.point[0]).toBeCloseTo(pinned.point[0], 2);
+    await visitor.close();
     expect(await page.evaluate(() => window.clipgs.addPin([1000, 0, 0]))).toBe(false);
     await page.evaluate(() => window.clipgs.removePin(0));
   });
@@ -389,6 +418,42 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect((await page.evaluate(() => window.clipgs.state.view)).azimuth).toBe(90);
     await page.keyboard.press("r");
     expect(await plane()).not.toBeNull();
+  });
+
+  it("cuts with several planes and slabs", async () => {
+    const cuts = () => page.evaluate(() => window.clipgs.state.cuts);
+    await show({ view: [20, 15, 1], plane: [0, 0, -1, 5], clip: "exact" });
+    await page.getByRole("button", { name: "Plane", exact: true }).click();
+    expect((await cuts()).map(({ normal }) => normal.map(Math.abs))).toEqual([
+      [0, 0, 1],
+      [0, 1, 0],
+    ]);
+    await page.getByRole("button", { name: "Slab" }).click();
+    expect((await cuts())[1]!.thickness).toBe(20);
+    await page.getByRole("slider", { name: "Thickness of the slab, mm" }).fill("35");
+    expect((await cuts()).map(({ thickness }) => thickness)).toEqual([undefined, 35]);
+    const before = await cuts();
+    await page.getByRole("button", { name: "Flip" }).click(); // turns the slab round where it is
+    expect((await cuts())[1]!.offset).toBeCloseTo(-before[1]!.offset - 35);
+    await page.waitForFunction(() => /plane=0,0,-1,5&slab=[-\d.,]+,35&/.test(location.hash));
+    await page.keyboard.press("n");
+    await page.keyboard.press("b");
+    expect((await cuts()).length).toBe(3);
+    await page.keyboard.press("n"); // the sixth plane
+    expect(await page.getByRole("button", { name: "Plane", exact: true }).isDisabled()).toBe(true);
+    await page.keyboard.press("n");
+    expect((await cuts()).length).toBe(4);
+    await page.keyboard.press("x");
+    await page.keyboard.press("e"); // from the third to the first
+    await page.keyboard.press("ArrowUp");
+    expect((await cuts()).map(({ offset }) => offset)[0]).toBeCloseTo(4);
+    const kept = await cuts();
+    await page.keyboard.press("p");
+    expect(await cuts()).toEqual([]);
+    await page.keyboard.press("p");
+    expect(await cuts()).toEqual(kept);
+    await page.keyboard.press("r");
+    expect((await cuts()).length).toBe(1);
   });
 
   it("says what it is not for, and keeps the view in the address", async () => {

@@ -11,12 +11,48 @@ import {
   projectOnto,
   signedDistance,
 } from "../../src/model/geometry";
+import { canDraw, planesOf } from "../../src/model/cut";
 import { formatLink, parseLink } from "../../src/model/link";
 import { PlaneDrag, snapped } from "../../src/model/plane_drag";
-import { orientationOf, planeAcross, removedSide } from "../../src/model/planes";
+import { freeAxis, kAxes, orientationOf, planeAcross, removedSide } from "../../src/model/planes";
 import { applyView, viewDirection, viewFrom } from "../../src/model/view";
 
 const box = { min: new Vector3(-100, -60, 0), max: new Vector3(100, 60, 300) };
+
+describe("cuts", () => {
+  const across = (z: number, offset: number, thickness: number | null = null) => ({
+    normal: new Vector3(0, 0, z),
+    offset,
+    thickness,
+  });
+  const aside = { normal: new Vector3(1, 0, 0), offset: 3, thickness: null };
+
+  it("keep of a slab what lies between its planes", () => {
+    const planes = planesOf([across(-1, -50, 20)]);
+    const keeps = (z: number) => planes.every((plane) => signedDistance(plane, new Vector3(0, 0, z)) >= 0);
+    expect([51, 49, 31, 29].map(keeps)).toEqual([false, true, true, false]);
+  });
+
+  it("have opposite planes one after the other", () => {
+    const planes = planesOf([across(1, 0), aside, across(-1, -9)]);
+    expect(planes.map(({ normal }) => [normal.x, normal.z])).toEqual([
+      [0, 1],
+      [0, -1],
+      [1, 0],
+    ]);
+  });
+
+  it("count the planes of slabs twice", () => {
+    expect(canDraw([across(1, 0, 5), across(1, 9, 5), across(1, 19, 5)])).toBe(true);
+    expect(canDraw([across(1, 0, 5), across(1, 9, 5), across(1, 19, 5), aside])).toBe(false);
+  });
+
+  it("leave the axis free that they cut least", () => {
+    expect(freeAxis([])).toBe(kAxes.axial);
+    expect(freeAxis([across(-1, 0)])).toBe(kAxes.coronal);
+    expect(freeAxis([across(-1, 0), { ...aside, normal: new Vector3(0, 1, 0) }])).toBe(kAxes.sagittal);
+  });
+});
 
 describe("planes", () => {
   it("measure distances towards the kept side", () => {
@@ -90,14 +126,22 @@ describe("the camera", () => {
 describe("links", () => {
   it("say again what they said", () => {
     const text =
-      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&window=40,400&size=512x384";
+      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&window=40,400&pin=1.5,-20,3&pin=0,0,9&size=512x384";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
   });
 
   it("normalise planes as clipgs render does", () => {
-    const { plane } = parseLink("#plane=0,0,-2,10");
-    expect([plane!.normal.z, plane!.offset]).toEqual([-1, 5]);
+    const [plane, slab] = parseLink("#plane=0,0,-2,10&slab=0,4,0,8,12").cuts!;
+    expect([plane!.normal.z, plane!.offset, plane!.thickness]).toEqual([-1, 5, null]);
+    expect([slab!.normal.y, slab!.offset, slab!.thickness]).toEqual([1, 2, 12]);
+  });
+
+  it("hold several planes and slabs, no more than can be drawn", () => {
+    const text = "#plane=0,0,-1,5&slab=1,0,0,-20,15&plane=0,1,0,3";
+    expect(formatLink(parseLink(text))).toBe(text);
+    expect(parseLink("#slab=1,0,0,0,9&slab=0,1,0,0,9&slab=0,0,1,0,9").cuts).toHaveLength(3);
+    expect(parseLink(`#${"plane=0,0,1,0&".repeat(7)}`)).toEqual({});
   });
 
   it("leave out what is not valid", () => {
@@ -109,6 +153,9 @@ describe("links", () => {
       "#view=1,2,0",
       "#view=1,2,3,4",
       "#plane=0,0,0,1",
+      "#plane=0,0,1,0,5",
+      "#slab=0,0,1,0",
+      "#slab=0,0,1,0,0",
       "#plane=1,2,3",
       "#plane=1,,3,4",
       "#clip=none",

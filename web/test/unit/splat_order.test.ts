@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
-import { Matrix4, PerspectiveCamera, Vector3 } from "three";
+import { Matrix4, PerspectiveCamera, Vector3, Vector4 } from "three";
 import { beforeAll, describe, expect, it } from "vitest";
 
 import {
@@ -44,17 +44,19 @@ function decode(scene: PackedScene, i: number): Splat {
 }
 
 /** Whether the renderer's definition (method.md §2 and §3) leaves anything of a splat to be seen. */
-function isVisible(splat: Splat, camera: SceneCamera, plane: number[], clip: number): boolean {
+function isVisible(splat: Splat, camera: SceneCamera, planes: Vector4[], clip: number): boolean {
   const t = splat.mean.clone().sub(camera.position).applyMatrix3(camera.rotation);
-  const normal = new Vector3().fromArray(plane);
-  const d = normal.dot(splat.mean) - plane[3]!;
-  const deviation = Math.hypot(...splat.axes.map((a) => a.dot(normal)));
   let opacity = splat.opacity;
-  if (clip === kClipOperators.soft) {
-    opacity *= Math.min(1, Math.max(0, 0.5 + d / (2 * deviation)));
-  }
-  if ((clip === kClipOperators.hard && d < 0) || (clip === kClipOperators.exact && d < -3 * deviation)) {
-    return false;
+  for (const { x, y, z, w } of planes) {
+    const normal = new Vector3(x, y, z);
+    const d = normal.dot(splat.mean) - w;
+    const deviation = Math.hypot(...splat.axes.map((a) => a.dot(normal)));
+    if (clip === kClipOperators.soft) {
+      opacity *= Math.min(1, Math.max(0, 0.5 + d / (2 * deviation)));
+    }
+    if ((clip === kClipOperators.hard && d < 0) || (clip === kClipOperators.exact && d < -3 * deviation)) {
+      return false;
+    }
   }
   if (opacity < 1 / 255 || t.z <= camera.near) {
     return false;
@@ -96,9 +98,9 @@ describe("the WASM module", () => {
     order.load(scene);
   });
 
-  function sorted(camera: SceneCamera, plane: number[], clip: number): number[] {
+  function sorted(camera: SceneCamera, planes: Vector4[], clip: number): number[] {
     const view = new Float32Array(kViewFloats);
-    writeSortView(view, camera, plane);
+    writeSortView(view, camera, planes);
     const indices = new Uint32Array(kCount);
     return [...indices.subarray(0, order.sort(view, clip, indices))];
   }
@@ -109,42 +111,46 @@ describe("the WASM module", () => {
     inside: cameraAt(new Vector3(0, 0, 0.05), new Vector3(0.1, 0.1, -0.1), 60),
   };
   const normal = new Vector3(0.3, -0.8, 0.5).normalize();
-  const plane = [...normal.toArray(), 0.02];
+  const plane = new Vector4(...normal.toArray(), 0.02);
+  const across = new Vector4(0.5, 0.5, Math.SQRT1_2, -0.05);
+  const cuts = [[plane], [plane, across]];
+  const shots = Object.entries(cameras).flatMap(([name, camera]) =>
+    [0, 1, 2, 3].flatMap((clip) => cuts.map((planes) => ({ name, camera, clip, planes }))),
+  );
 
-  for (const [name, camera] of Object.entries(cameras)) {
-    for (const clip of [0, 1, 2, 3]) {
-      it(`keeps all that is visible, far to near (${name} camera, operator ${clip})`, () => {
-        const got = sorted(camera, plane, clip);
-        expect(new Set(got).size).toBe(got.length);
+  for (const { name, camera, clip, planes } of shots) {
+    it(`keeps all that is visible, far to near (${name} camera, operator ${clip}, ${planes.length} planes)`, () => {
+      const got = sorted(camera, planes, clip);
+      expect(new Set(got).size).toBe(got.length);
 
-        // Depths fall, but for what a step of the counting sort cannot tell apart.
-        const depths = got.map(
-          (i) => splats[i]!.mean.clone().sub(camera.position).applyMatrix3(camera.rotation).z,
-        );
-        const step = (Math.max(...depths) - Math.min(...depths)) / 65535;
-        for (let k = 1; k < depths.length; ++k) {
-          expect(depths[k - 1]! - depths[k]!).toBeGreaterThan(-1.01 * step - 1e-6);
-        }
+      // Depths fall, but for what a step of the counting sort cannot tell apart.
+      const depths = got.map(
+        (i) => splats[i]!.mean.clone().sub(camera.position).applyMatrix3(camera.rotation).z,
+      );
+      const step = (Math.max(...depths) - Math.min(...depths)) / 65535;
+      for (let k = 1; k < depths.length; ++k) {
+        expect(depths[k - 1]! - depths[k]!).toBeGreaterThan(-1.01 * step - 1e-6);
+      }
 
-        // Nothing visible is lost, and culling is worth its while.
-        const visible = splats.flatMap((splat, i) => (isVisible(splat, camera, plane, clip) ? [i] : []));
-        const kept = new Set(got);
-        expect(visible.length).toBeGreaterThan(50);
-        expect(visible.filter((i) => !kept.has(i))).toEqual([]);
-        expect(got.length).toBeLessThan(1.5 * visible.length + 20);
-      });
-    }
+      // Nothing visible is lost, and culling is worth its while.
+      const cut = clip === kClipOperators.none ? [] : planes;
+      const visible = splats.flatMap((splat, i) => (isVisible(splat, camera, cut, clip) ? [i] : []));
+      const kept = new Set(got);
+      expect(visible.length).toBeGreaterThan(50);
+      expect(visible.filter((i) => !kept.has(i))).toEqual([]);
+      expect(got.length).toBeLessThan(1.5 * visible.length + 20);
+    });
   }
 
   it("gives nothing when everything is cut away or behind", () => {
-    expect(sorted(cameras.whole, [0, 0, 1, 5], kClipOperators.exact)).toEqual([]);
-    expect(sorted(cameraAt(new Vector3(0, 0, 2), new Vector3(0, 0, 4), 40), plane, 0)).toEqual([]);
+    expect(sorted(cameras.whole, [new Vector4(0, 0, 1, 5)], kClipOperators.exact)).toEqual([]);
+    expect(sorted(cameraAt(new Vector3(0, 0, 2), new Vector3(0, 0, 4), 40), [plane], 0)).toEqual([]);
   });
 
   it("takes another scene", () => {
     const few = parseSogMeta(makeArchive(makeMeta(3)));
     order.load(packScene(few, makeImages(few)));
-    const got = sorted(cameras.whole, plane, 0);
+    const got = sorted(cameras.whole, [plane], 0);
     expect(got.every((i) => i < 3)).toBe(true);
     order.load(scene);
   });
