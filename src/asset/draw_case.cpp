@@ -16,8 +16,8 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
     return std::nullopt;
   }
   if (options.reference) {
-    constexpr int kSamples = 3;
-    return draw_faces_reference(*contents.section, camera, cut, kSamples);
+    constexpr int kRays = 9;
+    return draw_faces_reference(*contents.section, camera, cut, kRays);
   }
   FaceOptions face_options;
   face_options.style = options.style;

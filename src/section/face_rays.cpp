@@ -35,6 +35,25 @@ float growth(float first, int count, float sum) {
   return low;
 }
 
+/// The part of a convex polygon where distance(point) >= 0.
+template <typename Distance>
+std::vector<Vec3> clipped(const std::vector<Vec3>& polygon, const Distance& distance) {
+  std::vector<Vec3> result;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3& a = polygon[i];
+    const Vec3& b = polygon[(i + 1) % polygon.size()];
+    const float da = distance(a);
+    const float db = distance(b);
+    if (da >= 0) {
+      result.push_back(a);
+    }
+    if ((da >= 0) != (db >= 0)) {
+      result.push_back(glm::mix(a, b, da / (da - db)));
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut, int taps)
@@ -98,10 +117,54 @@ bool FaceRays::any() const {
   return std::ranges::any_of(faces_, [](const Face& face) { return face.distance < 0; });
 }
 
-int FaceRays::samples_for_detail() const {
-  const Vec3 center = section_.world_from_index(0.5f * Vec3(section_.dims - 1));
-  const float pixel = glm::length(center - camera_.position) / camera_.fx;
-  return std::clamp(static_cast<int>(std::ceil(pixel / mean_spacing(section_.spacing))), 1, 4);
+std::vector<Vec3> FaceRays::polygon_of(const Face& face) const {
+  constexpr float kSlack = 0.01f;  // mm: a side of the box may be the face
+  const Vec3 last(section_.dims - 1);
+  const Vec3 center = section_.world_from_index(0.5f * last);
+  const float reach = glm::length(last * section_.spacing);
+  // How far a point lies from a face on the removed side.
+  const auto above = [&](const Face& f, const Vec3& point) {
+    return glm::dot(f.outward, point - camera_.position) - f.distance;
+  };
+  const Vec3 at = center - above(face, center) * face.outward;
+  Vec3 u;
+  Vec3 v;
+  orthonormal_basis(face.outward, u, v);
+  std::vector<Vec3> polygon = {at - reach * u - reach * v, at + reach * u - reach * v,
+                               at + reach * u + reach * v, at - reach * u + reach * v};
+  for (int k = 0; k < 3; ++k) {
+    const auto along = [&](const Vec3& point) {
+      return glm::dot(section_.direction[k], point - section_.origin);
+    };
+    const float length = last[k] * section_.spacing[k];
+    polygon = clipped(polygon, [&](const Vec3& point) { return along(point) + kSlack; });
+    polygon = clipped(polygon, [&](const Vec3& point) { return length - along(point) + kSlack; });
+  }
+  for (const Face& other : faces_) {
+    polygon = clipped(polygon, [&](const Vec3& point) { return kSlack - above(other, point); });
+  }
+  return polygon;
+}
+
+PixelBox FaceRays::covered() const {
+  constexpr float kNear = 1e-3f;  // mm
+  const glm::ivec2 size(camera_.width, camera_.height);
+  Vec2 low(size);
+  Vec2 high(0);
+  for (const Face& face : faces_) {
+    for (const Vec3& corner : face.distance < 0 ? polygon_of(face) : std::vector<Vec3>()) {
+      const Vec3 p = camera_.to_camera(corner);
+      if (p.z < kNear) {
+        return {glm::ivec2(0), size};
+      }
+      const Vec2 pixel(camera_.fx * p.x / p.z + camera_.cx, camera_.fy * p.y / p.z + camera_.cy);
+      low = glm::min(low, pixel);
+      high = glm::max(high, pixel);
+    }
+  }
+  const Vec2 limit(size);
+  return {glm::ivec2(glm::clamp(low - 1.0f, Vec2(0), limit)),
+          glm::ivec2(glm::clamp(high + 2.0f, Vec2(0), limit))};
 }
 
 std::optional<FaceRay> FaceRays::through(float x, float y) const {
@@ -135,8 +198,10 @@ std::optional<FaceRay> FaceRays::through(float x, float y) const {
     if (at[k] < -kSlack || at[k] > last + kSlack) {
       return std::nullopt;  // in through a side of the box, not through the face
     }
-    const float side = ray.step[k] > 0 ? last : 0;
-    ray.leave = std::min(ray.leave, (side - origin_[k]) / ray.step[k]);
+    if (ray.step[k] != 0) {
+      const float side = ray.step[k] > 0 ? last : 0;
+      ray.leave = std::min(ray.leave, (side - origin_[k]) / ray.step[k]);
+    }
   }
   if (!(ray.enter < ray.leave)) {
     return std::nullopt;

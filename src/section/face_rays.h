@@ -28,6 +28,21 @@ struct FaceRay {
   float leave = 0;
 };
 
+/// Where in a pixel ray `i` of `count` goes, 0…1: one through the middle, more of them spread by
+/// the golden ratio, so that no two are in line with a side of the pixel and edges at any angle are
+/// smooth.
+inline Vec2 place_in_pixel(int i, int count) {
+  constexpr float kGolden = 0.618034f;
+  const float along = 0.5f + kGolden * static_cast<float>(i);
+  return {along - std::floor(along), (static_cast<float>(i) + 0.5f) / static_cast<float>(count)};
+}
+
+/// Pixels from `low` to before `high`.
+struct PixelBox {
+  glm::ivec2 low{0};
+  glm::ivec2 high{0};
+};
+
 /// The rays of one camera through the faces that planes expose, and through the section's ends:
 /// what drawing a face and fitting its reflectances share.
 class FaceRays {
@@ -36,26 +51,21 @@ class FaceRays {
 
   /// Whether the camera stands before any face.
   bool any() const;
-  /// Rays a pixel, along either side, that the section has detail for: 1 to 4.
-  int samples_for_detail() const;
+  /// No ray outside these pixels meets a face.
+  PixelBox covered() const;
   /// The ray through image coordinates (x, y), if it meets a face first.
   std::optional<FaceRay> through(float x, float y) const;
 
   /// Section's index of the point `t` mm from the camera.
   Vec3 index_at(const FaceRay& ray, float t) const { return origin_ + t * ray.step; }
 
-  /// Calls use(ray) for the rays of pixel (x, y) that meet a face first; `samples` × `samples` are
-  /// spread evenly over it.
+  /// Calls use(ray) for those of `count` rays through pixel (x, y) that meet a face first.
   template <typename Use>
-  void for_rays(int x, int y, int samples, const Use& use) const {
-    const float step = 1.0f / static_cast<float>(samples);
-    for (int i = 0; i < samples; ++i) {
-      const float v = static_cast<float>(y) + (static_cast<float>(i) + 0.5f) * step;
-      for (int j = 0; j < samples; ++j) {
-        const float u = static_cast<float>(x) + (static_cast<float>(j) + 0.5f) * step;
-        if (const std::optional<FaceRay> ray = through(u, v)) {
-          use(*ray);
-        }
+  void for_rays(int x, int y, int count, const Use& use) const {
+    for (int i = 0; i < count; ++i) {
+      const Vec2 at = Vec2(x, y) + place_in_pixel(i, count);
+      if (const std::optional<FaceRay> ray = through(at.x, at.y)) {
+        use(*ray);
       }
     }
   }
@@ -114,6 +124,9 @@ class FaceRays {
     const float at = (value - low_) * entries_per_value_ + 0.5f;
     return std::min(static_cast<size_t>(std::max(at, 0.0f)), kEntries - 1);
   }
+
+  /// The part of a face that the section's box and the other faces leave: a convex polygon, RAS mm.
+  std::vector<Vec3> polygon_of(const Face& face) const;
 
   const Section& section_;
   Camera camera_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "core/parallel.h"
 #include "section/face_light.h"
@@ -117,11 +119,11 @@ Vec4 grey_at(const Section& section, const FaceRays& rays, const FaceRay& ray,
   return {Vec3(alpha * shade), alpha};
 }
 
-Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int samples,
+Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int count,
                 const FaceStyle& style) {
   PixelSum cinematic(section, rays);
   Vec4 grey(0);
-  rays.for_rays(x, y, samples, [&](const FaceRay& ray) {
+  rays.for_rays(x, y, count, [&](const FaceRay& ray) {
     if (style.grey < 1) {
       cinematic.add(ray);
     }
@@ -129,8 +131,37 @@ Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int 
       grey += grey_at(section, rays, ray, style.window);
     }
   });
-  const int count = samples * samples;
   return glm::mix(cinematic.color(count), grey / static_cast<float>(count), style.grey);
+}
+
+/// Whether a pixel differs visibly from one beside it.
+bool has_edge(const Image& image, int x, int y) {
+  constexpr float kVisible = 0.05f;  // of the display's range
+  const auto differs = [&](int other_x, int other_y) {
+    if (other_x < 0 || other_y < 0 || other_x >= image.width || other_y >= image.height) {
+      return false;
+    }
+    const float* a = image.at(x, y);
+    const float* b = image.at(other_x, other_y);
+    return std::abs(a[0] - b[0]) > kVisible || std::abs(a[1] - b[1]) > kVisible ||
+           std::abs(a[2] - b[2]) > kVisible || std::abs(a[3] - b[3]) > kVisible;
+  };
+  return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) || differs(x, y + 1);
+}
+
+/// 1 for the pixels of a box that have edges, row by row.
+std::vector<std::uint8_t> find_edges(const Image& image, const PixelBox& box) {
+  const glm::ivec2 size = glm::max(box.high - box.low, glm::ivec2(0));
+  std::vector<std::uint8_t> edges(static_cast<size_t>(size.x) * size.y);
+  parallel_for(static_cast<size_t>(size.y), 16, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      for (int x = 0; x < size.x; ++x) {
+        const bool edge = has_edge(image, box.low.x + x, box.low.y + static_cast<int>(row));
+        edges[row * size.x + x] = edge ? 1 : 0;
+      }
+    }
+  });
+  return edges;
 }
 
 }  // namespace
@@ -142,19 +173,30 @@ Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
   if (!rays.any()) {
     return image;
   }
-  const int samples = options.samples > 0 ? options.samples : rays.samples_for_detail();
-  parallel_for(static_cast<size_t>(camera.height), 4, [&](size_t begin, size_t end) {
-    for (size_t row = begin; row < end; ++row) {
-      const int y = static_cast<int>(row);
-      for (int x = 0; x < camera.width; ++x) {
-        const Vec4 color = draw_pixel(section, rays, x, y, samples, options.style);
-        float* out = image.at(x, y);
-        for (int c = 0; c < 4; ++c) {
-          out[c] = color[c];
+  const PixelBox box = rays.covered();
+  // draw(count, wanted): the wanted pixels, by `count` rays each.
+  const auto draw = [&](int count, const auto& wanted) {
+    const auto rows = static_cast<size_t>(std::max(0, box.high.y - box.low.y));
+    parallel_for(rows, 4, [&](size_t begin, size_t end) {
+      for (size_t row = begin; row < end; ++row) {
+        const int y = box.low.y + static_cast<int>(row);
+        for (int x = box.low.x; x < box.high.x; ++x) {
+          if (wanted(x, y)) {
+            const Vec4 color = draw_pixel(section, rays, x, y, count, options.style);
+            std::copy_n(&color[0], 4, image.at(x, y));
+          }
         }
       }
-    }
-  });
+    });
+  };
+  draw(std::max(1, options.rays), [](int, int) { return true; });
+  if (options.rays == 0) {
+    const std::vector<std::uint8_t> edges = find_edges(image, box);
+    draw(FaceOptions::kMostRays, [&](int x, int y) {
+      return edges[static_cast<size_t>(y - box.low.y) * (box.high.x - box.low.x) + x - box.low.x] !=
+             0;
+    });
+  }
   return image;
 }
 

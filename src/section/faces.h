@@ -21,8 +21,9 @@ struct FaceStyle {
 };
 
 struct FaceOptions {
-  int taps = 8;     ///< samples along a ray, from the face inwards
-  int samples = 0;  ///< rays a pixel along either side; 0: as many as the section has detail for
+  static constexpr int kMostRays = 8;
+  int taps = 8;  ///< samples along a ray, from the face inwards
+  int rays = 0;  ///< a pixel; 0: one, and kMostRays where that differs from a pixel beside it
   FaceStyle style = {};
 };
 
@@ -35,8 +36,7 @@ struct FaceOptions {
 Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options = {});
 
-/// The same in double precision by many small steps: what the fast one is held to.
-Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut,
-                           int samples);
+/// The same in double precision by many small steps, `rays` a pixel: what the fast one is held to.
+Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut, int rays);
 
 }  // namespace clipgs

@@ -70,7 +70,7 @@ void compare(const Section& section, const CinemaScene& scene, const Plane& plan
   options.seed = seed;
   const Picture picture = render_picture(scene, camera, plane, options);
   const Image truth = picture.mean();
-  const Image faces = draw_faces(section, camera, plane, {8, 3});
+  const Image faces = draw_faces(section, camera, plane, {8, 9});
   for (size_t i = 0; i < faces.data.size(); i += 4) {
     if (faces.data[i + 3] < 0.999f) {
       continue;
@@ -164,9 +164,9 @@ TEST(Faces, FastIsTheReference) {
     for (int i = 0; i < 4; ++i) {
       const Plane plane = random_plane(rng);
       const Camera camera = facing(plane, rng, 40);
-      const Image reference = draw_faces_reference(section, camera, plane, 2);
-      const Image many = draw_faces(section, camera, plane, {200, 2});
-      const Image few = draw_faces(section, camera, plane, {8, 2});
+      const Image reference = draw_faces_reference(section, camera, plane, 4);
+      const Image many = draw_faces(section, camera, plane, {200, 4});
+      const Image few = draw_faces(section, camera, plane, {8, 4});
       EXPECT_LT(rms(many, reference), 0.006) << "extinction " << extinction << " plane " << i;
       EXPECT_LT(rms(few, reference), 0.025) << "extinction " << extinction << " plane " << i;
     }

@@ -64,10 +64,11 @@ struct Pixel {
   float alpha = 0;
 };
 
-Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y, int samples) {
+Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y) {
   Pixel pixel;
-  const float share = 1.0f / static_cast<float>(samples * samples);
-  rays.for_rays(x, y, samples, [&](const FaceRay& ray) {
+  constexpr int kRays = 4;
+  constexpr float share = 1.0f / kRays;
+  rays.for_rays(x, y, kRays, [&](const FaceRay& ray) {
     const auto add = [&](float weight, const Vec3& sampled, float code,
                          const FaceMaterial& material, bool surface) {
       Vec3 light =
@@ -102,14 +103,13 @@ void for_face_pixels(const Section& section, const Dataset& dataset, const Frame
     return;
   }
   const Image truth = dataset.load(frame);
-  const int samples = rays.samples_for_detail();
   for (int y = 0; y < truth.height; y += kStride) {
     for (int x = 0; x < truth.width; x += kStride) {
       const float* rgba = truth.at(x, y);
       if (truth.channels == 4 && rgba[3] < kOpaque) {
         continue;
       }
-      const Pixel pixel = pixel_of(section, rays, x, y, samples);
+      const Pixel pixel = pixel_of(section, rays, x, y);
       if (pixel.alpha > kOpaque) {
         use(pixel,
             Vec3(linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])) /

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "section/face_light.h"
+#include "section/face_rays.h"
 #include "section/faces.h"
 
 namespace clipgs {
@@ -123,8 +124,7 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
 
 }  // namespace
 
-Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut,
-                           int samples) {
+Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut, int rays) {
   Image image(camera.width, camera.height, 4);
   std::vector<Plane> faces(cut.planes().begin(), cut.planes().end());
   const std::vector<Plane> ends = section.ends();
@@ -132,13 +132,13 @@ Image draw_faces_reference(const Section& section, const Camera& camera, const C
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       glm::dvec4 sum(0);
-      for (int i = 0; i < samples * samples; ++i) {
-        const double u = x + (i % samples + 0.5) / samples;
-        const double v = y + (i / samples + 0.5) / samples;
-        const DVec3 local((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
+      for (int i = 0; i < rays; ++i) {
+        const Vec2 at = place_in_pixel(i, rays);
+        const DVec3 local((x + double{at.x} - camera.cx) / camera.fx,
+                          (y + double{at.y} - camera.cy) / camera.fy, 1.0);
         sum += trace(section, camera, faces, glm::normalize(local * glm::dmat3(camera.rotation)));
       }
-      sum /= static_cast<double>(samples) * samples;
+      sum /= static_cast<double>(rays);
       float* out = image.at(x, y);
       for (int c = 0; c < 3 && sum.a > 0; ++c) {
         const auto straight = static_cast<float>(section.exposure * sum[c] / sum.a);

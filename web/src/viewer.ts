@@ -70,8 +70,8 @@ const kMinScale = 0.35;
 /** The first frames of a case compile and upload: they say nothing about speed. */
 const kWarmUpFrames = 4;
 const kMaxPixelRatio = 2;
-/** Rays through a pixel of a face, along either side, once nothing moves. */
-const kMaxRays = 2;
+/** Rays through a pixel of a face once nothing moves (FaceOptions::kMostRays of src/section/faces.h). */
+const kMostRays = 8;
 /** Of one case. */
 const kMaxPins = 20;
 /** A pin belongs to a face this near to it, mm. */
@@ -396,7 +396,7 @@ export class Viewer {
       this.#placeCamera(width, height, noInset);
       await this.#sort(current, width, height);
       this.#placeCamera(width, height, noInset);
-      return await this.#layer.read(this.#subject(current, kMaxRays), this.#camera, width, height);
+      return await this.#layer.read(this.#subject(current, kMostRays, height), this.#camera, width, height);
     } finally {
       this.#capturing = false;
       this.#touch();
@@ -514,22 +514,25 @@ export class Viewer {
     this.#splatsStale = false;
     this.#canvasStale = true;
     this.stats.scale = moving ? this.#movingScale : 1;
-    const subject = this.#subject(current, moving ? 1 : kMaxRays);
+    const subject = this.#subject(current, moving ? 1 : kMostRays, this.#height);
     this.#coarse = moving && (this.stats.scale < 1 || subject.faces !== null);
     this.#layer.draw(subject, this.#camera, this.stats.scale);
   }
 
-  /** What is drawn of a case, as the state says; `rays` a pixel of a face, along either side, at most. */
-  #subject({ mesh, faces }: OpenCase, rays: number): Subject {
+  /** What is drawn of a case, as the state says, with `rays` a pixel of a face, in a picture of `height` px. */
+  #subject({ mesh, faces, info }: OpenCase, rays: number, height: number): Subject {
     const { cuts, clip, section, grey } = this.state;
     const planes = planesOf(cuts);
     mesh.setClip(planes, clip);
     if (!faces || section === "splats") {
       return { mesh, faces: null };
     }
-    faces.setPlanes(planes);
+    // A pixel at the far side of the case, mm.
+    const reach = this.#eye.distanceTo(info.sphere.center) + info.sphere.radius;
+    const pixel = (2 * reach * Math.tan((this.#camera.fov * Math.PI) / 360)) / height;
+    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0);
     faces.setStyle(grey, this.window);
-    faces.maxRays = rays;
+    faces.rays = rays;
     return { mesh, faces };
   }
 

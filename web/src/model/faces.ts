@@ -84,11 +84,6 @@ export function gridMiddle(grid: Grid): Vector3 {
   return middle.applyMatrix4(indexFromPatient(grid).invert());
 }
 
-/** Rays a pixel, along either side, that a section has detail for, where pixels are `pixel` mm at its middle. */
-export function raysForDetail({ spacing }: Grid, pixel: number, most: number): number {
-  return Math.min(most, Math.max(1, Math.ceil(pixel / meanSpacing(spacing))));
-}
-
 /** The part of a convex polygon that a plane keeps, moved by `slack` mm towards what it removes. */
 function clipped(polygon: Vector3[], plane: Plane, slack: number): Vector3[] {
   const result: Vector3[] = [];
@@ -141,10 +136,10 @@ export function sectionEnds(section: Section): Plane[] {
 
 /**
  * The faces that planes expose of what all of them keep of a section's box: for each plane a convex polygon (RAS
- * mm), counterclockwise seen from the removed side, or nothing. What they bound is convex: faces that a camera sees
+ * mm), `margin` mm wider than the face, counterclockwise seen from the removed side, or nothing. What they bound is convex: faces that a camera sees
  * from their removed sides do not overlap in its picture.
  */
-export function facePolygons(grid: Grid, planes: readonly Plane[]): Vector3[][] {
+export function facePolygons(grid: Grid, planes: readonly Plane[], margin = 0): Vector3[][] {
   const sides = boxSides(grid);
   const middle = gridMiddle(grid);
   const reach = Math.hypot(...grid.dims.map((n, k) => n * grid.spacing[k]!));
@@ -160,10 +155,11 @@ export function facePolygons(grid: Grid, planes: readonly Plane[]): Vector3[][] 
       [1, 1],
       [-1, 1],
     ].map(([a, b]) => at.clone().addScaledVector(u, a!).addScaledVector(v, b!));
-    const inside = sides.reduce((polygon, side) => clipped(polygon, side, kSlack), square);
+    const inside = sides.reduce((polygon, side) => clipped(polygon, side, margin + kSlack), square);
     // Of planes that coincide the first has the face.
     return planes.reduce(
-      (polygon, other, k) => (k === i ? polygon : clipped(polygon, other, k < i ? -kSlack : kSlack)),
+      (polygon, other, k) =>
+        k === i ? polygon : clipped(polygon, other, margin + (k < i ? -kSlack : kSlack)),
       inside,
     );
   });

@@ -1,6 +1,7 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  CustomBlending,
   Data3DTexture,
   DataTexture,
   DataUtils,
@@ -11,7 +12,7 @@ import {
   LinearFilter,
   Mesh,
   NoBlending,
-  type PerspectiveCamera,
+  OneFactor,
   RawShaderMaterial,
   RedFormat,
   RGBAFormat,
@@ -20,18 +21,9 @@ import {
   Vector2,
   Vector3,
   Vector4,
-  type WebGLRenderer,
 } from "three";
 
-import {
-  facePolygons,
-  gridMiddle,
-  indexFromPatient,
-  planSteps,
-  raysForDetail,
-  sectionEnds,
-  surfaceDepth,
-} from "../model/faces";
+import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
 import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
@@ -39,7 +31,6 @@ import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type Section } from "../sog/section";
 import { shader } from "./shaders";
-import { viewportSize } from "./splat_mesh";
 
 const kTableRows = 4;
 const kGlossRow = 2;
@@ -139,7 +130,10 @@ function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels:
     defines: { kOpaque: opaque ? 1 : 0, kChannels: channels, kColumns },
     depthWrite: opaque,
     depthFunc: LessDepth,
-    blending: NoBlending,
+    transparent: !opaque,
+    blending: opaque ? NoBlending : CustomBlending,
+    blendSrc: OneFactor,
+    blendDst: OneFactor,
   });
   const mesh = new Mesh(new BufferGeometry(), material);
   mesh.renderOrder = -1;
@@ -163,13 +157,9 @@ export class SectionFaces {
   readonly #uniforms: Record<string, IUniform>;
   /** On the GPU: sRGB, or codes and their values. */
   readonly bytes: number;
-  /** Rays a pixel, along either side, at most: as many as the section has detail for. */
-  maxRays = 1;
-  readonly #middle: Vector3; // world
   /** The sides of the volume that are faces. */
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
-  readonly #size = new Vector2();
 
   constructor(section: Section) {
     this.section = section;
@@ -195,24 +185,25 @@ export class SectionFaces {
     this.opaque = faceMesh(this.#uniforms, true, section.channels);
     this.partial = faceMesh(this.#uniforms, false, section.channels);
     this.ends = sectionEnds(section);
-    this.#middle = gridMiddle(section).applyMatrix4(kWorldFromPatient);
-    for (const mesh of this.#meshes) {
-      mesh.onBeforeRender = (renderer, _scene, camera) => {
-        this.#uniforms["uRays"]!.value = this.#rays(renderer, camera as PerspectiveCamera);
-        mesh.material.uniformsNeedUpdate = true;
-      };
-    }
   }
 
-  /** Shows the faces that planes (RAS mm) expose, and those where the volume ends in matter. */
-  setPlanes(planes: readonly Plane[]): void {
+  /** Rays a pixel. */
+  set rays(count: number) {
+    this.#uniforms["uRays"]!.value = count;
+  }
+
+  /**
+   * Shows the faces that planes (RAS mm) expose, and those where the volume ends in matter. Their edges are smooth
+   * where a pixel is no more than `margin` mm and has several rays.
+   */
+  setPlanes(planes: readonly Plane[], margin: number): void {
     planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
     this.#uniforms["uPlaneCount"]!.value = planes.length;
     const all = [...planes, ...this.ends];
     const corners: number[] = [];
     const outwards: number[] = [];
     const lights: number[] = [];
-    facePolygons(this.section, all).forEach((polygon, i) => {
+    facePolygons(this.section, all, margin).forEach((polygon, i) => {
       const outward = all[i]!.normal.clone().negate();
       const light = faceDiffuse(this.section.rig, outward).toArray();
       const surface = surfaceDepth(this.section, outward);
@@ -264,12 +255,5 @@ export class SectionFaces {
 
   get #meshes(): FaceMesh[] {
     return [this.opaque, this.partial];
-  }
-
-  #rays(renderer: WebGLRenderer, camera: PerspectiveCamera): number {
-    viewportSize(renderer, camera, this.#size);
-    const focal = 0.5 * this.#size.y * camera.projectionMatrix.elements[5]!;
-    const metres = this.#middle.distanceTo(new Vector3().setFromMatrixPosition(camera.matrixWorld));
-    return raysForDetail(this.section, (1000 * metres) / focal, this.maxRays);
   }
 }

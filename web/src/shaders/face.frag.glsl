@@ -1,5 +1,6 @@
 // Exposed faces: premultiplied display sRGB. Drawn twice: before the splats where no splat is seen behind the face
-// (kOpaque 1), which then keeps them away by its depth, and elsewhere into a picture of their own.
+// (kOpaque 1), which then keeps them away by its depth, and elsewhere into a picture of their own, where the faces
+// that share a pixel add up: each ray meets one.
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -20,7 +21,7 @@ uniform sampler2D uMaterials;
 uniform vec2 uSteps[kTaps];
 uniform vec4 uPlanes[kMaxPlanes];
 uniform int uPlaneCount;
-uniform int uRays;  // a pixel, along either side
+uniform int uRays;  // a pixel
 uniform bool uGlossy;
 uniform float uGrey;  // 0 cinematic … 1 values through the window
 uniform LightRig uRig;
@@ -47,12 +48,15 @@ void main() {
   vec3 last = vec3(textureSize(uVoxels, 0) - 1);
   FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0);
   vec4 grey = vec4(0.0);
-  for (int i = 0; i < uRays * uRays; ++i) {
-    vec2 offset = (vec2(i % uRays, i / uRays) + 0.5) / float(uRays) - 0.5;
-    vec3 position = vPosition + offset.x * right + offset.y * up;
+  for (int i = 0; i < uRays; ++i) {
+    vec2 offset = placeInPixel(i, uRays) - 0.5;
+    vec3 position = vPosition + offset.x * right - offset.y * up;
     vec3 direction = normalize(position - eye);
     FaceRay ray;
     ray.start = (uIndexFromPatient * vec4(position, 1.0)).xyz;
+    if (!isInBox(ray.start, last) || !isKept(position, uPlanes, uPlaneCount)) {
+      continue;  // at the edge of the face: it meets another one, or none
+    }
     ray.stride = mat3(uIndexFromPatient) * direction;
     ray.slope = -dot(vOutward, direction);
     ray.leave = min(distanceToSide(ray.start, ray.stride, last),
@@ -65,7 +69,7 @@ void main() {
       grey += greyAt(ray.start, uVoxels, uValues, uMaterials);
     }
   }
-  float rays = float(uRays * uRays);
+  float rays = float(uRays);
   vec4 color = mix(cinematic(sum, normalize(eye - vPosition), rays), grey / rays, uGrey);
   bool opaque = color.a > 0.999;
   if (color.a <= 0.0 || opaque != (kOpaque == 1)) {

@@ -78,6 +78,27 @@ vec4 greyAt(vec3 index, highp sampler3D voxels, highp sampler3D values, sampler2
   return alpha * vec4(kChannels == 3 ? voxel.rgb : shade, 1.0);
 }
 
+// Where in a pixel ray i of count goes, 0…1 from its top left.
+vec2 placeInPixel(int i, int count) {
+  return vec2(fract(0.5 + 0.618034 * float(i)), (float(i) + 0.5) / float(count));
+}
+
+// Whether a face may be at an index.
+bool isInBox(vec3 index, vec3 last) {
+  const float kSlack = 1e-3;  // voxels: a side may be the face
+  return all(greaterThanEqual(index, vec3(-kSlack))) && all(lessThanEqual(index, last + kSlack));
+}
+
+// Whether all planes, which keep xyz·x >= w, keep a point of one of them (RAS mm).
+bool isKept(vec3 position, vec4 planes[kMaxPlanes], int count) {
+  const float kSlack = 1e-3;  // mm
+  bool kept = true;
+  for (int i = 0; i < count; ++i) {
+    kept = kept && dot(planes[i].xyz, position) - planes[i].w >= -kSlack;
+  }
+  return kept;
+}
+
 // How far a ray runs from inside the volume to its side, mm.
 float distanceToSide(vec3 start, vec3 stride, vec3 last) {
   vec3 s = mix(stride, vec3(1e-6), lessThan(abs(stride), vec3(1e-6)));

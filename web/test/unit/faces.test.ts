@@ -9,7 +9,6 @@ import {
   indexFromPatient,
   planSteps,
   sectionEnds,
-  raysForDetail,
   surfaceDepth,
 } from "../../src/model/faces";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
@@ -106,14 +105,6 @@ describe("a section's grid", () => {
     expect(surfaceDepth(section, new Vector3(0, 1, 0))).toBeCloseTo(0.5);
     expect(surfaceDepth(section, new Vector3(1, 0, 0))).toBeCloseTo(0.25);
     expect(surfaceDepth(section, new Vector3(0, 0, -1))).toBeCloseTo(0.75);
-  });
-
-  it("tells how many rays a pixel shows detail", () => {
-    const mean = Math.cbrt(3);
-    expect(raysForDetail(section, 0.9 * mean, 4)).toBe(1);
-    expect(raysForDetail(section, 1.1 * mean, 4)).toBe(2);
-    expect(raysForDetail(section, 9 * mean, 4)).toBe(4);
-    expect(raysForDetail(section, 9 * mean, 1)).toBe(1);
   });
 });
 
