@@ -1,5 +1,5 @@
 import { execFileSync, spawn, type ChildProcess } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { createInterface } from "node:readline";
@@ -22,45 +22,54 @@ export function clipgs(...args: string[]): string {
   });
 }
 
-/** A case made of the phantom: hardly trained, but with everything a case has. */
+/** A case of a volume, in the folder `work`: hardly trained, but with everything a case has. */
+function makeCase(volume: string, preset: string, title: string, work: string, out: string): void {
+  const dataset = join(work, "dataset");
+  const scene = join(work, "scene.ply");
+  const pictures =
+    "--size 96 --train-frames 24 --train-spp 4 --test-frames 1 --test-noise-db 15 --test-spp 8";
+  clipgs("dataset", volume, "-o", dataset, "--preset", preset, ...pictures.split(" "), "--points", "20000");
+  clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 20000 --sh-degree 3".split(" "));
+  clipgs("pack", scene, "-o", out, "--title", title);
+}
+
 export function makePhantomCase(work: string, out: string): void {
-  const at = (name: string) => join(work, name);
-  clipgs("phantom", at("phantom.nii.gz"), "--size", "96");
-  clipgs(
-    "dataset",
-    at("phantom.nii.gz"),
-    "-o",
-    at("dataset"),
-    "--preset",
-    "skin-and-bone",
-    "--size",
-    "96",
-    "--train-frames",
-    "24",
-    "--train-spp",
-    "4",
-    "--test-frames",
-    "1",
-    "--test-noise-db",
-    "15",
-    "--test-spp",
-    "8",
-    "--points",
-    "20000",
-  );
-  clipgs(
-    "train",
-    at("dataset"),
-    "-o",
-    at("scene.ply"),
-    "--steps",
-    "100",
-    "--budget",
-    "20000",
-    "--sh-degree",
-    "3",
-  );
-  clipgs("pack", at("scene.ply"), "-o", out, "--title", "Torso phantom");
+  const volume = join(work, "phantom.nii.gz");
+  clipgs("phantom", volume, "--size", "96");
+  makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
+}
+
+/** A case of colour photographs: a ball with stripes of three colours, and a hole in it, on black. */
+export function makePhotoCase(work: string, out: string): void {
+  const n = 48;
+  const colors = [
+    [200, 120, 90],
+    [90, 160, 110],
+    [230, 220, 200],
+  ] as const;
+  const rgb = Buffer.alloc(3 * n ** 3);
+  for (let i = 0; i < n ** 3; ++i) {
+    const [x, y, z] = [i % n, Math.floor(i / n) % n, Math.floor(i / n ** 2)].map((at) => at - 0.5 * (n - 1));
+    const radius = Math.hypot(x!, y!, z!);
+    if (radius < 20 && Math.hypot(x! - 5, y! + 4) > 5) {
+      rgb.set(colors[Math.floor((x! + 2 * z! + 90) / 7) % 3]!, 3 * i);
+    }
+  }
+  const header = [
+    "NRRD0004",
+    "type: uchar",
+    "dimension: 4",
+    `sizes: 3 ${n} ${n} ${n}`,
+    "space: right-anterior-superior",
+    "space directions: none (2,0,0) (0,2,0) (0,0,2)",
+    "space origin: (-47,-47,-47)",
+    "kinds: RGB-color domain domain domain",
+    "encoding: raw",
+  ];
+  mkdirSync(work);
+  const volume = join(work, "photo.nrrd");
+  writeFileSync(volume, Buffer.concat([Buffer.from(`${header.join("\n")}\n\n`), rgb]));
+  makeCase(volume, "photo", "Striped ball", work, out);
 }
 
 /** A served folder of cases and a browser that looks at it. */

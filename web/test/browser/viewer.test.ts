@@ -7,12 +7,13 @@ import type { FaceSource } from "../../src/model/faces";
 import type { Triple } from "../../src/model/geometry";
 import type { ClipOperator } from "../../src/worker/protocol";
 import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
-import { clipgs, makePhantomCase, missing, Session } from "./session";
+import { clipgs, makePhantomCase, makePhotoCase, missing, Session } from "./session";
 
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
 
 interface Shot {
+  name?: string; // of the case; the phantom's if not said
   view: [number, number, number];
   plane: [number, number, number, number] | null;
   more?: [number, number, number, number, number?][]; // planes, and slabs with their thickness
@@ -52,6 +53,16 @@ const kShots: Shot[] = [
     }),
   ),
   ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
+  ...[0, 1].map(
+    (grey): Shot => ({
+      name: "photo",
+      view: [35, 20, 1],
+      plane: [0.2, -1, 0.3, 5],
+      clip: "exact",
+      section: "volume",
+      grey,
+    }),
+  ),
   { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
   {
     view: [20, 60, 1],
@@ -73,7 +84,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   let page: Page;
 
   beforeAll(async () => {
-    await session.start((cases) => makePhantomCase(session.folder, join(cases, "phantom.sog")));
+    await session.start((cases) => {
+      makePhantomCase(session.folder, join(cases, "phantom.sog"));
+      makePhotoCase(join(session.folder, "photo"), join(cases, "photo.sog"));
+    });
     page = await session.open("", errors);
     await page.evaluate(() => window.clipgs.ready);
   });
@@ -81,6 +95,13 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   afterAll(async () => {
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
+
+  async function choose(name: string): Promise<void> {
+    await page.evaluate(
+      (wanted) => (window.clipgs.state.case === wanted ? undefined : window.clipgs.open(wanted)),
+      name,
+    );
+  }
 
   async function show(shot: Shot): Promise<void> {
     const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
@@ -101,7 +122,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   /** What `clipgs render` makes of a shot. */
   async function rendered(
-    { view, plane, more = [], clip, section, grey, shades }: Shot,
+    { name = "phantom", view, plane, more = [], clip, section, grey, shades }: Shot,
     size: string,
   ): Promise<Picture> {
     const path = join(session.folder, "render.png");
@@ -112,7 +133,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     const source = section ? ["--section", section] : [];
     clipgs(
       "render",
-      join(session.cases, "phantom.sog"),
+      join(session.cases, `${name}.sog`),
       "-o",
       path,
       "--view",
@@ -123,17 +144,19 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       size,
       ...cut,
       ...source,
-      ...(grey ? ["--grey", String(grey), "--window", shades!.join()] : []),
+      ...(grey ? ["--grey", String(grey)] : []),
+      ...(shades ? ["--window", shades.join()] : []),
     );
     return readPng(page, path);
   }
 
   for (const shot of kShots) {
-    const style = shot.grey ? `, grey ${shot.grey} ${shot.shades!.join()}` : "";
+    const style = `${shot.grey ? `, grey ${shot.grey} ${shot.shades?.join() ?? ""}` : ""}${shot.name ? `, ${shot.name}` : ""}`;
     const more = shot.more?.map((numbers) => ` and ${numbers.join()}`).join("") ?? "";
     const cut = shot.plane ? `plane ${shot.plane.join()}${more}, ${shot.clip}, ${shot.section}` : "uncut";
     it(`equals clipgs render: view ${shot.view.join()}, ${cut}${style}`, async () => {
       const truth = await rendered(shot, "300x220");
+      await choose(shot.name ?? "phantom");
       await show(shot);
       const got = await pagePicture(page, truth.width, truth.height);
       expect(coverage(truth)).toBeGreaterThan(0.03);
@@ -474,8 +497,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
     await alert.getByRole("button", { name: "Choose a case" }).click();
     const menu = visitor.getByRole("dialog", { name: "Cases" });
-    await menu.locator(".card").nth(3).waitFor(); // the list is fetched anew when the menu opens
-    expect(await menu.locator(".card").count()).toBe(4);
+    await menu.locator(".card").nth(4).waitFor(); // the list is fetched anew when the menu opens
+    expect(await menu.locator(".card").count()).toBe(5);
     expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
     await menu.locator('[data-case="page"]').click();
     await alert.waitFor();
