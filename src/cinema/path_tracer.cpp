@@ -44,8 +44,8 @@ PathDraws::PathDraws(std::uint64_t seed, std::uint64_t stream, std::uint32_t fir
   }
 }
 
-PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera,
-                       const std::optional<Plane>& plane, int max_bounces)
+PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut,
+                       int max_bounces)
     : scene_(scene),
       camera_(camera),
       max_bounces_(max_bounces),
@@ -55,13 +55,12 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera,
   box_min_ = occupied.min;
   box_max_ = occupied.max;
   const Vec3 spacing = scene.volume().spacing;
-  if (plane) {
-    cut_ = true;
-    const Vec3 normal = scene.frame_from_world(plane->normal);
-    plane_gradient_ = normal * spacing;
-    plane_offset_ = plane->offset - glm::dot(plane->normal, scene.volume().origin);
-    add_face(-normal, -plane_gradient_, -plane_offset_);
+  for (const Plane& plane : cut.planes()) {
+    const Vec3 normal = scene.frame_from_world(plane.normal);
+    add_face(-normal, -normal * spacing,
+             glm::dot(plane.normal, scene.volume().origin) - plane.offset);
   }
+  plane_count_ = face_count_;
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 outward(0);
     outward[axis] = 1;
@@ -78,14 +77,14 @@ void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offse
   face.offset = offset;
   face.half_voxel = 0.5f * glm::length(gradient);
   face.radiance = scene_.lights().face_radiance(outward);
-  faces_[static_cast<size_t>(face_count_++)] = face;
+  faces_[face_count_++] = face;
 }
 
 PathTracer::Ray PathTracer::camera_ray(float x, float y) const {
   return make_ray(camera_voxel_, scene_.frame_from_world(camera_.ray_direction(x, y)));
 }
 
-// Intersects [t0, t1] with the occupied box and the kept half space; false if nothing is left.
+// Intersects [t0, t1] with the occupied box and the kept half spaces; false if nothing is left.
 bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
   for (int k = 0; k < 3; ++k) {
     const float a = (box_min_[k] - ray.origin[k]) * ray.inverse[k];
@@ -93,14 +92,14 @@ bool PathTracer::clip(const Ray& ray, float& t0, float& t1) const {
     t0 = std::max(t0, std::min(a, b));
     t1 = std::min(t1, std::max(a, b));
   }
-  if (cut_) {
-    const float slope = glm::dot(plane_gradient_, ray.step);
-    const float distance = glm::dot(plane_gradient_, ray.origin) - plane_offset_;
+  for (size_t i = 0; i < plane_count_; ++i) {
+    const float slope = -glm::dot(faces_[i].gradient, ray.step);
+    const float depth = faces_[i].offset - glm::dot(faces_[i].gradient, ray.origin);
     if (slope > 0) {
-      t0 = std::max(t0, -distance / slope);
+      t0 = std::max(t0, -depth / slope);
     } else if (slope < 0) {
-      t1 = std::min(t1, -distance / slope);
-    } else if (distance < 0) {
+      t1 = std::min(t1, -depth / slope);
+    } else if (depth < 0) {
       return false;
     }
   }
@@ -162,17 +161,21 @@ float PathTracer::transmittance(const Ray& ray, Rng& rng) const {
   return blocked ? 0.0f : 1.0f;
 }
 
-// The face on whose outside a camera ray along `direction` was when it met matter at `voxel` less
-// than half a voxel deep.
+// The face through which a camera ray along `direction` came when it met matter at `voxel` less
+// than half a voxel deep: near an edge, of those the one that it passed last.
 const PathTracer::Face* PathTracer::face_at(const Vec3& voxel, const Vec3& direction) const {
-  for (int i = 0; i < face_count_; ++i) {
-    const Face& face = faces_[static_cast<size_t>(i)];
+  const Face* passed = nullptr;
+  float nearest = kFar;
+  for (size_t i = 0; i < face_count_; ++i) {
+    const Face& face = faces_[i];
     const float depth = face.offset - glm::dot(face.gradient, voxel);
-    if (depth < face.half_voxel && glm::dot(direction, face.outward) < 0) {
-      return &face;
+    const float slope = -glm::dot(direction, face.outward);
+    if (depth < face.half_voxel && slope > 0 && depth < nearest * slope) {
+      nearest = depth / slope;
+      passed = &face;
     }
   }
-  return nullptr;
+  return passed;
 }
 
 // Kept matter is convex about its faces, so a point of a face sees its whole hemisphere free: its

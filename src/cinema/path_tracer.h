@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 
 #include "cinema/scene.h"
 #include "core/camera.h"
+#include "core/cut.h"
 #include "core/random.h"
 
 namespace clipgs {
@@ -57,14 +57,13 @@ struct PathSample {
   bool hit = false;  ///< the camera ray met matter; its mean is the alpha
 };
 
-/// Unbiased volumetric path tracing (up to `max_bounces`) of one camera's view of a scene, cut by
-/// at most one plane: delta tracking against macrocell majorants, hybrid surface/phase scattering
+/// Unbiased volumetric path tracing (up to `max_bounces`) of one camera's view of what a cut keeps
+/// of a scene: delta tracking against macrocell majorants, hybrid surface/phase scattering
 /// after Exposure Render (Kroes 2012), next-event estimation of the key lights, the sky by
 /// following the paths.
 class PathTracer {
  public:
-  PathTracer(const CinemaScene& scene, const Camera& camera, const std::optional<Plane>& plane,
-             int max_bounces);
+  PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces);
 
   /// One path through image coordinates (x, y) in px.
   PathSample trace(float x, float y, PathDraws& draws) const;
@@ -87,7 +86,7 @@ class PathTracer {
   /// A flat face of the visible block: the cut, or a side of the volume's box.
   struct Face {
     Vec3 outward;   // grid frame
-    Vec3 gradient;  // mm per voxel: depth(p) = offset − gradient·p
+    Vec3 gradient;  // mm per voxel: depth in mm of p = offset − gradient·p
     float offset = 0;
     float half_voxel = 0;  // mm
     Vec3 radiance;         // of a white face, linear RGB
@@ -130,11 +129,9 @@ class PathTracer {
   Vec3 camera_voxel_;
   Vec3 box_min_, box_max_;  // occupied, voxel space
   bool empty_ = false;
-  bool cut_ = false;
-  Vec3 plane_gradient_{0};  // signed distance in mm = plane_gradient_·voxel − plane_offset_
-  float plane_offset_ = 0;
-  std::array<Face, 7> faces_;
-  int face_count_ = 0;
+  size_t plane_count_ = 0;
+  std::array<Face, Cut::kMostPlanes + 6> faces_;  // of the planes, then of the box
+  size_t face_count_ = 0;
 };
 
 }  // namespace clipgs

@@ -175,11 +175,12 @@ TEST(PathTracer, AgreesWithTheReference) {
   preset.phase_g = 0.2f;
   const CinemaScene scene(volume, preset);
   const Camera camera = camera_from({70, 50, 40});
-  for (const bool cut : {false, true}) {
-    const std::optional<Plane> plane =
-        cut ? std::optional(Plane{glm::normalize(Vec3(-1, -0.5f, -0.2f)), -2}) : std::nullopt;
-    const Means fast = trace(PathTracer(scene, camera, plane, 4), 60000, 14);
-    const Means slow = trace(ReferenceTracer(volume, preset, camera, plane, 4), 30000, 14);
+  const Plane plane{glm::normalize(Vec3(-1, -0.5f, -0.2f)), -2};
+  const Plane across{glm::normalize(Vec3(0.3f, -0.2f, -1)), -3};
+  const Plane behind{-across.normal, -10};  // with `across`, a slab
+  for (const Cut& cut : {Cut(), Cut(plane), Cut({plane, across, behind})}) {
+    const Means fast = trace(PathTracer(scene, camera, cut, 4), 60000, 14);
+    const Means slow = trace(ReferenceTracer(volume, preset, camera, cut, 4), 30000, 14);
     expect_same(fast.radiance, slow.radiance);
     expect_same(fast.alpha, slow.alpha);
     EXPECT_GT(slow.alpha.value(), 0.3);

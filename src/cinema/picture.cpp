@@ -24,9 +24,9 @@ struct PixelSums {
 // One picture in the making.
 class Rendering {
  public:
-  Rendering(const CinemaScene& scene, const Camera& camera, const std::optional<Plane>& plane,
+  Rendering(const CinemaScene& scene, const Camera& camera, const Cut& cut,
             const PictureOptions& options)
-      : tracer_(scene, camera, plane, options.max_bounces),
+      : tracer_(scene, camera, cut, options.max_bounces),
         exposure_(scene.preset().exposure),
         options_(options),
         width_(camera.width),
@@ -232,9 +232,9 @@ Image Picture::mean() const {
   return image;
 }
 
-Picture render_picture(const CinemaScene& scene, const Camera& camera,
-                       const std::optional<Plane>& plane, const PictureOptions& options) {
-  Rendering rendering(scene, camera, plane, options);
+Picture render_picture(const CinemaScene& scene, const Camera& camera, const Cut& cut,
+                       const PictureOptions& options) {
+  Rendering rendering(scene, camera, cut, options);
   std::unique_ptr<Progress> progress;
   if (!options.progress.empty()) {
     progress = std::make_unique<Progress>(options.progress, 1000);
@@ -253,9 +253,8 @@ Picture render_picture(const CinemaScene& scene, const Camera& camera,
   return rendering.picture();
 }
 
-Image render_depth(const CinemaScene& scene, const Camera& camera,
-                   const std::optional<Plane>& plane) {
-  const PathTracer tracer(scene, camera, plane, 1);
+Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cut) {
+  const PathTracer tracer(scene, camera, cut, 1);
   Image depth(camera.width, camera.height, 1);
   parallel_for(static_cast<size_t>(camera.height), 4, [&](size_t begin, size_t end) {
     for (size_t y = begin; y < end; ++y) {

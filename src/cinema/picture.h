@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "cinema/scene.h"
 #include "core/camera.h"
+#include "core/cut.h"
 #include "core/image.h"
 
 namespace clipgs {
@@ -30,15 +30,14 @@ struct Picture {
   Image mean() const;
 };
 
-/// Renders what `camera` sees of the scene's side of `plane`. Samples go where the noise is; the
+/// Renders what `camera` sees of what `cut` keeps of the scene. Samples go where the noise is; the
 /// picture is a function of its inputs alone, whatever the number of threads.
-Picture render_picture(const CinemaScene& scene, const Camera& camera,
-                       const std::optional<Plane>& plane, const PictureOptions& options);
+Picture render_picture(const CinemaScene& scene, const Camera& camera, const Cut& cut,
+                       const PictureOptions& options);
 
 /// First-hit depth: distance from the camera in mm along each pixel's central ray at which it meets
 /// matter (median over what it meets), 0 for background. [height, width, 1].
-Image render_depth(const CinemaScene& scene, const Camera& camera,
-                   const std::optional<Plane>& plane);
+Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cut);
 
 /// Display transform: straight-alpha sRGB RGBA in [0, 1]. The colour is what the matter in a pixel
 /// looks like by itself, sRGB(exposure · radiance / alpha); alpha then blends it in display space,

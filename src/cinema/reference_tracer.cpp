@@ -10,7 +10,7 @@
 namespace clipgs {
 
 ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, const Camera& camera,
-                                 const std::optional<Plane>& plane, int max_bounces)
+                                 const Cut& cut, int max_bounces)
     : volume_(volume),
       preset_(preset),
       camera_(camera),
@@ -20,10 +20,10 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
       last_(volume.dims - 1),
       majorant_(preset.transfer.max_extinction(std::numeric_limits<float>::lowest(),
                                                std::numeric_limits<float>::max())) {
-  if (plane) {
-    plane_ = Plane{plane->normal * volume.direction,
-                   plane->offset - glm::dot(plane->normal, volume.origin)};
-    outward_.push_back(-plane_->normal);
+  for (const Plane& plane : cut.planes()) {
+    planes_.push_back(
+        {plane.normal * volume.direction, plane.offset - glm::dot(plane.normal, volume.origin)});
+    outward_.push_back(-planes_.back().normal);
   }
   for (int axis = 0; axis < 3; ++axis) {
     for (const float sign : {-1.0f, 1.0f}) {
@@ -68,10 +68,10 @@ bool ReferenceTracer::clip(const DVec3& origin, const DVec3& direction, double& 
     t0 = std::max(t0, std::min(a, b));
     t1 = std::min(t1, std::max(a, b));
   }
-  if (plane_) {
-    const double slope = glm::dot(DVec3(plane_->normal), direction);
+  for (const Plane& plane : planes_) {
+    const double slope = glm::dot(DVec3(plane.normal), direction);
     const double distance =
-        glm::dot(DVec3(plane_->normal), origin * spacing_) - static_cast<double>(plane_->offset);
+        glm::dot(DVec3(plane.normal), origin * spacing_) - static_cast<double>(plane.offset);
     if (slope > 0) {
       t0 = std::max(t0, -distance / slope);
     } else if (slope < 0) {
@@ -108,20 +108,21 @@ double ReferenceTracer::visibility(const DVec3& voxel, const Vec3& direction, Rn
 }
 
 const Vec3* ReferenceTracer::face_at(const DVec3& voxel, const DVec3& direction) const {
+  const Vec3* passed = nullptr;
+  double nearest = std::numeric_limits<double>::max();
   for (size_t i = 0; i < outward_.size(); ++i) {
     const DVec3 outward(outward_[i]);
-    double offset = 0;
-    if (plane_ && i == 0) {
-      offset = -static_cast<double>(plane_->offset);
-    } else {
-      offset = glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
-    }
+    const double offset = i < planes_.size()
+                              ? -static_cast<double>(planes_[i].offset)
+                              : glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
     const double depth = offset - glm::dot(outward, voxel * spacing_);
-    if (depth < 0.5 * glm::length(outward * spacing_) && glm::dot(outward, direction) < 0) {
-      return &outward_[i];
+    const double slope = -glm::dot(outward, direction);
+    if (depth < 0.5 * glm::length(outward * spacing_) && slope > 0 && depth / slope < nearest) {
+      nearest = depth / slope;
+      passed = &outward_[i];
     }
   }
-  return nullptr;
+  return passed;
 }
 
 PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "cinema/lights.h"
 #include "cinema/path_tracer.h"
 #include "core/camera.h"
@@ -17,8 +15,8 @@ namespace clipgs {
 class ReferenceTracer {
  public:
   /// The volume and preset must outlive the tracer.
-  ReferenceTracer(const Volume& volume, const Preset& preset, const Camera& camera,
-                  const std::optional<Plane>& plane, int max_bounces);
+  ReferenceTracer(const Volume& volume, const Preset& preset, const Camera& camera, const Cut& cut,
+                  int max_bounces);
 
   /// One path through image coordinates (x, y) in px.
   PathSample trace(float x, float y, Rng& rng) const;
@@ -48,8 +46,8 @@ class ReferenceTracer {
   DVec3 spacing_;
   DVec3 last_;  // voxel index of the far corner
   double majorant_;
-  std::optional<Plane> plane_;  // in the grid frame: normal·(voxel·spacing) >= offset is kept
-  std::vector<Vec3> outward_;   // of the faces: the plane's, then the box's −x +x −y +y −z +z
+  std::vector<Plane> planes_;  // in the grid frame: normal·(voxel·spacing) >= offset is kept
+  std::vector<Vec3> outward_;  // of the faces: the planes', then the box's −x +x −y +y −z +z
 };
 
 }  // namespace clipgs

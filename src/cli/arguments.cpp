@@ -74,20 +74,13 @@ Plane plane_of(const std::vector<float>& n, const std::string& option) {
 
 }  // namespace
 
-std::optional<Plane> parse_plane(const std::string& text) {
-  if (text.empty()) {
-    return std::nullopt;
-  }
-  return plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane");
-}
-
-Cut parse_cut(const std::vector<std::string>& planes, const std::vector<std::string>& slabs) {
+Cut parse_cut(const CutArguments& arguments) {
   std::vector<Plane> result;
-  result.reserve(planes.size() + 2 * slabs.size());
-  for (const std::string& text : planes) {
+  result.reserve(arguments.planes.size() + 2 * arguments.slabs.size());
+  for (const std::string& text : arguments.planes) {
     result.push_back(plane_of(parse_numbers(text, 4, 4, "--plane"), "--plane"));
   }
-  for (const std::string& text : slabs) {
+  for (const std::string& text : arguments.slabs) {
     const std::vector<float> n = parse_numbers(text, 5, 5, "--slab");
     const Plane near = plane_of(n, "--slab");
     if (!(n[4] > 0)) {

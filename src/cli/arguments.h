@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +17,14 @@ IVec3 parse_size(const std::string& text);  // x, y; z is 0
 /// "azimuth,elevation[,zoom]" in degrees.
 View parse_view(const std::string& text);
 
-/// "nx,ny,nz,c": the kept side is n·x ≥ c in RAS mm; n is normalised, c scaled alike. Empty: none.
-std::optional<Plane> parse_plane(const std::string& text);
+/// --plane and --slab, as often as they were given.
+struct CutArguments {
+  std::vector<std::string> planes;  ///< "nx,ny,nz,c" keeps n·x ≥ c, RAS mm
+  std::vector<std::string> slabs;   ///< "nx,ny,nz,c,thickness" keeps c ≤ n·x ≤ c + thickness
+};
 
-/// What `planes` (each as above) and `slabs` keep together; "nx,ny,nz,c,thickness" keeps
-/// c <= n·x <= c + thickness.
-Cut parse_cut(const std::vector<std::string>& planes, const std::vector<std::string>& slabs);
+/// What all of them keep; n is normalised, c scaled alike, a thickness is mm.
+Cut parse_cut(const CutArguments& arguments);
 
 /// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
 /// soft-tissue, bone, lung, brain.

@@ -8,6 +8,7 @@
 #include "cinema/visible_matter.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/cut_options.h"
 #include "cli/volume_options.h"
 #include "core/file.h"
 
@@ -20,7 +21,7 @@ struct CinemaArguments {
   LoadOptions load;
   std::string preset = "auto";
   std::string view = "30,15";
-  std::string plane;
+  CutArguments cut;
   std::string size = "512x512";
   std::string background;
   PictureOptions picture;
@@ -31,7 +32,7 @@ struct CinemaArguments {
 void run_cinema(const CinemaArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
-  const std::optional<Plane> plane = parse_plane(arguments.plane);
+  const Cut cut = parse_cut(arguments.cut);
   std::vector<float> background;
   if (!arguments.background.empty()) {
     background = parse_numbers(arguments.background, 3, 3, "--background");
@@ -40,14 +41,14 @@ void run_cinema(const CinemaArguments& arguments) {
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_preset(arguments.preset, volume);
   const VisibleMatter matter = visible_matter(volume, preset.transfer);
-  warn_if_plane_misses(plane, matter.bounds);
+  warn_if_plane_misses(cut, matter.bounds);
   const CinemaScene scene(volume, preset);
   const Camera camera = frame_sphere(matter.sphere, view, size.x, size.y);
 
   PictureOptions options = arguments.picture;
   options.progress = "cinema";
   const auto start = std::chrono::steady_clock::now();
-  const Picture picture = render_picture(scene, camera, plane, options);
+  const Picture picture = render_picture(scene, camera, cut, options);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -87,8 +88,7 @@ void add_cinema_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
-  command->add_option("--plane", arguments->plane,
-                      "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given");
+  add_cut_options(*command, arguments->cut);
   command->add_option("--spp", arguments->picture.spp, "Most samples a pixel, on average")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include "asset/draw_case.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/cut_options.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
@@ -17,8 +18,7 @@ struct RenderArguments {
   std::string scene;
   std::string output;
   std::string view = "0,0";
-  std::vector<std::string> planes;
-  std::vector<std::string> slabs;
+  CutArguments cut;
   std::string clip = "exact";
   std::string section;
   float grey = 0;
@@ -47,7 +47,7 @@ FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
 void run_render(const RenderArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
-  const Cut cut = parse_cut(arguments.planes, arguments.slabs);
+  const Cut cut = parse_cut(arguments.cut);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
@@ -84,18 +84,7 @@ void add_render_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Picture to write (RGBA PNG)")->required();
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
-  command
-      ->add_option("--plane", arguments->planes,
-                   "Cut: nx,ny,nz,c keeps n·x >= c (RAS, mm); none if not given, and given again: "
-                   "what all of them keep")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command
-      ->add_option("--slab", arguments->slabs,
-                   "Two cuts: nx,ny,nz,c,thickness keeps c <= n·x <= c + thickness; may be given "
-                   "again")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_cut_options(*command, arguments->cut);
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
   command

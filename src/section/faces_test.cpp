@@ -63,14 +63,14 @@ struct Difference {
 };
 
 /// Compares opaque face pixels with the tracer's, in linear light.
-void compare(const Section& section, const CinemaScene& scene, const Plane& plane,
-             const Camera& camera, std::uint64_t seed, Difference& difference) {
+void compare(const Section& section, const CinemaScene& scene, const Cut& cut, const Camera& camera,
+             std::uint64_t seed, Difference& difference) {
   PictureOptions options;
   options.spp = 48;
   options.seed = seed;
-  const Picture picture = render_picture(scene, camera, plane, options);
+  const Picture picture = render_picture(scene, camera, cut, options);
   const Image truth = picture.mean();
-  const Image faces = draw_faces(section, camera, plane, {8, 9});
+  const Image faces = draw_faces(section, camera, cut, {8, 9});
   for (size_t i = 0; i < faces.data.size(); i += 4) {
     if (faces.data[i + 3] < 0.999f) {
       continue;
@@ -104,6 +104,28 @@ TEST(Faces, OpaqueLambertMatterLooksAsTheTracerShowsIt) {
     EXPECT_NEAR(d.sum / n, 0, 0.002) << "plane " << i;
     // The error is the tracer's noise, and the codes' rounding beside it.
     EXPECT_LT(std::sqrt(d.squares / n), std::sqrt(d.noise / n) + 0.004) << "plane " << i;
+  }
+}
+
+TEST(Faces, OfSeveralPlanesLookAsTheTracerShowsThem) {
+  const Volume volume = make_body();
+  const Preset preset = opaque();
+  const CinemaScene scene(volume, preset);
+  const Section section = make_section(volume, preset, {64});
+  Rng rng(7);
+  for (int i = 0; i < 12; ++i) {
+    const Plane near = random_plane(rng);
+    const Plane slab{-near.normal, -(near.offset + 6)};
+    const Cut cut =
+        i % 2 == 0 ? Cut({near, random_plane(rng)}) : Cut({near, slab, random_plane(rng)});
+    Difference d;
+    compare(section, scene, cut, facing(near, rng, 32), static_cast<std::uint64_t>(i), d);
+    if (d.count < 60) {
+      continue;  // a sliver
+    }
+    const auto n = static_cast<double>(d.count);
+    EXPECT_NEAR(d.sum / n, 0, 0.003) << "cut " << i;
+    EXPECT_LT(std::sqrt(d.squares / n), std::sqrt(d.noise / n) + 0.006) << "cut " << i;
   }
 }
 
