@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures of docs/gallery: the upper row path traced, the lower row clipgs; uncut, cut across
-# the axis, and cut obliquely. The phantom always; the real volumes if CLIPGS_DATA names their folder.
+# the axis, cut obliquely, and cut by two planes. The phantom always; the real volumes if CLIPGS_DATA names their folder.
 #
 #   scripts/gallery.sh [FOLDER]    FOLDER keeps the cases (default build/gallery); those that are there
 #                                  already are not built again
@@ -31,14 +31,14 @@ from_case() {
     node -e 'const c = JSON.parse(require("fs").readFileSync(0)); console.log(eval(process.argv[1]))' "$2"
 }
 
-# pair CASE VOLUME NAME VIEW PLANE [LOADING...]: one column, truth above ours.
+# pair CASE VOLUME NAME VIEW PLANES [LOADING...]: one column, truth above ours; PLANES are separated by spaces.
 pair() {
-  local case="$1" volume="$2" name="$3" view="$4" plane="$5"
+  local case="$1" volume="$2" name="$3" view="$4" planes="$5" plane
   shift 5
   local cut=()
-  if [ -n "$plane" ]; then
-    cut=(--plane "$plane")
-  fi
+  for plane in $planes; do
+    cut+=(--plane "$plane")
+  done
   "$clipgs" --quiet cinema "$volume" -o "$folder/$name-truth.png" --preset "$(from_case "$case" c.preset)" \
     --view "$view" --size "$size" --spp "${SPP:-512}" --background "$background" "${cut[@]}" "$@" >/dev/null
   "$clipgs" --quiet render "$case" -o "$folder/$name-ours.png" --view "$view" --size "$size" "${cut[@]}"
@@ -56,12 +56,15 @@ picture() {
   fi
   echo "gallery: drawing $name"
   local plane='((n) => [...n, n.reduce((s, v, i) => s + v * c.center_ras_mm[i], 0)].join(","))'
+  local axis
+  axis="$(from_case "$case" "$plane([0, 0, -1])")"
   pair "$case" "$volume" "$name-whole" "$view" "" "$@"
-  pair "$case" "$volume" "$name-axis" "$view" "$(from_case "$case" "$plane([0, 0, -1])")" "$@"
+  pair "$case" "$volume" "$name-axis" "$view" "$axis" "$@"
   pair "$case" "$volume" "$name-oblique" "$view" "$(from_case "$case" "$plane([0.36, -0.8, -0.48])")" "$@"
+  pair "$case" "$volume" "$name-two" "$view" "$axis $(from_case "$case" "$plane([0, -1, 0])")" "$@"
   convert \
-    \( "$folder/$name-"{whole,axis,oblique}-truth.png +append \) \
-    \( "$folder/$name-"{whole,axis,oblique}-ours.png +append \) \
+    \( "$folder/$name-"{whole,axis,oblique,two}-truth.png +append \) \
+    \( "$folder/$name-"{whole,axis,oblique,two}-ours.png +append \) \
     -append -quality 80 "$out/$name.webp"
   echo "gallery: $out/$name.webp, $(($(stat -c %s "$out/$name.webp") / 1024)) KB"
 }
