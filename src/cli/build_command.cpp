@@ -11,6 +11,7 @@
 #include "asset/draw_case.h"
 #include "cinema/make_dataset.h"
 #include "cli/commands.h"
+#include "cli/look_options.h"
 #include "cli/section_step.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
@@ -70,7 +71,7 @@ struct Overrides {
 struct BuildArguments {
   std::string volume;
   std::string output;
-  std::string preset = "auto";
+  LookArguments look;
   std::string quality = "standard";
   std::string work;
   std::string title;
@@ -122,7 +123,8 @@ std::uint64_t fingerprint(const fs::path& path) {
 nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality) {
   const std::optional<Rescale>& hu = arguments.loading.hu;
   return {{"input", fingerprint(arguments.volume)},
-          {"preset", arguments.preset},
+          {"preset", arguments.look.preset},
+          {"rig", arguments.look.rig},
           {"size", quality.size},
           {"train_frames", quality.train_frames},
           {"test_frames", quality.test_frames},
@@ -170,7 +172,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
     }
   }
   const Volume volume = load_volume(arguments.volume, arguments.loading);
-  const Preset preset = load_preset(arguments.preset, volume);
+  const Preset preset = load_look(arguments.look, volume);
   // Only now, so that an input that cannot be used leaves nothing behind.
   create_folder(work);
   write_text(work / kClaimFile, claim.dump(1));
@@ -244,8 +246,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("volume", arguments->volume, "DICOM folder, NIfTI, NRRD or MetaImage file")
       ->required();
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
-  command->add_option("--preset", arguments->preset, "Look: a preset's name or file, or auto")
-      ->capture_default_str();
+  add_look_options(*command, arguments->look);
   command->add_option("--quality", arguments->quality, "draft, standard or high")
       ->capture_default_str();
   command->add_option("--work", arguments->work,

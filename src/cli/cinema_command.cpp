@@ -9,6 +9,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
+#include "cli/look_options.h"
 #include "cli/volume_options.h"
 #include "core/file.h"
 
@@ -19,7 +20,7 @@ struct CinemaArguments {
   std::filesystem::path volume;
   std::filesystem::path output;
   LoadOptions load;
-  std::string preset = "auto";
+  LookArguments look;
   std::string view = "30,15";
   CutArguments cut;
   std::string size = "512x512";
@@ -39,7 +40,7 @@ void run_cinema(const CinemaArguments& arguments) {
   }
   require_writable(arguments.output);
   const Volume volume = load_volume(arguments.volume, arguments.load);
-  const Preset preset = load_preset(arguments.preset, volume);
+  const Preset preset = load_look(arguments.look, volume);
   const VisibleMatter matter = visible_matter(volume, preset.transfer);
   warn_if_plane_misses(cut, matter.bounds);
   const CinemaScene scene(volume, preset);
@@ -84,8 +85,7 @@ void add_cinema_command(CLI::App& app) {
   command->add_option("VOLUME", arguments->volume, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
       ->required();
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG)")->required();
-  command->add_option("--preset", arguments->preset, "Look: a preset's name, a JSON file, or auto")
-      ->capture_default_str();
+  add_look_options(*command, arguments->look);
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
   add_cut_options(*command, arguments->cut);

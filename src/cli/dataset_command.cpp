@@ -7,6 +7,7 @@
 #include "cinema/make_dataset.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/look_options.h"
 #include "cli/section_step.h"
 #include "cli/volume_options.h"
 
@@ -17,7 +18,7 @@ struct DatasetArguments {
   std::filesystem::path volume;
   std::filesystem::path folder;
   LoadOptions load;
-  std::string preset = "auto";
+  LookArguments look;
   std::string axis = "0,0,1";
   DatasetOptions options;
   SectionChoice section;
@@ -41,7 +42,7 @@ void run_dataset(const DatasetArguments& arguments) {
   }
   options.axis = glm::normalize(options.axis);
   const Volume volume = load_volume(arguments.volume, arguments.load);
-  const Preset preset = load_preset(arguments.preset, volume);
+  const Preset preset = load_look(arguments.look, volume);
   const Dataset dataset = make_dataset(volume, preset, arguments.folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
 
@@ -75,8 +76,7 @@ void add_dataset_command(CLI::App& app) {
       ->add_option("-o,--output", arguments->folder,
                    "Folder to fill; an interrupted run goes on where it stopped")
       ->required();
-  command->add_option("--preset", arguments->preset, "Look: a preset's name, a JSON file, or auto")
-      ->capture_default_str();
+  add_look_options(*command, arguments->look);
   command->add_option("--size", options.size, "Pixels a side")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();

@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
+#include <span>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
-#include "volume/built_in_presets.h"
+#include "volume/built_in_files.h"
 #include "volume/histogram.h"
 
 namespace clipgs {
@@ -192,6 +194,8 @@ KeyLight parse_key(const json& object, const std::string& where) {
 
 LightRig parse_rig(const json& object, const std::string& where) {
   Reader reader(object, where);
+  reader.text("title", "");
+  reader.text("description", "");
   Reader sky(reader.get("sky"), where + ": sky");
   LightRig rig;
   rig.sky_top = parse_sky(sky.get("top"), where + ": sky top");
@@ -204,6 +208,44 @@ LightRig parse_rig(const json& object, const std::string& where) {
   }
   reader.refuse_unknown_keys();
   return rig;
+}
+
+json parse_json(const std::string& text, const std::string& where) {
+  try {
+    return json::parse(text, nullptr, true, /*ignore_comments=*/true);
+  } catch (const json::parse_error& e) {
+    throw Error("{}: not JSON (near byte {})", where, e.byte);
+  }
+}
+
+std::vector<std::string> names_of(std::span<const BuiltInFile> files) {
+  std::vector<std::string> names;
+  for (const BuiltInFile& file : files) {
+    names.emplace_back(file.name);
+  }
+  return names;
+}
+
+/// A file's text, and its name in errors.
+struct Source {
+  std::string text;
+  std::string where;
+};
+
+/// One of the built-in files by name, or a JSON file by path; `kind` names it in errors.
+std::optional<Source> find_source(std::span<const BuiltInFile> files, const std::string& kind,
+                                  const std::string& name_or_path) {
+  for (const BuiltInFile& file : files) {
+    if (file.name == name_or_path) {
+      return Source{std::string(file.json), kind + " " + name_or_path};
+    }
+  }
+  const std::filesystem::path path(name_or_path);
+  std::error_code ignored;
+  if (path.extension() == ".json" && std::filesystem::is_regular_file(path, ignored)) {
+    return Source{read_text(path), name_or_path};
+  }
+  return std::nullopt;
 }
 
 Preset read_preset(const json& object, const std::string& name, const std::string& where) {
@@ -235,44 +277,40 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   } catch (const Error& e) {
     throw Error("{}: {}", where, e.what());
   }
-  preset.rig = parse_rig(reader.get("lights"), where + ": lights");
+  const json& lights = reader.get("lights");
+  preset.rig = lights.is_string() ? load_rig(lights.get<std::string>())
+                                  : parse_rig(lights, where + ": lights");
   reader.refuse_unknown_keys();
   return preset;
 }
 
 }  // namespace
 
-Preset parse_preset(const std::string& text, const std::string& name, const std::string& where) {
-  json object;
-  try {
-    object = json::parse(text, nullptr, true, /*ignore_comments=*/true);
-  } catch (const json::parse_error& e) {
-    throw Error("{}: not JSON (near byte {})", where, e.byte);
+std::vector<std::string> rig_names() { return names_of(built_in_rigs()); }
+
+LightRig load_rig(const std::string& name_or_path) {
+  const std::optional<Source> source = find_source(built_in_rigs(), "rig", name_or_path);
+  if (!source) {
+    throw Error("no light rig \"{}\": use one of {}, or the path of a .json file", name_or_path,
+                fmt::join(rig_names(), ", "));
   }
-  return read_preset(object, name, where);
+  return parse_rig(parse_json(source->text, source->where), source->where);
 }
 
-std::vector<std::string> preset_names() {
-  std::vector<std::string> names;
-  for (const BuiltInPreset& preset : built_in_presets()) {
-    names.emplace_back(preset.name);
-  }
-  return names;
+Preset parse_preset(const std::string& text, const std::string& name, const std::string& where) {
+  return read_preset(parse_json(text, where), name, where);
 }
+
+std::vector<std::string> preset_names() { return names_of(built_in_presets()); }
 
 Preset load_preset(const std::string& name_or_path) {
-  for (const BuiltInPreset& preset : built_in_presets()) {
-    if (preset.name == name_or_path) {
-      return parse_preset(std::string(preset.json), name_or_path, "preset " + name_or_path);
-    }
+  const std::optional<Source> source = find_source(built_in_presets(), "preset", name_or_path);
+  if (!source) {
+    throw Error("no preset \"{}\": use auto, one of {}, or the path of a .json file", name_or_path,
+                fmt::join(preset_names(), ", "));
   }
-  const std::filesystem::path path(name_or_path);
-  std::error_code ignored;
-  if (path.extension() == ".json" && std::filesystem::is_regular_file(path, ignored)) {
-    return parse_preset(read_text(path), path.stem().string(), name_or_path);
-  }
-  throw Error("no preset \"{}\": use auto, one of {}, or the path of a .json file", name_or_path,
-              fmt::join(preset_names(), ", "));
+  return parse_preset(source->text, std::filesystem::path(name_or_path).stem().string(),
+                      source->where);
 }
 
 Preset load_preset(const std::string& name, const Volume& volume) {

@@ -44,6 +44,12 @@ struct Preset {
   float exposure = 1;  ///< linear factor before the sRGB curve
 };
 
+/// Names of the built-in light rigs, sorted.
+std::vector<std::string> rig_names();
+
+/// A built-in rig by name, or a JSON file by path. Throws Error that lists the names.
+LightRig load_rig(const std::string& name_or_path);
+
 /// Parses a preset; `where` names the source in errors. Throws Error.
 Preset parse_preset(const std::string& text, const std::string& name, const std::string& where);
 

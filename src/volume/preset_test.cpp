@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/image.h"
 #include "volume/phantom.h"
 #include "volume/test_folder.h"
@@ -51,6 +52,34 @@ TEST(Preset, ReadsEveryKey) {
   EXPECT_EQ(preset.rig.keys[0].direction, Vec3(0, 1, 0));
   EXPECT_EQ(preset.rig.keys[0].radiance, Vec3(3));
   EXPECT_NEAR(preset.rig.keys[0].angular_radius, 0.174533f, 1e-5f);
+}
+
+TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
+  const std::vector<std::string> names = rig_names();
+  EXPECT_THAT(names, testing::ElementsAre("ambient", "dome", "rim", "studio", "theatre"));
+  for (const std::string& name : names) {
+    const LightRig rig = load_rig(name);
+    // No side of a cut is black: the sky alone shows it.
+    for (const Vec3& sky : {rig.sky_top, rig.sky_horizon, rig.sky_bottom}) {
+      EXPECT_GT(glm::min(sky.r, glm::min(sky.g, sky.b)), 0.1f) << name;
+    }
+  }
+  EXPECT_TRUE(load_rig("ambient").keys.empty());
+}
+
+TEST(LightRig, PresetsNameOneOrHoldOne) {
+  std::string text = kSmall;
+  const size_t lights = text.find("\"lights\"");
+  const Preset named =
+      parse_preset(text.substr(0, lights) + "\"lights\": \"rim\"}", "small", "small.json");
+  EXPECT_EQ(named.rig.keys.size(), load_rig("rim").keys.size());
+  const TestFolder folder;
+  write_text(folder / "mine.json", text.substr(lights + 10, text.size() - lights - 11));
+  const LightRig own = load_rig((folder / "mine.json").string());
+  EXPECT_EQ(own.keys.size(), 1);
+  EXPECT_THAT(error_of([] { load_rig("disco"); }),
+              testing::AllOf(HasSubstr("disco"), HasSubstr("studio")));
+  EXPECT_THAT(parse_error(text.substr(0, lights) + "\"lights\": \"disco\"}"), HasSubstr("disco"));
 }
 
 TEST(Preset, ErrorsSayWhereAndWhat) {
