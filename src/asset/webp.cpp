@@ -76,7 +76,7 @@ Bytes encode_webp_data(const Texels& texels, float quality) {
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
 
-Bytes encode_webp(const Image& image, float quality) {
+Texels to_texels(const Image& image) {
   if (image.channels != 3 && image.channels != 4) {
     throw Error("a picture has 3 or 4 channels, not {}", image.channels);
   }
@@ -88,6 +88,11 @@ Bytes encode_webp(const Image& image, float quality) {
           static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0f, 1.0f)));
     }
   }
+  return texels;
+}
+
+Bytes encode_webp(const Image& image, float quality) {
+  const Texels texels = to_texels(image);
   WebPConfig config;
   WebPConfigInit(&config);
   config.quality = quality;

@@ -22,6 +22,9 @@ struct Texels {
   size_t size() const { return static_cast<size_t>(width) * height; }
 };
 
+/// A picture of 3 or 4 channels in [0, 1], rounded to 8 bits. Throws Error.
+Texels to_texels(const Image& image);
+
 /// Lossless, texel for texel (RGB under alpha 0 as well). Throws Error.
 Bytes encode_webp(const Texels& texels);
 

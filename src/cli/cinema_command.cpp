@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
@@ -6,6 +7,7 @@
 
 #include "cinema/picture.h"
 #include "cinema/visible_matter.h"
+#include "cli/animation.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
@@ -23,6 +25,7 @@ struct CinemaArguments {
   LookArguments look;
   std::string view = "30,15";
   CutArguments cut;
+  AnimationArguments animation;
   std::string size = "512x512";
   std::string background;
   PictureOptions picture;
@@ -38,57 +41,71 @@ void run_cinema(const CinemaArguments& arguments) {
   if (!arguments.background.empty()) {
     background = parse_numbers(arguments.background, 3, 3, "--background");
   }
+  check_animation_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   const VisibleMatter matter = visible_matter(volume, preset.transfer);
   warn_if_plane_misses(cut, matter.bounds);
   const CinemaScene scene(volume, preset);
-  const Camera camera = frame_sphere(matter.sphere, view, size.x, size.y);
-
   PictureOptions options = arguments.picture;
-  options.progress = "cinema";
+  if (!arguments.animation.any()) {
+    options.progress = "cinema";
+  }
+  double samples = 0;
+  float noise = kNoNoise;  // of the noisiest picture
+  const auto draw = [&](const View& from, const Cut& kept) {
+    const Camera camera = frame_sphere(matter.sphere, from, size.x, size.y);
+    const Picture picture = render_picture(scene, camera, kept, options);
+    samples += picture.samples;
+    noise = std::min(noise, noise_floor(picture, preset.exposure));
+    const Image image = display(picture.mean(), preset.exposure);
+    return background.empty() ? image
+                              : composite(image, background[0], background[1], background[2]);
+  };
   const auto start = std::chrono::steady_clock::now();
-  const Picture picture = render_picture(scene, camera, cut, options);
+  if (arguments.animation.any()) {
+    const auto extent = [&](const Vec3& normal) { return matter.extent(normal); };
+    write_animation(arguments.output, "cinema", arguments.animation, view, cut, extent, draw);
+  } else {
+    write_png(arguments.output, draw(view, cut), arguments.bits);
+  }
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  Image image = display(picture.mean(), preset.exposure);
-  if (!background.empty()) {
-    image = composite(image, background[0], background[1], background[2]);
-  }
-  write_png(arguments.output, image, arguments.bits);
-
-  const float noise = noise_floor(picture, preset.exposure);
   if (arguments.json) {
     const nlohmann::ordered_json json = {{"output", arguments.output.string()},
                                          {"preset", preset.name},
                                          {"noise_db", noise},
-                                         {"samples", picture.samples},
+                                         {"samples", samples},
                                          {"seconds", seconds},
                                          {"width", size.x},
                                          {"height", size.y}};
     fmt::print("{}\n", json.dump(2));
   } else {
     fmt::print("{}: preset {}, noise floor {:.1f} dB, {:.3g} samples in {:.1f} s\n",
-               arguments.output.string(), preset.name, noise, picture.samples, seconds);
+               arguments.output.string(), preset.name, noise, samples, seconds);
   }
 }
 
 }  // namespace
 
 void add_cinema_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("cinema", "Path-trace one picture of a volume");
+  CLI::App* command =
+      app.add_subcommand("cinema", "Path-trace a picture of a volume, or an animation");
   command->footer(
-      "Example: clipgs cinema ct.nii.gz -o cut.png --preset bone --view 30,20 --plane 0,0,-1,40");
+      "Example: clipgs cinema ct.nii.gz -o cut.png --preset bone --view 30,20 --plane 0,0,-1,40\n"
+      "         clipgs cinema ct.nii.gz -o cut.webp --rig rim --sweep --size 320");
   const auto arguments = std::make_shared<CinemaArguments>();
   command->add_option("VOLUME", arguments->volume, "Volume: DICOM folder, NIfTI, NRRD or MetaImage")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Picture to write (PNG)")->required();
+  command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
+      ->required();
   add_look_options(*command, arguments->look);
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
   add_cut_options(*command, arguments->cut);
+  add_animation_options(*command, arguments->animation);
   command->add_option("--spp", arguments->picture.spp, "Most samples a pixel, on average")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();

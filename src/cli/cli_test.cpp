@@ -208,6 +208,18 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   EXPECT_NE(pictures[0], pictures[1]);
   EXPECT_NE(pictures[0], pictures[2]);
 
+  // What moves is a WebP, and nothing else.
+  ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("spin.webp"), "--size", "64",
+                        "--turntable", "--sweep", "--frames", "3"})
+                .status,
+            0);
+  EXPECT_THAT(read_text(at("spin.webp")).substr(0, 64), HasSubstr("ANIM"));
+  EXPECT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("spin.png"), "--sweep"}).status, 2);
+  ASSERT_EQ(run_clipgs({"cinema", phantom(), "-o", at("sweep.webp"), "--size", "32", "--spp", "2",
+                        "--slab", "0,0,1,0,20", "--sweep", "--frames", "2"})
+                .status,
+            0);
+
   // Unpacked and packed again it is the same case, smaller or without its section if wanted.
   const auto section_of = [&](const std::vector<std::string>& options) {
     std::vector<std::string> pack = {"pack", at("again.ply"), "-o", at("again.sog")};

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "asset/draw_case.h"
+#include "cli/animation.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
@@ -19,6 +20,7 @@ struct RenderArguments {
   std::string output;
   std::string view = "0,0";
   CutArguments cut;
+  AnimationArguments animation;
   std::string clip = "exact";
   std::string section;
   float grey = 0;
@@ -57,34 +59,44 @@ void run_render(const RenderArguments& arguments) {
     const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
     pins.emplace_back(n[0], n[1], n[2]);
   }
+  check_animation_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
   warn_if_plane_misses(cut, contents.scene.bounds);
-  const Camera camera = frame_sphere(contents.scene.sphere, view, size.x, size.y);
-  Image picture = draw_case(contents, camera, cut, options);
-  if (contents.section) {
-    for (const Vec3& pin : pins) {
-      fmt::print("{:.1f}, {:.1f}, {:.1f} mm: {}\n", pin.x, pin.y, pin.z,
-                 value_text(*contents.section, pin));
-    }
-    if (arguments.annotate) {
-      annotate(picture, *contents.section, camera, cut, options.style, pins);
-    }
+  for (const Vec3& pin : pins) {
+    fmt::print("{:.1f}, {:.1f}, {:.1f} mm: {}\n", pin.x, pin.y, pin.z,
+               value_text(*contents.section, pin));
   }
-  write_png(arguments.output, picture);
+  const auto draw = [&](const View& from, const Cut& kept) {
+    const Camera camera = frame_sphere(contents.scene.sphere, from, size.x, size.y);
+    Image picture = draw_case(contents, camera, kept, options);
+    if (arguments.annotate) {
+      annotate(picture, *contents.section, camera, kept, options.style, pins);
+    }
+    return picture;
+  };
+  if (arguments.animation.any()) {
+    const auto extent = [&](const Vec3& n) { return project_box(contents.scene.bounds, n); };
+    write_animation(arguments.output, "render", arguments.animation, view, cut, extent, draw);
+  } else {
+    write_png(arguments.output, draw(view, cut));
+  }
 }
 
 }  // namespace
 
 void add_render_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("render", "Draw a case or scene as a picture");
+  CLI::App* command =
+      app.add_subcommand("render", "Draw a case or scene as a picture, or an animation");
   const auto arguments = std::make_shared<RenderArguments>();
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
-  command->add_option("-o,--output", arguments->output, "Picture to write (RGBA PNG)")->required();
+  command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
+      ->required();
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
   add_cut_options(*command, arguments->cut);
+  add_animation_options(*command, arguments->animation);
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
   command
@@ -117,7 +129,8 @@ void add_render_command(CLI::App& app) {
   command->footer(
       "Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o ct.png --view 0,80 --plane 0,0,-1,-40 --grey 1 --window "
-      "bone --annotate");
+      "bone --annotate\n"
+      "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40");
   command->callback([arguments] { run_render(*arguments); });
 }
 
