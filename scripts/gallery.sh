@@ -84,6 +84,47 @@ faces() {
   convert "$folder/$name-face"{1,2,3,4}.png +append -quality 80 "$out/$name-faces.webp"
 }
 
+# shot FILE LABEL VOLUME [CINEMA...]: one path-traced picture for a sheet.
+shot() {
+  local file="$1" label="$2" volume="$3"
+  shift 3
+  "$clipgs" --quiet cinema "$volume" -o "$file" --size 300 --spp "${SPP:-512}" --background "$background" "$@" >/dev/null
+  convert "$file" -gravity south -fill '#c8ccd4' -pointsize 15 -annotate +0+8 "$label" "$file"
+}
+
+# look PRESET VOLUME VIEW PLANE [LOADING...]: a column of the sheet of presets, uncut and cut.
+look() {
+  local preset="$1" volume="$CLIPGS_DATA/$2" view="$3" plane="$4"
+  shift 4
+  echo "gallery: preset $preset"
+  shot "$folder/preset-$preset-1.png" "$preset" "$volume" --preset "$preset" --view "$view" "$@"
+  shot "$folder/preset-$preset-2.png" "" "$volume" --preset "$preset" --view "$view" --plane "$plane" "$@"
+  convert "$folder/preset-$preset-"{1,2}.png -append "$folder/preset-$preset.png"
+}
+
+# sheets: all presets that the real volumes can show, and the rigs.
+sheets() {
+  look soft-tissue chest.nrrd 30,30 0,0.3,-1,500
+  look muscle head.nrrd 35,15 -1,0,0,260 --hu 16,-1024
+  look bone head.nrrd 30,15 -1,0,0,260 --hu 16,-1024
+  look teeth head.nrrd 15,10 0,0,-1,-80 --hu 16,-1024
+  look skin-and-bone head.nrrd 30,20 -1,0,0,260 --hu 16,-1024
+  look glass chest.nrrd 30,15 0,0,-1,540
+  look lung chest.nrrd 0,15 0,-1,0,140
+  look vessels stent.nrrd 30,15 0,-1,0,63 --hu 1,0
+  look stent stent.nrrd 30,15 0,-1,0,63 --hu 1,0
+  look generic head.nrrd 30,20 0,0,-1,-110
+  convert "$folder"/preset-{soft-tissue,muscle,bone,teeth,skin-and-bone}.png +append "$folder/presets-1.png"
+  convert "$folder"/preset-{glass,lung,vessels,stent,generic}.png +append "$folder/presets-2.png"
+  convert "$folder"/presets-{1,2}.png -append -quality 80 "$out/presets.webp"
+  local rig
+  for rig in studio theatre rim dome ambient; do
+    shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset muscle --rig "$rig" \
+      --view 30,20 --plane 0,0,-1,-150
+  done
+  convert "$folder"/rig-{studio,theatre,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
+}
+
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
@@ -94,4 +135,5 @@ if [ -n "${CLIPGS_DATA:-}" ]; then
   faces head 20,50
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
+  sheets
 fi
