@@ -19,7 +19,7 @@ constexpr std::array<double, PathDraws::kDimensions> kRoots = {
     std::numbers::sqrt2, std::numbers::sqrt3, 2.23606797749979,   2.6457513110645907,
     3.3166247903554,     3.605551275463989,   4.123105625617661,  4.358898943540674,
     4.795831523312719,   5.385164807134504,   5.5677643628300215, 6.082762530298219,
-    6.4031242374328485};
+    6.4031242374328485,  6.557438524302,      6.855654600401044};
 
 constexpr std::array<std::uint32_t, PathDraws::kDimensions> recurrence_steps() {
   std::array<std::uint32_t, PathDraws::kDimensions> steps{};
@@ -45,10 +45,11 @@ PathDraws::PathDraws(std::uint64_t seed, std::uint64_t stream, std::uint32_t fir
 }
 
 PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut,
-                       int max_bounces)
+                       int max_bounces, const Lens& lens)
     : scene_(scene),
       camera_(camera),
       max_bounces_(max_bounces),
+      lens_(lens),
       camera_voxel_(scene.voxel_from_world(camera.position)) {
   const Box& occupied = scene.majorants().occupied();
   empty_ = occupied.empty();
@@ -82,6 +83,17 @@ void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offse
 
 PathTracer::Ray PathTracer::camera_ray(float x, float y) const {
   return make_ray(camera_voxel_, scene_.frame_from_world(camera_.ray_direction(x, y)));
+}
+
+// Every ray of a pixel meets the others where the pinhole's meets the plane of the focus.
+PathTracer::Ray PathTracer::lens_ray(float x, float y, float u, float v) const {
+  const Vec3 through((x - camera_.cx) / camera_.fx, (y - camera_.cy) / camera_.fy, 1);
+  const float r = lens_.radius * std::sqrt(u);
+  const float phi = 2 * kPi * v;
+  const Vec3 offset(r * std::cos(phi), r * std::sin(phi), 0);
+  const Vec3 direction = glm::normalize((lens_.focus * through - offset) * camera_.rotation);
+  return make_ray(scene_.voxel_from_world(camera_.position + offset * camera_.rotation),
+                  scene_.frame_from_world(direction));
 }
 
 // Intersects [t0, t1] with the occupied box and the kept half spaces; false if nothing is left.
@@ -297,7 +309,8 @@ Vec3 PathTracer::turn(const Vertex& vertex, float u, float v, PathDraws& draws,
 
 PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
   PathSample sample;
-  Ray ray = camera_ray(x, y);
+  Ray ray = lens_.radius > 0 ? lens_ray(x, y, draws(PathDraws::kLensU), draws(PathDraws::kLensV))
+                             : camera_ray(x, y);
   float t0 = 0;
   float t1 = kFar;
   Collision collision;

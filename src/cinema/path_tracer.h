@@ -30,6 +30,8 @@ class PathDraws {
     kDistance2,
     kAngle2,
     kTurn2,
+    kLensU,
+    kLensV,
     kDimensions
   };
 
@@ -57,15 +59,22 @@ struct PathSample {
   bool hit = false;  ///< the camera ray met matter; its mean is the alpha
 };
 
+/// A thin lens. What is not at its focus is blurred.
+struct Lens {
+  float radius = 0;  ///< mm; 0: a pinhole, all is sharp
+  float focus = 0;   ///< mm along the view's axis to the plane that is sharp
+};
+
 /// Unbiased volumetric path tracing (up to `max_bounces`) of one camera's view of what a cut keeps
 /// of a scene: delta tracking against macrocell majorants, hybrid surface/phase scattering
 /// after Exposure Render (Kroes 2012), next-event estimation of the key lights, the sky by
 /// following the paths.
 class PathTracer {
  public:
-  PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces);
+  PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces,
+             const Lens& lens = {});
 
-  /// One path through image coordinates (x, y) in px.
+  /// One path through image coordinates (x, y) in px and a point of the lens.
   PathSample trace(float x, float y, PathDraws& draws) const;
 
   /// Median distance along the ray, mm, at which it first meets matter: where half of what the ray
@@ -109,6 +118,7 @@ class PathTracer {
     return ray;
   }
   Ray camera_ray(float x, float y) const;
+  Ray lens_ray(float x, float y, float u, float v) const;
   bool clip(const Ray& ray, float& t0, float& t1) const;
   static float leave(const Ray& ray, const IVec3& low);
   bool track(const Ray& ray, float t0, float t1, float optical_depth, Rng& rng,
@@ -126,6 +136,7 @@ class PathTracer {
   const CinemaScene& scene_;
   Camera camera_;
   int max_bounces_;
+  Lens lens_;
   Vec3 camera_voxel_;
   Vec3 box_min_, box_max_;  // occupied, voxel space
   bool empty_ = false;

@@ -237,6 +237,29 @@ TEST(PathTracer, RemovedMatterCastsNoShadow) {
   EXPECT_LT(shadowed.radiance.value(), 0.5 * alone.radiance.value());
 }
 
+// Seen through a lens of radius R, a point at depth d covers a disc of radius f·R·|1/F − 1/d| px.
+TEST(PathTracer, LensBlursWhatIsNotAtItsFocus) {
+  const Volume ball = make_ball(9, 1.5f, 1, 0);
+  const CinemaScene scene(ball, make_preset({point(0, 0), point(1, 50)}, test::white_sky()));
+  const Camera camera = camera_from({0, 100, 0});
+  const auto alpha_at = [&](const Lens& lens, float offset) {
+    const PathTracer tracer(scene, camera, {}, 1, lens);
+    PathDraws draws(3, 0, 0);
+    Mean alpha;
+    for (int i = 0; i < 4000; ++i, draws.next_sample()) {
+      alpha.add(tracer.trace(32 + offset, 32, draws).hit ? 1 : 0);
+    }
+    return alpha.value();
+  };
+  const float disc = camera.fx * 20 * (1 / 100.0f - 1 / 200.0f);  // px
+  const float edge = camera.fx * 1.5f / 100;                      // the ball's own radius
+  EXPECT_EQ(alpha_at({20, 100}, 0), 1);                           // at the focus: as sharp as ever
+  EXPECT_EQ(alpha_at({20, 100}, 2.5f * edge), 0);
+  EXPECT_NEAR(alpha_at({20, 200}, 0), edge * edge / (disc * disc), 0.03);
+  EXPECT_NEAR(alpha_at({20, 200}, 0.6f * disc), edge * edge / (disc * disc), 0.03);
+  EXPECT_EQ(alpha_at({20, 200}, disc + 2 * edge), 0);
+}
+
 TEST(PathTracer, FirstHitIsTheSurface) {
   const Volume ball = make_ball(40, 15, 1, 0);
   const Preset preset = make_preset({point(0.4f, 0), point(0.6f, 20)}, test::white_sky());

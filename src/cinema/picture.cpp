@@ -26,7 +26,7 @@ class Rendering {
  public:
   Rendering(const CinemaScene& scene, const Camera& camera, const Cut& cut,
             const PictureOptions& options)
-      : tracer_(scene, camera, cut, options.max_bounces),
+      : tracer_(scene, camera, cut, options.max_bounces, options.lens),
         exposure_(scene.preset().exposure),
         options_(options),
         width_(camera.width),

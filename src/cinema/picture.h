@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cinema/path_tracer.h"
 #include "cinema/scene.h"
 #include "core/camera.h"
 #include "core/cut.h"
@@ -14,6 +15,7 @@ struct PictureOptions {
   int spp = 64;         ///< most samples a pixel, as a mean over the pixels that show matter
   float noise_db = 0;   ///< stop as soon as the noise floor is this high; 0: spend all samples
   int max_bounces = 6;  ///< vertices of a path
+  Lens lens;
   std::uint64_t seed = 1;
   std::string progress;  ///< label of a progress line; empty: silent
 };

@@ -28,6 +28,7 @@ struct CinemaArguments {
   AnimationArguments animation;
   std::string size = "512x512";
   std::string background;
+  std::string focus;
   PictureOptions picture;
   int bits = 8;
   bool json = false;
@@ -52,10 +53,16 @@ void run_cinema(const CinemaArguments& arguments) {
   if (!arguments.animation.any()) {
     options.progress = "cinema";
   }
+  Vec3 focus = matter.sphere.center;
+  if (!arguments.focus.empty()) {
+    const std::vector<float> n = parse_numbers(arguments.focus, 3, 3, "--focus");
+    focus = Vec3(n[0], n[1], n[2]);
+  }
   double samples = 0;
   float noise = kNoNoise;  // of the noisiest picture
   const auto draw = [&](const View& from, const Cut& kept) {
     const Camera camera = frame_sphere(matter.sphere, from, size.x, size.y);
+    options.lens.focus = camera.to_camera(focus).z;
     const Picture picture = render_picture(scene, camera, kept, options);
     samples += picture.samples;
     noise = std::min(noise, noise_floor(picture, preset.exposure));
@@ -116,6 +123,14 @@ void add_cinema_command(CLI::App& app) {
   command->add_option("--bounces", arguments->picture.max_bounces, "Most vertices of a path")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      ->add_option("--lens", arguments->picture.lens.radius,
+                   "Radius of the lens, mm: what is far from the focus is blurred (0: nothing is)")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_option(
+      "--focus", arguments->focus,
+      "R,A,S, mm: the point that is sharp (default: the middle of what is visible)");
   command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
   command->add_option("--seed", arguments->picture.seed, "Random seed")->capture_default_str();
   command->add_option("--background", arguments->background,
