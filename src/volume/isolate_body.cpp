@@ -13,18 +13,17 @@
 namespace clipgs {
 namespace {
 
-constexpr float kAir = -1024;         // HU
-constexpr float kLeastMatter = -300;  // HU; foam of cushions is lighter, skin is not
-constexpr float kThinnest = 6;        // mm, half of what a part of the body must be thick
-constexpr float kLeastPart = 0.01f;   // of the largest part: arms are, cables are not
-constexpr float kLeastMean =
-    -700;  // HU of a part, its holes filled: a chest has more, a table less
+constexpr float kAir = -1024;          // HU
+constexpr float kLeastMatter = -300;   // HU; foam of cushions is lighter, skin is not
+constexpr float kThinnest = 6;         // mm, half of what a part of the body must be thick
+constexpr float kLeastPart = 0.01f;    // of the largest part: arms are, cables are not
+constexpr float kLeastMean = -700;     // HU of a part with its holes; hollow tables have less
 constexpr float kLongestTrifle = 100;  // mm; no ear or nose is longer, a table is
 constexpr float kBone = 300;           // HU; attached to the body, of any length
 constexpr float kSkin = 2;             // voxels around the body that keep their values
 constexpr double kMostRemoved = 0.35;  // of all matter; more is no table
 
-/// One byte a voxel: 0 or 1, or a mark while components are found.
+/// One byte a voxel: 0 or 1.
 using Mask = std::vector<std::uint8_t>;
 
 template <typename Body>
@@ -88,7 +87,7 @@ Mask dilated(const Volume& volume, const Mask& mask, float radius) {
   const IVec3 dims = volume.dims;
   const float limit = radius * radius;
   std::vector<float> squares(mask.size(), kFar);
-  // line(from, stride, count) of the voxels along one axis, `reach` voxels being within the radius.
+  // One line of voxels; `old` has room for it.
   const auto widen_line = [&](size_t from, size_t stride, int count, float spacing,
                               std::vector<float>& old) {
     const int reach = static_cast<int>(radius / spacing);
@@ -148,6 +147,12 @@ Mask eroded(const Volume& volume, const Mask& mask, float radius) {
   return mask_where(volume, [&](size_t i) { return around[i] == 0; });
 }
 
+IVec3 place_of(const Volume& volume, size_t offset) {
+  const auto width = static_cast<size_t>(volume.dims.x);
+  const auto height = static_cast<size_t>(volume.dims.y);
+  return IVec3(offset % width, offset / width % height, offset / (width * height));
+}
+
 /// Calls use(voxels) with the offsets of each connected component (by faces) of the mask.
 template <typename Use>
 void for_each_component(const Volume& volume, Mask mask, const Use& use) {
@@ -162,8 +167,7 @@ void for_each_component(const Volume& volume, Mask mask, const Use& use) {
     voxels.assign(1, seed);
     for (size_t next = 0; next < voxels.size(); ++next) {
       const size_t at = voxels[next];
-      const IVec3 place(static_cast<int>(at % dims.x), static_cast<int>(at / dims.x % dims.y),
-                        static_cast<int>(at / strides[2]));
+      const IVec3 place = place_of(volume, at);
       for (int axis = 0; axis < 3; ++axis) {
         for (const int step : {-1, 1}) {
           const int there = place[axis] + step;
@@ -203,19 +207,17 @@ Mask body_cores(const Volume& volume, const Mask& cores) {
 
 /// Adds to the body what of the matter is attached to it, and small or bone.
 void add_trifles(const Volume& volume, const Mask& matter, Mask& body) {
-  const IVec3 dims = volume.dims;
-  const Mask near = dilated(
-      volume, body, 1.01f * std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z}));
+  const Vec3& spacing = volume.spacing;
+  const Mask near = dilated(volume, body, 1.01f * std::max({spacing.x, spacing.y, spacing.z}));
   const Mask rest = mask_where(volume, [&](size_t i) { return matter[i] != 0 && body[i] == 0; });
   for_each_component(volume, rest, [&](const std::vector<size_t>& voxels) {
-    IVec3 low = dims;
+    IVec3 low = volume.dims;
     IVec3 high(0);
     bool attached = false;
     double sum = 0;
     size_t solid = 0;
     for (const size_t at : voxels) {
-      const IVec3 place(static_cast<int>(at % dims.x), static_cast<int>(at / dims.x % dims.y),
-                        static_cast<int>(at / (static_cast<size_t>(dims.x) * dims.y)));
+      const IVec3 place = place_of(volume, at);
       low = glm::min(low, place);
       high = glm::max(high, place);
       attached = attached || near[at] != 0;
@@ -224,7 +226,7 @@ void add_trifles(const Volume& volume, const Mask& matter, Mask& body) {
         ++solid;
       }
     }
-    const Vec3 size = Vec3(high - low + 1) * volume.spacing;
+    const Vec3 size = Vec3(high - low + 1) * spacing;
     const bool small = std::max({size.x, size.y, size.z}) <= kLongestTrifle;
     if (attached && (small || sum > kBone * static_cast<double>(solid))) {
       for (const size_t at : voxels) {
@@ -242,7 +244,9 @@ double isolate_body(Volume& volume) {
   }
   const Mask matter = mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
   const Mask filled = with_holes_filled(volume, matter);
-  const float voxel = std::max({volume.spacing.x, volume.spacing.y, volume.spacing.z});
+  const Vec3& s = volume.spacing;
+  // Where slices are thick, rather some of the table than none of an ear that touches it.
+  const float voxel = std::max({s.x, s.y, s.z});
   Mask body = dilated(volume, body_cores(volume, eroded(volume, filled, kThinnest)),
                       kThinnest + 1.5f * voxel);
   for (size_t i = 0; i < body.size(); ++i) {
@@ -264,7 +268,6 @@ double isolate_body(Volume& volume) {
       volume.values[i] = kAir;
     }
   }
-  const Vec3& s = volume.spacing;
   return removed * s.x * s.y * s.z / 1000;
 }
 
