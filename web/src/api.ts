@@ -55,8 +55,8 @@ export interface ClipgsApi {
     window: Window | null;
   };
   readonly stats: Readonly<ViewerStats>;
-  /** The picture alone, as `clipgs render` writes it. */
-  renderToPixels(width: number, height: number): Promise<Picture>;
+  /** The picture alone, as `clipgs render` writes it; `moving`: as it is drawn while something moves. */
+  renderToPixels(width: number, height: number, moving?: boolean): Promise<Picture>;
   /** Where a point appears on the page, CSS px; null behind the camera. */
   project(point: Triple): { x: number; y: number } | null;
 }
@@ -123,7 +123,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
         window: viewer.window,
       };
     },
-    renderToPixels: (width, height) => viewer.renderToPixels(width, height),
+    renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
     project: (point) => {
       const at = viewer.project(new Vector3(...point));
       const box = viewer.canvas.getBoundingClientRect();

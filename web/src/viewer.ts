@@ -383,8 +383,11 @@ export class Viewer {
     return point && readSection(section, point);
   }
 
-  /** The picture of exactly width × height px without the handle, as `clipgs render` writes it. */
-  async renderToPixels(width: number, height: number): Promise<Picture> {
+  /**
+   * The picture of exactly width × height px without the handle: as `clipgs render` writes it, or while something
+   * moves, with fewer rays through faces.
+   */
+  async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
     await this.#sortDone();
     const current = this.#case;
     if (!current) {
@@ -396,7 +399,12 @@ export class Viewer {
       this.#placeCamera(width, height, noInset);
       await this.#sort(current, width, height);
       this.#placeCamera(width, height, noInset);
-      return await this.#layer.read(this.#subject(current, kMostRays, height), this.#camera, width, height);
+      return await this.#layer.read(
+        this.#subject(current, moving ? 1 : kMostRays, height),
+        this.#camera,
+        width,
+        height,
+      );
     } finally {
       this.#capturing = false;
       this.#touch();
