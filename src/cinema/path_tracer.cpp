@@ -320,9 +320,10 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
   }
   sample.hit = true;
   const Vec3 met = ray.origin + collision.t * ray.step;
+  const Material material = scene_.material(collision.code, met);
+  sample.albedo = material.albedo;
   if (const Face* face = face_at(met, ray.direction)) {
-    sample.radiance =
-        shade_face(*face, scene_.material(collision.code, met), -ray.direction, draws);
+    sample.radiance = shade_face(*face, material, -ray.direction, draws);
     return sample;
   }
 

@@ -57,6 +57,7 @@ class PathDraws {
 struct PathSample {
   Vec3 radiance{0};
   bool hit = false;  ///< the camera ray met matter; its mean is the alpha
+  Vec3 albedo{0};    ///< of the matter that the camera ray met
 };
 
 /// A thin lens. What is not at its focus is blurred.

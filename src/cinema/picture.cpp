@@ -18,7 +18,8 @@ constexpr int kNoiseRadius = 2;  // px: squared differences of halves are smooth
 
 struct PixelSums {
   std::array<Vec4, 2> halves{Vec4(0), Vec4(0)};  // radiance, hits
-  int samples = 0;                               // in each half
+  std::array<Vec3, 2> albedos{Vec3(0), Vec3(0)};
+  int samples = 0;  // in each half
 };
 
 // One picture in the making.
@@ -123,11 +124,17 @@ class Rendering {
     Picture picture;
     picture.half_a = Image(width_, height_, 4);
     picture.half_b = Image(width_, height_, 4);
+    picture.albedo_a = Image(width_, height_, 3);
+    picture.albedo_b = Image(width_, height_, 3);
     for (size_t i = 0; i < sums_.size(); ++i) {
       const float scale = 1.0f / static_cast<float>(std::max(1, sums_[i].samples));
       for (int c = 0; c < 4; ++c) {
         picture.half_a.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[0][c] * scale;
         picture.half_b.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[1][c] * scale;
+      }
+      for (int c = 0; c < 3; ++c) {
+        picture.albedo_a.data[3 * i + static_cast<size_t>(c)] = sums_[i].albedos[0][c] * scale;
+        picture.albedo_b.data[3 * i + static_cast<size_t>(c)] = sums_[i].albedos[1][c] * scale;
       }
       picture.samples += 2.0 * sums_[i].samples;
     }
@@ -145,14 +152,17 @@ class Rendering {
     for (size_t half = 0; half < 2; ++half) {
       PathDraws draws(Rng::mix(options_.seed) + half, i, static_cast<std::uint32_t>(pixel.samples));
       Vec4 sum(0);
+      Vec3 albedo(0);
       for (int s = 0; s < more; ++s) {
         const PathSample sample =
             tracer_.trace(static_cast<float>(x) + draws(PathDraws::kPixelX),
                           static_cast<float>(y) + draws(PathDraws::kPixelY), draws);
         sum += Vec4(sample.radiance, sample.hit ? 1.0f : 0.0f);
+        albedo += sample.albedo;
         draws.next_sample();
       }
       pixel.halves[half] += sum;
+      pixel.albedos[half] += albedo;
     }
     pixel.samples = wanted_[i];
   }

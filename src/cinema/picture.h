@@ -26,7 +26,8 @@ struct PictureOptions {
 struct Picture {
   Image half_a;
   Image half_b;
-  double samples = 0;  ///< paths traced in all
+  Image albedo_a, albedo_b;  ///< [height, width, 3]: linear albedo first met, times alpha
+  double samples = 0;        ///< paths traced in all
 
   /// Mean of the halves: linear premultiplied RGBA.
   Image mean() const;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cinema/denoise.h"
 #include "cinema/picture.h"
 #include "cinema/visible_matter.h"
 #include "cli/animation.h"
@@ -30,6 +31,7 @@ struct CinemaArguments {
   std::string background;
   std::string focus;
   PictureOptions picture;
+  bool denoise = false;
   int bits = 8;
   bool json = false;
 };
@@ -66,7 +68,8 @@ void run_cinema(const CinemaArguments& arguments) {
     const Picture picture = render_picture(scene, camera, kept, options);
     samples += picture.samples;
     noise = std::min(noise, noise_floor(picture, preset.exposure));
-    const Image image = display(picture.mean(), preset.exposure);
+    const Picture clean = arguments.denoise ? denoise(picture, preset.exposure) : picture;
+    const Image image = display(clean.mean(), preset.exposure);
     return background.empty() ? image
                               : composite(image, background[0], background[1], background[2]);
   };
@@ -123,6 +126,9 @@ void add_cinema_command(CLI::App& app) {
   command->add_option("--bounces", arguments->picture.max_bounces, "Most vertices of a path")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command->add_flag("--denoise", arguments->denoise,
+                    "Smooth away noise, for pictures to look at; the noise floor said is that "
+                    "before");
   command
       ->add_option("--lens", arguments->picture.lens.radius,
                    "Radius of the lens, mm: what is far from the focus is blurred (0: nothing is)")
