@@ -105,10 +105,10 @@ look() {
 # sheets: all presets that the real volumes can show, and the rigs.
 sheets() {
   look soft-tissue chest.nrrd 30,30 0,0.3,-1,500
-  look muscle head.nrrd 35,15 -1,0,0,260 --hu 16,-1024
-  look bone head.nrrd 30,15 -1,0,0,260 --hu 16,-1024
+  look muscle head.nrrd 35,15 1,0,0,-260 --hu 16,-1024
+  look bone head.nrrd 30,15 1,0,0,-260 --hu 16,-1024
   look teeth head.nrrd 15,10 0,0,-1,-80 --hu 16,-1024
-  look skin-and-bone head.nrrd 30,20 -1,0,0,260 --hu 16,-1024
+  look skin-and-bone head.nrrd 30,20 1,0,0,-260 --hu 16,-1024
   look glass chest.nrrd 30,15 0,0,-1,540
   look lung chest.nrrd 0,15 0,-1,0,140
   look vessels stent.nrrd 30,15 0,-1,0,63 --hu 1,0
@@ -119,7 +119,7 @@ sheets() {
   convert "$folder"/presets-{1,2}.png -append -quality 80 "$out/presets.webp"
   local rig
   for rig in studio theatre rim dome ambient; do
-    shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset muscle --rig "$rig" \
+    shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset soft-tissue --rig "$rig" \
       --view 30,20 --plane 0,0,-1,-150
   done
   convert "$folder"/rig-{studio,theatre,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
