@@ -103,8 +103,7 @@ Image filtered(const Image& source, const Guide& color, const Guide& albedo) {
                 }
               }
             }
-            const float unlike =
-                std::max(std::max(0.0f, patch / static_cast<float>(count)), feature);
+            const float unlike = std::max({0.0f, patch / static_cast<float>(count), feature});
             const float weight = std::exp(-unlike);
             const float* in = &source.data[4 * q];
             sum += weight * Vec4(in[0], in[1], in[2], in[3]);

@@ -237,7 +237,7 @@ std::optional<Source> find_source(std::span<const BuiltInFile> files, const std:
                                   const std::string& name_or_path) {
   for (const BuiltInFile& file : files) {
     if (file.name == name_or_path) {
-      return Source{std::string(file.json), kind + " " + name_or_path};
+      return Source{std::string(file.json), fmt::format("{} {}", kind, name_or_path)};
     }
   }
   const std::filesystem::path path(name_or_path);
