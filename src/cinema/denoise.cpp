@@ -1,7 +1,6 @@
 #include "cinema/denoise.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 

@@ -320,9 +320,9 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
   }
   sample.hit = true;
   const Vec3 met = ray.origin + collision.t * ray.step;
-  const Material material = scene_.material(collision.code, met);
-  sample.albedo = material.albedo;
   if (const Face* face = face_at(met, ray.direction)) {
+    const Material material = scene_.material(collision.code, met);
+    sample.albedo = material.albedo;
     sample.radiance = shade_face(*face, material, -ray.direction, draws);
     return sample;
   }
@@ -331,6 +331,9 @@ PathSample PathTracer::trace(float x, float y, PathDraws& draws) const {
   for (int bounce = 0; bounce < max_bounces_; ++bounce) {
     const bool first = bounce == 0;
     const Vertex vertex = vertex_at(ray, collision, first, draws);
+    if (first) {
+      sample.albedo = vertex.material.albedo;
+    }
     sample.radiance += throughput * key_light(vertex, draws);
 
     // Onwards; the sky is met where a path leaves.

@@ -22,20 +22,10 @@ Cut moved(const Cut& cut, float offset) {
   return Cut(std::move(planes));
 }
 
-}  // namespace
-
-void add_animation_options(CLI::App& command, AnimationArguments& animation) {
-  command.add_flag("--turntable", animation.turntable,
-                   "Animated WebP: the camera goes once around the patient");
-  command.add_flag("--sweep", animation.sweep,
-                   "Animated WebP: the first plane or slab goes through what is visible, and back");
-  command.add_option("--frames", animation.frames, "Pictures of an animation")
-      ->check(CLI::Range(2, 10000))
-      ->capture_default_str();
-  command.add_option("--fps", animation.fps, "Pictures a second")
-      ->check(CLI::Range(0.1, 100.0))
-      ->capture_default_str();
-}
+struct AnimationFrame {
+  View view;
+  Cut cut;
+};
 
 AnimationFrame animation_frame(const AnimationArguments& animation, int frame, const View& view,
                                const Cut& cut, const std::function<Vec2(const Vec3&)>& extent) {
@@ -53,6 +43,21 @@ AnimationFrame animation_frame(const AnimationArguments& animation, int frame, c
     result.cut = moved(start, glm::mix(interval.x, interval.y, depth));
   }
   return result;
+}
+
+}  // namespace
+
+void add_animation_options(CLI::App& command, AnimationArguments& animation) {
+  command.add_flag("--turntable", animation.turntable,
+                   "Animated WebP: the camera goes once around the patient");
+  command.add_flag("--sweep", animation.sweep,
+                   "Animated WebP: the first plane or slab goes through what is visible, and back");
+  command.add_option("--frames", animation.frames, "Pictures of an animation")
+      ->check(CLI::Range(2, 10000))
+      ->capture_default_str();
+  command.add_option("--fps", animation.fps, "Pictures a second")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
 }
 
 void check_animation_output(const AnimationArguments& animation,

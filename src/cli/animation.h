@@ -24,21 +24,13 @@ struct AnimationArguments {
 /// Adds the options; `animation` must outlive the parsing.
 void add_animation_options(CLI::App& command, AnimationArguments& animation);
 
-/// What picture `frame` shows, starting from `view` and `cut`. `extent` is the interval of
-/// normal·x over what is visible. Without a plane, a sweep removes what is superior.
-struct AnimationFrame {
-  View view;
-  Cut cut;
-};
-AnimationFrame animation_frame(const AnimationArguments& animation, int frame, const View& view,
-                               const Cut& cut, const std::function<Vec2(const Vec3&)>& extent);
-
 /// Throws CLI::ValidationError where something is to move and `output` is not a .webp.
 void check_animation_output(const AnimationArguments& animation,
                             const std::filesystem::path& output);
 
-/// Draws every picture by draw(view, cut) and writes them as a WebP that goes on for ever. Throws
-/// Error.
+/// Draws every picture by draw(view, cut), starting from `view` and `cut`, and writes them as a
+/// WebP that goes on for ever. `extent` is the interval of normal·x over what is visible. Without a
+/// plane, a sweep removes what is superior. Throws Error.
 void write_animation(const std::filesystem::path& output, const std::string& label,
                      const AnimationArguments& animation, const View& view, const Cut& cut,
                      const std::function<Vec2(const Vec3&)>& extent,

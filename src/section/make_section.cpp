@@ -8,6 +8,7 @@
 #include "section/error_bands.h"
 #include "section/field.h"
 #include "section/section.h"
+#include "volume/slice_flood.h"
 
 namespace clipgs {
 namespace {
@@ -104,44 +105,7 @@ std::vector<std::uint8_t> near_matter(const Field& field, const IsAir& is_air, i
 template <typename IsAir>
 std::vector<std::uint8_t> outside(const Field& field, const IsAir& is_air) {
   constexpr int kReach = 1;  // interpolation at the surface needs the values on both sides
-  const std::vector<std::uint8_t> solid = near_matter(field, is_air, kReach);
-  std::vector<std::uint8_t> result(solid.size(), 0);
-  parallel_for(static_cast<size_t>(field.dims.z), 1, [&](size_t slice, size_t) {
-    const int z = static_cast<int>(slice);
-    std::vector<IVec3> stack;
-    const auto visit = [&](int x, int y) {
-      const size_t at = field.offset(x, y, z);
-      if (solid[at] == 0 && result[at] == 0) {
-        result[at] = 1;
-        stack.emplace_back(x, y, z);
-      }
-    };
-    for (int x = 0; x < field.dims.x; ++x) {
-      visit(x, 0);
-      visit(x, field.dims.y - 1);
-    }
-    for (int y = 0; y < field.dims.y; ++y) {
-      visit(0, y);
-      visit(field.dims.x - 1, y);
-    }
-    while (!stack.empty()) {
-      const IVec3 at = stack.back();
-      stack.pop_back();
-      if (at.x > 0) {
-        visit(at.x - 1, at.y);
-      }
-      if (at.x + 1 < field.dims.x) {
-        visit(at.x + 1, at.y);
-      }
-      if (at.y > 0) {
-        visit(at.x, at.y - 1);
-      }
-      if (at.y + 1 < field.dims.y) {
-        visit(at.x, at.y + 1);
-      }
-    }
-  });
-  return result;
+  return flood_slices(field.dims, near_matter(field, is_air, kReach));
 }
 
 /// How a value looks on a face: display sRGB under white light, and opacity of half a voxel.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "volume/slice_flood.h"
 
 namespace clipgs {
 namespace {
@@ -46,38 +47,8 @@ Mask mask_where(const Volume& volume, const Decide& decide) {
 
 /// Matter, and all that it encloses in an axial slice: lungs belong to the chest.
 Mask with_holes_filled(const Volume& volume, const Mask& matter) {
-  Mask filled(matter.size(), 1);
-  for_each_slice(volume, [&](int z) {
-    std::vector<IVec3> stack;
-    const auto visit = [&](int x, int y) {
-      const size_t at = volume.offset(x, y, z);
-      if (matter[at] == 0 && filled[at] == 1) {
-        filled[at] = 0;
-        stack.emplace_back(x, y, z);
-      }
-    };
-    for (int x = 0; x < volume.dims.x; ++x) {
-      visit(x, 0);
-      visit(x, volume.dims.y - 1);
-    }
-    for (int y = 0; y < volume.dims.y; ++y) {
-      visit(0, y);
-      visit(volume.dims.x - 1, y);
-    }
-    while (!stack.empty()) {
-      const IVec3 at = stack.back();
-      stack.pop_back();
-      for (const int step : {-1, 1}) {
-        if (at.x + step >= 0 && at.x + step < volume.dims.x) {
-          visit(at.x + step, at.y);
-        }
-        if (at.y + step >= 0 && at.y + step < volume.dims.y) {
-          visit(at.x, at.y + step);
-        }
-      }
-    }
-  });
-  return filled;
+  const Mask outside = flood_slices(volume.dims, matter);
+  return mask_where(volume, [&](size_t i) { return outside[i] == 0; });
 }
 
 /// 1 within `radius` (mm) of a 1 of the mask: squared distances along x, then the least sums of
