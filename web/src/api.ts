@@ -1,7 +1,7 @@
 import { Vector3 } from "three";
 
 import type { App } from "./app";
-import type { Cut } from "./model/cut";
+import { type Cut, makeCut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
 import type { Plane, Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
@@ -68,13 +68,7 @@ declare global {
 }
 
 function unitCut({ normal, offset, thickness }: ApiCut): Cut {
-  const vector = new Vector3(...normal);
-  const length = vector.length();
-  return {
-    normal: vector.divideScalar(length),
-    offset: offset / length,
-    thickness: thickness ?? null,
-  };
+  return makeCut(new Vector3(...normal), offset, thickness ?? null);
 }
 
 function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number } {

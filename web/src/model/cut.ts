@@ -1,8 +1,16 @@
+import type { Vector3 } from "three";
+
 import type { Plane } from "./geometry";
 
 /** What is moved as one: a plane, or the slab from there to `thickness` mm further on the kept side. */
 export interface Cut extends Plane {
   thickness: number | null;
+}
+
+/** The cut of a normal of any length but 0; `offset` is scaled with it, the thickness is mm. */
+export function makeCut(normal: Vector3, offset: number, thickness: number | null): Cut {
+  const length = normal.length();
+  return { normal: normal.clone().divideScalar(length), offset: offset / length, thickness };
 }
 
 /** Of all cuts together (Cut::kMostPlanes of src/core/cut.h). */

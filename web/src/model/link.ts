@@ -1,7 +1,7 @@
 import { Vector3 } from "three";
 
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
-import { canDraw, type Cut } from "./cut";
+import { canDraw, type Cut, makeCut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
 import type { Window } from "./grey";
 import { type View, viewFrom } from "./view";
@@ -30,12 +30,10 @@ function numbers(text: string | null, least: number, most: number): number[] | n
 function parseCut(text: string, isSlab: boolean): Cut | null {
   const n = numbers(text, isSlab ? 5 : 4, isSlab ? 5 : 4);
   const normal = new Vector3().fromArray(n ?? [0, 0, 0]);
-  const length = normal.length();
-  if (!n || length === 0 || (isSlab && n[4]! <= 0)) {
+  if (!n || normal.length() === 0 || (isSlab && n[4]! <= 0)) {
     return null;
   }
-  normal.divideScalar(length);
-  return { normal, offset: n[3]! / length, thickness: isSlab ? n[4]! : null };
+  return makeCut(normal, n[3]!, isSlab ? n[4]! : null);
 }
 
 /** All planes and slabs, in their order; null where there are none or too many. */
