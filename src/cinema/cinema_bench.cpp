@@ -1,76 +1,213 @@
-#include <benchmark/benchmark.h>
+// Speed of the path tracer beside the plain reference, in one run: nanoseconds a sample, and the
+// time to a picture of 35 dB. See bench/cinema.sh.
+//
+//   cinema_bench VOLUME PRESET [SCALE,OFFSET] [NX,NY,NZ,OFFSET]     stored → HU; the cut; "-": none
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+#include <span>
+#include <string_view>
 
+#include "cinema/denoise.h"
 #include "cinema/path_tracer.h"
 #include "cinema/picture.h"
 #include "cinema/reference_tracer.h"
 #include "cinema/visible_matter.h"
-#include "core/progress.h"
-#include "volume/phantom.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "core/random.h"
+#include "volume/load.h"
 
-// Time per sample (one whole camera path) on the phantom, on one thread; samples spread over the
-// framed picture, those that miss included.
 namespace clipgs {
 namespace {
 
-struct Fixture {
-  Volume volume = make_phantom(256);
-  Preset preset = load_preset("skin-and-bone");
-  VisibleMatter matter = visible_matter(volume, preset.transfer);
-  Camera camera = frame_sphere(matter.sphere, View{30, 15, 1}, 256, 256);
-  std::optional<Plane> plane = Plane{Vec3(0, 0, -1), -matter.sphere.center.z};
+constexpr int kSize = 512;
+constexpr int kBounces = 4;
+constexpr double kTarget = 35;  // dB
+
+struct Subject {
+  Volume volume;
+  Preset preset;
+  VisibleMatter matter;
+  CinemaScene scene;
+  Camera camera;
+  Cut cut;
+
+  Subject(Volume v, const std::string& preset_name, const Cut& kept)
+      : volume(std::move(v)),
+        preset(load_preset(preset_name, volume)),
+        matter(visible_matter(volume, preset.transfer)),
+        scene(volume, preset),
+        camera(frame_sphere(matter.sphere, View{30, 15, 1}, kSize, kSize)),
+        cut(kept) {}
 };
 
-const Fixture& fixture() {
-  static const Fixture f;
-  return f;
+double seconds_of(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void fast(benchmark::State& state) {
-  const Fixture& f = fixture();
-  const CinemaScene scene(f.volume, f.preset);
-  const PathTracer tracer(scene, f.camera, f.plane, PictureOptions().max_bounces);
-  PathDraws draws(1, 0, 0);
-  for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(tracer.trace(256 * draws.uniform(), 256 * draws.uniform(), draws));
-    draws.next_sample();
+// The plain tracer's picture: the same number of samples in every pixel.
+Image plain_picture(const Subject& s, int spp) {
+  const ReferenceTracer tracer(s.volume, s.preset, s.camera, s.cut, kBounces);
+  Image sum(kSize, kSize, 4);
+  parallel_for(kSize, 4, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        Rng rng(2, y * kSize + static_cast<size_t>(x));
+        Vec4 mean(0);
+        for (int i = 0; i < spp; ++i) {
+          const PathSample sample = tracer.trace(static_cast<float>(x) + rng.uniform(),
+                                                 static_cast<float>(y) + rng.uniform(), rng);
+          mean += Vec4(sample.radiance, sample.hit ? 1 : 0) / static_cast<float>(spp);
+        }
+        std::copy_n(&mean[0], 4, sum.at(x, static_cast<int>(y)));
+      }
+    }
+  });
+  return sum;
+}
+
+// The fast tracer's, likewise, for its time alone.
+void uniform_picture(const Subject& s, int spp) {
+  const PathTracer tracer(s.scene, s.camera, s.cut, kBounces);
+  parallel_for(kSize, 4, [&](size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      std::vector<PathStart> starts;
+      for (int x = 0; x < kSize; ++x) {
+        Rng rng(3, y * kSize + static_cast<size_t>(x));
+        for (int i = 0; i < spp; ++i) {
+          starts.push_back({static_cast<float>(x) + rng.uniform(),
+                            static_cast<float>(y) + rng.uniform(), rng.next(), 0});
+        }
+      }
+      tracer.trace(starts);
+    }
+  });
+}
+
+double psnr_over_black(const Image& a, const Image& b) {
+  const Image left = composite(a, 0, 0, 0);
+  const Image right = composite(b, 0, 0, 0);
+  double sum = 0;
+  for (size_t i = 0; i < left.data.size(); ++i) {
+    const double difference = left.data[i] - right.data[i];
+    sum += difference * difference;
   }
+  return -10 * std::log10(sum / static_cast<double>(left.data.size()));
 }
 
-void reference(benchmark::State& state) {
-  const Fixture& f = fixture();
-  const ReferenceTracer tracer(f.volume, f.preset, f.camera, f.plane, PictureOptions().max_bounces);
-  Rng rng(1);
-  for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(tracer.trace(256 * rng.uniform(), 256 * rng.uniform(), rng));
+// Seconds to kTarget dB: ever more samples until it is passed, then on the straight line of dB over
+// the logarithm of time.
+double time_to_target(const Subject& s, const Image& truth,
+                      const std::function<Image(int spp)>& picture) {
+  double last_time = 0;
+  double last_db = 0;
+  for (int spp = 2; spp <= 4096; spp *= 2) {
+    Image image;
+    const double time = seconds_of([&] { image = picture(spp); });
+    const double db = psnr_over_black(truth, display(image, s.preset.exposure));
+    if (db >= kTarget) {
+      const double part = last_time > 0 ? (kTarget - last_db) / (db - last_db) : 1;
+      return last_time > 0 ? last_time * std::pow(time / last_time, part) : time;
+    }
+    last_time = time;
+    last_db = db;
   }
+  throw Error("no picture of {} dB within 4096 samples a pixel", kTarget);
 }
 
-void build_scene(benchmark::State& state) {
-  const Fixture& f = fixture();
-  for ([[maybe_unused]] auto _ : state) {
-    benchmark::DoNotOptimize(CinemaScene(f.volume, f.preset));
+std::vector<float> numbers(std::string_view text) {
+  std::vector<float> result;
+  while (!text.empty()) {
+    float value = 0;
+    const char* const end = std::from_chars(text.data(), text.data() + text.size(), value).ptr;
+    text.remove_prefix(std::min(text.size(), static_cast<size_t>(end - text.data()) + 1));
+    result.push_back(value);
   }
+  return result;
 }
 
-void picture_to_40_db(benchmark::State& state) {
-  const Fixture& f = fixture();
-  const CinemaScene scene(f.volume, f.preset);
-  PictureOptions options;
-  options.spp = 8192;
-  options.noise_db = 40;
-  double samples = 0;
-  for ([[maybe_unused]] auto _ : state) {
-    samples += render_picture(scene, f.camera, f.plane, options).samples;
+void run(std::span<char*> arguments) {
+  if (arguments.size() < 3) {
+    throw Error("usage: cinema_bench VOLUME PRESET [SCALE,OFFSET|-] [NX,NY,NZ,OFFSET]");
   }
-  state.counters["samples/s"] = benchmark::Counter(samples, benchmark::Counter::kIsRate);
-}
+  LoadOptions load;
+  if (arguments.size() > 3 && std::string_view(arguments[3]) != "-") {
+    const std::vector<float> hu = numbers(arguments[3]);
+    load.hu = Rescale{hu.at(0), hu.at(1)};
+  }
+  Cut cut;
+  if (arguments.size() > 4) {
+    const std::vector<float> n = numbers(arguments[4]);
+    cut = Cut(Plane{glm::normalize(Vec3(n.at(0), n.at(1), n.at(2))), n.at(3)});
+  }
+  const Subject s(load_volume(arguments[1], load), arguments[2], cut);
 
-BENCHMARK(fast);
-BENCHMARK(reference);
-BENCHMARK(build_scene)->Unit(benchmark::kMillisecond);
-BENCHMARK(picture_to_40_db)->Unit(benchmark::kMillisecond)->UseRealTime();
+  // Medians of turns taken one after the other, so that both meet the same machine.
+  constexpr int kTurns = 5;
+  constexpr int kSpp = 8;
+  std::vector<double> fast;
+  std::vector<double> plain;
+  std::vector<double> adaptive;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    fast.push_back(seconds_of([&] { uniform_picture(s, kSpp); }) / kSpp);
+    plain.push_back(seconds_of([&] { plain_picture(s, 1); }));
+    PictureOptions options;
+    options.spp = 64;
+    options.max_bounces = kBounces;
+    double samples = 0;
+    const double time =
+        seconds_of([&] { samples = render_picture(s.scene, s.camera, s.cut, options).samples; });
+    adaptive.push_back(time / samples);
+  }
+  const auto median_ns = [](std::vector<double> values, double per) {
+    std::ranges::sort(values);
+    return 1e9 * values[values.size() / 2] / per;
+  };
+  constexpr double kPaths = kSize * kSize;
+
+  PictureOptions converged;
+  converged.spp = 1 << 14;
+  converged.noise_db = 50;
+  converged.max_bounces = kBounces;
+  converged.seed = 99;
+  const Image truth =
+      display(render_picture(s.scene, s.camera, s.cut, converged).mean(), s.preset.exposure);
+  const auto ours = [&](int spp) {
+    PictureOptions options;
+    options.spp = spp;
+    options.max_bounces = kBounces;
+    return render_picture(s.scene, s.camera, s.cut, options);
+  };
+  const double to_plain = time_to_target(s, truth, [&](int spp) { return plain_picture(s, spp); });
+  const double to_ours = time_to_target(s, truth, [&](int spp) { return ours(spp).mean(); });
+  const double to_denoised = time_to_target(
+      s, truth, [&](int spp) { return denoise(ours(spp), s.preset.exposure).mean(); });
+
+  const double uniform = median_ns(fast, kPaths);
+  const double reference = median_ns(plain, kPaths);
+  fmt::print(
+      "| {}{} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.2f} ({:.0f} ×) | {:.2f} ({:.0f} ×) "
+      "|\n",
+      s.preset.name, cut.planes().empty() ? "" : ", cut", reference, uniform,
+      median_ns(adaptive, 1), reference / uniform, to_plain, to_ours, to_plain / to_ours,
+      to_denoised, to_plain / to_denoised);
+}
 
 }  // namespace
 }  // namespace clipgs
 
-BENCHMARK_MAIN();
+int main(int count, char** arguments) {
+  try {
+    clipgs::run({arguments, static_cast<size_t>(count)});
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "cinema_bench: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}

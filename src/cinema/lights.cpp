@@ -21,10 +21,8 @@ Vec3 Lights::Key::sample(float u, float v) const {
 }
 
 Lights::Lights(const LightRig& rig, const Mat3& frame_from_world)
-    : up_(frame_from_world * Vec3(0, 0, 1)),
-      horizon_(rig.sky_horizon),
-      to_top_(rig.sky_top - rig.sky_horizon),
-      to_bottom_(rig.sky_bottom - rig.sky_horizon) {
+    : sky_{frame_from_world * Vec3(0, 0, 1), rig.sky_horizon, rig.sky_top - rig.sky_horizon,
+           rig.sky_bottom - rig.sky_horizon} {
   if (rig.keys.size() > kMaxKeys) {
     throw Error("light rig: {} key lights; at most {} are supported", rig.keys.size(), kMaxKeys);
   }
@@ -75,7 +73,7 @@ Vec3 Lights::face_radiance(const Vec3& normal) const {
 
 Vec3 Lights::mean_radiance() const {
   // The mean of |z| over the sphere is 1/2, half of it above and half below the horizon.
-  Vec3 mean = horizon_ + 0.25f * (to_top_ + to_bottom_);
+  Vec3 mean = sky_.horizon + 0.25f * (sky_.to_top + sky_.to_bottom);
   for (const Key& key : keys_) {
     mean += key.irradiance / (4.0f * kPi);
   }

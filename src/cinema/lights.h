@@ -28,11 +28,17 @@ class Lights {
 
   const std::vector<Key>& keys() const { return keys_; }
 
-  /// Radiance of the sky from unit `direction`: horizon to top (bottom) linearly in the sine of
-  /// the elevation.
+  /// Radiance from horizon to top (bottom) linearly in the sine of the elevation.
+  struct Sky {
+    Vec3 up;
+    Vec3 horizon, to_top, to_bottom;
+  };
+  const Sky& gradient() const { return sky_; }
+
+  /// Radiance of the sky from unit `direction`.
   Vec3 sky(const Vec3& direction) const {
-    const float up = glm::dot(up_, direction);
-    return up >= 0 ? horizon_ + up * to_top_ : horizon_ - up * to_bottom_;
+    const float up = glm::dot(sky_.up, direction);
+    return up >= 0 ? sky_.horizon + up * sky_.to_top : sky_.horizon - up * sky_.to_bottom;
   }
 
   /// What a white Lambert face with this normal and nothing above it radiates, linear RGB:
@@ -45,8 +51,7 @@ class Lights {
 
  private:
   std::vector<Key> keys_;
-  Vec3 up_;
-  Vec3 horizon_, to_top_, to_bottom_;
+  Sky sky_;
 };
 
 }  // namespace clipgs

@@ -1,24 +1,41 @@
 #include "cinema/majorant_grid.h"
 
+#include <array>
+
 #include "core/parallel.h"
 
 namespace clipgs {
+namespace {
 
-MajorantGrid::MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer) {
-  cells_ = glm::max((grid.dims() - 1 + (kCell - 1)) / kCell, IVec3(1));
-  stride_ = {1, cells_.x + 2, static_cast<std::ptrdiff_t>(cells_.x + 2) * (cells_.y + 2)};
-  majorants_.assign(static_cast<size_t>(stride_[2]) * static_cast<size_t>(cells_.z + 2), 0.0f);
+constexpr std::uint32_t kMinus = 0x80000000;  // sign of a float
+
+// A float that is at least as large as `x` >= 0 and all in its upper 16 bits.
+std::uint32_t rounded_up(float x) {
+  return (std::bit_cast<std::uint32_t>(x) + 0xffffU) &
+         static_cast<std::uint32_t>(MajorantGrid::kBoundBits);
+}
+
+}  // namespace
+
+MajorantGrid::MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer,
+                           const Vec3& spacing)
+    : nudge_(1e-3f * std::min({spacing.x, spacing.y, spacing.z})) {
+  cells_.count = (grid.dims() + kCell - 1) / kCell;
+  cells_.stride_y = cells_.count.x;
+  cells_.stride_z = cells_.count.x * cells_.count.y;
+  const size_t count = static_cast<size_t>(cells_.stride_z) * static_cast<size_t>(cells_.count.z);
+  cells_.words.assign(count, 0);
   find_majorants(grid, transfer);
-  find_leaps();
-  find_mask(grid, transfer);
+  find_matter(grid, transfer);
+  find_distances();
 }
 
 void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction& transfer) {
   const IVec3 last = grid.dims() - 1;
-  parallel_for(static_cast<size_t>(cells_.z), 1, [&](size_t begin, size_t) {
+  parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t begin, size_t) {
     const int cz = static_cast<int>(begin);
-    for (int cy = 0; cy < cells_.y; ++cy) {
-      for (int cx = 0; cx < cells_.x; ++cx) {
+    for (int cy = 0; cy < cells_.count.y; ++cy) {
+      for (int cx = 0; cx < cells_.count.x; ++cx) {
         const IVec3 from = IVec3(cx, cy, cz) * kCell;
         const IVec3 to = glm::min(from + kCell, last);  // inclusive: the cells share a border
         std::uint16_t low = std::numeric_limits<std::uint16_t>::max();
@@ -33,16 +50,16 @@ void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction&
           }
         }
         // One code of margin for the rounding of interpolation.
-        majorants_[static_cast<size_t>((cx + 1) + (cy + 1) * stride_[1] + (cz + 1) * stride_[2])] =
-            transfer.max_extinction(grid.value(static_cast<float>(low) - 1.0f),
-                                    grid.value(static_cast<float>(high) + 1.0f));
+        cells_.words[index(cx, cy, cz)] =
+            rounded_up(transfer.max_extinction(grid.value(static_cast<float>(low) - 1.0f),
+                                               grid.value(static_cast<float>(high) + 1.0f)));
       }
     }
   });
   const Vec3 end = Vec3(last);
-  for (int z = 0; z < cells_.z; ++z) {
-    for (int y = 0; y < cells_.y; ++y) {
-      for (int x = 0; x < cells_.x; ++x) {
+  for (int z = 0; z < cells_.count.z; ++z) {
+    for (int y = 0; y < cells_.count.y; ++y) {
+      for (int x = 0; x < cells_.count.x; ++x) {
         if (majorant(x, y, z) > 0) {
           occupied_.add(Vec3(x, y, z) * static_cast<float>(kCell));
           occupied_.add(glm::min(Vec3(x + 1, y + 1, z + 1) * static_cast<float>(kCell), end));
@@ -52,48 +69,38 @@ void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction&
   }
 }
 
-void MajorantGrid::find_leaps() {
+// Chessboard distances to the next cell with matter in two sweeps, each from all the neighbours
+// that it has passed (Rosenfeld & Pfaltz 1966).
+void MajorantGrid::find_distances() {
   constexpr int kFar = 255;
-  leaps_.assign(majorants_.size() * 8, kFar);  // outside there is nothing, for ever
-  parallel_for(8, 1, [&](size_t octant, size_t) {
-    std::uint8_t* const leap = leaps_.data() + octant * majorants_.size();
-    IVec3 first;
-    std::array<std::ptrdiff_t, 3> ahead;
-    for (int k = 0; k < 3; ++k) {
-      const bool negative = ((octant >> k) & 1U) != 0;
-      // From the far end backwards, so that the cells ahead are known.
-      first[k] = negative ? 1 : cells_[k];
-      ahead[k] = negative ? -stride_[k] : stride_[k];
-    }
-    for (int z = 0; z < cells_.z; ++z) {
-      for (int y = 0; y < cells_.y; ++y) {
-        for (int x = 0; x < cells_.x; ++x) {
-          const std::ptrdiff_t cell = first.x * stride_[0] + first.y * stride_[1] +
-                                      first.z * stride_[2] - x * ahead[0] - y * ahead[1] -
-                                      z * ahead[2];
-          if (majorants_[static_cast<size_t>(cell)] > 0) {
-            leap[cell] = 0;
-            continue;
-          }
-          int free = kFar - 1;
-          for (int corner = 1; corner < 8; ++corner) {
-            const std::ptrdiff_t neighbour = cell + ((corner & 1) != 0 ? ahead[0] : 0) +
-                                             ((corner & 2) != 0 ? ahead[1] : 0) +
-                                             ((corner & 4) != 0 ? ahead[2] : 0);
-            free = std::min<int>(free, leap[neighbour]);
-          }
-          leap[cell] = static_cast<std::uint8_t>(free + 1);
+  const IVec3 count = cells_.count;
+  std::vector<std::uint8_t> distance(cells_.words.size(), kFar);
+  for (const int way : {1, -1}) {
+    for (int i = 0; i < count.x * count.y * count.z; ++i) {
+      const int at = way > 0 ? i : count.x * count.y * count.z - 1 - i;
+      const IVec3 cell(at % count.x, at / count.x % count.y, at / cells_.stride_z);
+      int least = distance[static_cast<size_t>(at)];
+      if (majorant(cell.x, cell.y, cell.z) > 0) {
+        least = 0;
+      }
+      for (int n = 0; n < 13 && least > 1; ++n) {
+        const IVec3 beside = cell + way * IVec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+        if (glm::all(glm::greaterThanEqual(beside, IVec3(0))) &&
+            glm::all(glm::lessThan(beside, count))) {
+          least = std::min(least, distance[index(beside.x, beside.y, beside.z)] + 1);
         }
       }
+      distance[static_cast<size_t>(at)] = static_cast<std::uint8_t>(least);
     }
-  });
+  }
+  for (size_t i = 0; i < distance.size(); ++i) {
+    if (distance[i] > 0) {
+      cells_.words[i] = rounded_up(distance[i]) | kMinus;
+    }
+  }
 }
 
-void MajorantGrid::find_mask(const VoxelGrid& grid, const TransferFunction& transfer) {
-  const IVec3 dims = grid.dims();
-  mask_stride_y_ = static_cast<std::ptrdiff_t>((dims.x + 63) / 64) * 64;
-  mask_stride_z_ = mask_stride_y_ * dims.y;
-  mask_.assign(static_cast<size_t>(mask_stride_z_ * dims.z / 64), 0);
+void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& transfer) {
   // "Is any code of [low, high] visible": yes if the next visible one at or above low is.
   constexpr int kCodes = 1 << 16;
   std::vector<int> next_visible(kCodes + 1, kCodes);
@@ -103,26 +110,34 @@ void MajorantGrid::find_mask(const VoxelGrid& grid, const TransferFunction& tran
     next_visible[static_cast<size_t>(code)] =
         visible ? code : next_visible[static_cast<size_t>(code) + 1];
   }
-  parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t begin, size_t) {
-    const int z = static_cast<int>(begin);
-    for (int y = 0; y < dims.y; ++y) {
-      for (int x = 0; x < dims.x; ++x) {
-        const IVec3 cell = glm::min(IVec3(x, y, z) / kCell, cells_ - 1);
-        if (!(majorant(cell.x, cell.y, cell.z) > 0)) {
-          x = std::max(x, (cell.x + 1) * kCell - 1);
+  const auto visible_between = [&](const IVec3& voxel) {
+    std::uint16_t low = std::numeric_limits<std::uint16_t>::max();
+    std::uint16_t high = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const std::uint16_t code =
+          grid.code(voxel.x + (corner & 1), voxel.y + (corner >> 1 & 1), voxel.z + (corner >> 2));
+      low = std::min(low, code);
+      high = std::max(high, code);
+    }
+    return next_visible[low] <= high;
+  };
+  parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t cz, size_t) {
+    for (int cy = 0; cy < cells_.count.y; ++cy) {
+      for (int cx = 0; cx < cells_.count.x; ++cx) {
+        const IVec3 from = IVec3(cx, cy, static_cast<int>(cz)) * kCell;
+        const IVec3 to = glm::min(from + kCell, grid.dims());
+        const size_t cell = index(cx, cy, static_cast<int>(cz));
+        if (cells_.words[cell] == 0) {
           continue;
         }
-        std::uint16_t low = std::numeric_limits<std::uint16_t>::max();
-        std::uint16_t high = 0;
-        for (int corner = 0; corner < 8; ++corner) {
-          const std::uint16_t code =
-              grid.code(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2));
-          low = std::min(low, code);
-          high = std::max(high, code);
-        }
-        if (next_visible[low] <= high) {
-          const std::ptrdiff_t bit = z * mask_stride_z_ + y * mask_stride_y_ + x;
-          mask_[static_cast<size_t>(bit >> 6)] |= std::uint64_t{1} << (bit & 63);
+        for (int z = from.z; z < to.z; ++z) {
+          for (int y = from.y; y < to.y; ++y) {
+            for (int x = from.x; x < to.x; ++x) {
+              if (visible_between({x, y, z})) {
+                cells_.words[cell] |= 1U << matter_bit(x, y, z);
+              }
+            }
+          }
         }
       }
     }

@@ -64,7 +64,7 @@ struct Fixture {
 TEST(MajorantGrid, BoundsTheExtinctionEverywhere) {
   const Fixture f(2);
   const VoxelGrid grid(f.volume, 0, 1000);
-  const MajorantGrid majorants(grid, f.transfer);
+  const MajorantGrid majorants(grid, f.transfer, Vec3(1));
   Rng rng(5);
   int visible = 0;
   int air = 0;
@@ -89,7 +89,7 @@ TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Fixture f(seed);
     const VoxelGrid grid(f.volume, 0, 1000);
-    const MajorantGrid majorants(grid, f.transfer);
+    const MajorantGrid majorants(grid, f.transfer, Vec3(1));
     const Vec3 end = Vec3(f.volume.dims - 1);
     for (int i = 0; i < 200; ++i) {
       const Vec3 a = random_point(rng, end);
@@ -122,7 +122,7 @@ TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
 TEST(MajorantGrid, StopsWhenTold) {
   const Volume volume = make_volume({40, 8, 8}, [](const IVec3&) { return 1.0f; });
   const VoxelGrid grid(volume, 0, 1);
-  const MajorantGrid majorants(grid, TransferFunction({point(0, 0), point(1, 2)}));
+  const MajorantGrid majorants(grid, TransferFunction({point(0, 0), point(1, 2)}), Vec3(1));
   int visits = 0;
   EXPECT_TRUE(majorants.walk(Vec3(0, 3, 3), Vec3(1, 0, 0), 0, 39,
                              [&](float, float, float) { return ++visits == 2; }));
@@ -133,12 +133,12 @@ TEST(MajorantGrid, OccupiedBoxHoldsTheMatter) {
   const Volume volume = make_volume(
       {64, 32, 32}, [](const IVec3& v) { return v == IVec3(40, 10, 20) ? 1.0f : 0.0f; });
   const VoxelGrid grid(volume, 0, 1);
-  const MajorantGrid majorants(grid, TransferFunction({point(0.2f, 0), point(1, 2)}));
+  const MajorantGrid majorants(grid, TransferFunction({point(0.2f, 0), point(1, 2)}), Vec3(1));
   const Box box = majorants.occupied();
   EXPECT_LE(box.min.x, 39);
   EXPECT_GE(box.max.x, 41);
   EXPECT_LE(box.size().x, 2 * MajorantGrid::kCell);
-  const MajorantGrid nothing(grid, TransferFunction({point(2, 0), point(3, 2)}));
+  const MajorantGrid nothing(grid, TransferFunction({point(2, 0), point(3, 2)}), Vec3(1));
   EXPECT_TRUE(nothing.occupied().empty());
 }
 

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <memory>
 
+#include "cinema/path_draws.h"
 #include "cinema/path_tracer.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/random.h"
 
 namespace clipgs {
 namespace {
@@ -41,13 +43,9 @@ class Rendering {
     const int tiles_y = (height_ + kTile - 1) / kTile;
     parallel_for(static_cast<size_t>(tiles_x) * static_cast<size_t>(tiles_y), 1,
                  [&](size_t tile, size_t) {
-                   const int x0 = static_cast<int>(tile) % tiles_x * kTile;
-                   const int y0 = static_cast<int>(tile) / tiles_x * kTile;
-                   for (int y = y0; y < std::min(y0 + kTile, height_); ++y) {
-                     for (int x = x0; x < std::min(x0 + kTile, width_); ++x) {
-                       trace_pixel(x, y);
-                     }
-                   }
+                   const int column = static_cast<int>(tile) % tiles_x;
+                   const int row = static_cast<int>(tile) / tiles_x;
+                   trace_tile(column * kTile, row * kTile);
                  });
   }
 
@@ -142,29 +140,55 @@ class Rendering {
   }
 
  private:
-  void trace_pixel(int x, int y) {
-    const size_t i = static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
-    PixelSums& pixel = sums_[i];
-    const int more = wanted_[i] - pixel.samples;
-    if (more <= 0) {
-      return;
-    }
-    for (size_t half = 0; half < 2; ++half) {
-      PathDraws draws(Rng::mix(options_.seed) + half, i, static_cast<std::uint32_t>(pixel.samples));
-      Vec4 sum(0);
-      Vec3 albedo(0);
-      for (int s = 0; s < more; ++s) {
-        const PathSample sample =
-            tracer_.trace(static_cast<float>(x) + draws(PathDraws::kPixelX),
-                          static_cast<float>(y) + draws(PathDraws::kPixelY), draws);
-        sum += Vec4(sample.radiance, sample.hit ? 1.0f : 0.0f);
-        albedo += sample.albedo;
-        draws.next_sample();
+  // Neighbouring pixels together: the tracer works on many paths at once.
+  void trace_tile(int x0, int y0) {
+    struct Run {
+      size_t pixel;
+      size_t half;
+      int count;
+    };
+    std::vector<Run> runs;
+    std::vector<PathStart> starts;
+    const auto flush = [&] {
+      const std::vector<PathSample> samples = tracer_.trace(starts);
+      auto sample = samples.begin();
+      for (const Run& run : runs) {
+        for (int i = 0; i < run.count; ++i, ++sample) {
+          sums_[run.pixel].halves[run.half] += Vec4(sample->radiance, sample->hit ? 1.0f : 0.0f);
+          sums_[run.pixel].albedos[run.half] += sample->albedo;
+        }
       }
-      pixel.halves[half] += sum;
-      pixel.albedos[half] += albedo;
+      runs.clear();
+      starts.clear();
+    };
+    for (int y = y0; y < std::min(y0 + kTile, height_); ++y) {
+      for (int x = x0; x < std::min(x0 + kTile, width_); ++x) {
+        const size_t i =
+            static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
+        const int done = sums_[i].samples;
+        const int more = wanted_[i] - done;
+        if (more <= 0) {
+          continue;
+        }
+        for (size_t half = 0; half < 2; ++half) {
+          const auto key =
+              static_cast<std::uint32_t>(Rng::mix(Rng::mix(options_.seed) + 2 * i + half));
+          runs.push_back({i, half, more});
+          for (int s = 0; s < more; ++s) {
+            const auto index = static_cast<std::uint32_t>(done + s);
+            starts.push_back(
+                {static_cast<float>(x) + path_draws::draw(path_draws::kPixelX, key, index),
+                 static_cast<float>(y) + path_draws::draw(path_draws::kPixelY, key, index), key,
+                 index});
+          }
+        }
+        sums_[i].samples = wanted_[i];
+        if (starts.size() >= PathBatch::kCapacity) {
+          flush();
+        }
+      }
     }
-    pixel.samples = wanted_[i];
+    flush();
   }
 
   // Over black, as displayed: alpha · sRGB(exposure · radiance / alpha).

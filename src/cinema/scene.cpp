@@ -41,8 +41,38 @@ std::array<float, 256> linear_table() {
   return table;
 }
 
-// Trilinear, in linear light.
-Vec3 photo_color(const Volume& volume, const Vec3& voxel) {
+}  // namespace
+
+CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
+    : volume_(&volume),
+      preset_(preset),
+      grid_(make_grid(volume, preset.transfer)),
+      majorants_(grid_, preset.transfer, volume.spacing),
+      lights_(preset.rig, glm::transpose(volume.direction)),
+      inverse_spacing_(1.0f / volume.spacing),
+      gradient_scale_(grid_.step() / volume.spacing),
+      tables_(std::make_unique<MaterialTables>()) {
+  const TransferFunction& transfer = preset_.transfer;
+  const float range = transfer.max_value() - transfer.min_value();
+  const float per_value = range > 0 ? (TransferFunction::kTableSize - 1) / range : 0.0f;
+  entry_scale_ = grid_.step() * per_value;
+  entry_offset_ = (grid_.low() - transfer.min_value()) * per_value + 0.5f;
+  for (int i = 0; i < TransferFunction::kTableSize; ++i) {
+    const float value =
+        transfer.min_value() + range * static_cast<float>(i) / (TransferFunction::kTableSize - 1);
+    const Material& material = transfer.at(value);
+    const auto entry = static_cast<size_t>(i);
+    tables_->extinction[entry] = material.extinction;
+    for (int c = 0; c < 3; ++c) {
+      tables_->albedo[static_cast<size_t>(c)][entry] = material.albedo[c];
+    }
+    tables_->specular[entry] = material.specular;
+    tables_->roughness[entry] = material.roughness;
+  }
+}
+
+Vec3 CinemaScene::photo(const Vec3& voxel) const {
+  const Volume& volume = *volume_;
   static const std::array<float, 256> kLinear = linear_table();
   const Vec3 position = glm::clamp(voxel, Vec3(0), Vec3(volume.dims - 1));
   const IVec3 low = IVec3(position);
@@ -59,36 +89,6 @@ Vec3 photo_color(const Volume& volume, const Vec3& voxel) {
     color += weight * Vec3(kLinear[rgb[0]], kLinear[rgb[1]], kLinear[rgb[2]]);
   }
   return color;
-}
-
-}  // namespace
-
-CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
-    : volume_(&volume),
-      preset_(preset),
-      grid_(make_grid(volume, preset.transfer)),
-      majorants_(grid_, preset.transfer),
-      lights_(preset.rig, glm::transpose(volume.direction)),
-      inverse_spacing_(1.0f / volume.spacing),
-      gradient_scale_(grid_.step() / volume.spacing) {
-  const TransferFunction& transfer = preset_.transfer;
-  const float range = transfer.max_value() - transfer.min_value();
-  const float per_value = range > 0 ? (TransferFunction::kTableSize - 1) / range : 0.0f;
-  entry_scale_ = grid_.step() * per_value;
-  entry_offset_ = (grid_.low() - transfer.min_value()) * per_value + 0.5f;
-  for (int i = 0; i < TransferFunction::kTableSize; ++i) {
-    const float value =
-        transfer.min_value() + range * static_cast<float>(i) / (TransferFunction::kTableSize - 1);
-    extinctions_[static_cast<size_t>(i)] = transfer.at(value).extinction;
-  }
-}
-
-Material CinemaScene::material(float code, const Vec3& voxel) const {
-  Material material = preset_.transfer.at(grid_.value(code));
-  if (!volume_->rgb.empty()) {
-    material.albedo *= photo_color(*volume_, voxel);
-  }
-  return material;
 }
 
 }  // namespace clipgs

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "cinema/lights.h"
 #include "cinema/majorant_grid.h"
@@ -9,6 +10,14 @@
 #include "volume/volume.h"
 
 namespace clipgs {
+
+/// The transfer function's materials, one array a quantity, for many look-ups at once.
+struct MaterialTables {
+  using Table = std::array<float, TransferFunction::kTableSize>;
+  Table extinction;
+  std::array<Table, 3> albedo;
+  Table specular, roughness;
+};
 
 /// A volume made ready for path tracing under a preset. Tracing works in *voxel space* (continuous
 /// voxel index) for positions and in the *grid frame* (the volume's axes, unit length = mm) for
@@ -24,12 +33,23 @@ class CinemaScene {
   /// Voxels per mm along a direction of the grid frame.
   Vec3 voxel_direction(const Vec3& direction) const { return direction * inverse_spacing_; }
 
+  const Vec3& inverse_spacing() const { return inverse_spacing_; }
+
   /// Extinction at an interpolated code, 1/mm.
-  float extinction(float code) const { return extinctions_[static_cast<size_t>(entry(code))]; }
-  /// Material at an interpolated code, the albedo of photographs from their colours at `voxel`.
-  Material material(float code, const Vec3& voxel) const;
-  /// Gradient of the volume's values, value units per mm, in the grid frame.
-  Vec3 gradient(const Vec3& voxel) const { return grid_.gradient(voxel) * gradient_scale_; }
+  float extinction(float code) const {
+    return tables_->extinction[static_cast<size_t>(entry(code))];
+  }
+  const MaterialTables& materials() const { return *tables_; }
+  /// Entry of the tables at an interpolated code: its integer part after scale and offset, clamped.
+  float entry_scale() const { return entry_scale_; }
+  float entry_offset() const { return entry_offset_; }
+
+  /// Photographs have colours of their own, which the materials' albedos are multiplied by.
+  bool has_photo() const { return !volume_->rgb.empty(); }
+  /// Trilinear, linear RGB.
+  Vec3 photo(const Vec3& voxel) const;
+  /// Value units per mm, for differences of codes over a voxel.
+  const Vec3& gradient_scale() const { return gradient_scale_; }
 
   const Volume& volume() const { return *volume_; }
   const Preset& preset() const { return preset_; }
@@ -54,7 +74,7 @@ class CinemaScene {
   Vec3 gradient_scale_;
   float entry_scale_ = 0;
   float entry_offset_ = 0;
-  std::array<float, TransferFunction::kTableSize> extinctions_{};  // small, unlike Materials
+  std::unique_ptr<MaterialTables> tables_;
 };
 
 }  // namespace clipgs

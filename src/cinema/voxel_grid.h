@@ -56,6 +56,11 @@ class VoxelGrid {
                   static_cast<size_t>(x + kLowBorder)];
   }
 
+  /// Code of the border voxel (-1, -1, -1), and the distances of neighbours along y and z.
+  const std::uint16_t* first_border_code() const { return codes_.data(); }
+  std::ptrdiff_t stride_y() const { return stride_y_; }
+  std::ptrdiff_t stride_z() const { return stride_z_; }
+
   const IVec3& dims() const { return dims_; }
   float value(float code) const { return low_ + code * step_; }
   float low() const { return low_; }
