@@ -151,6 +151,9 @@ HWY_INLINE void pack(Uint a, Mask where, std::uint32_t* to) {
 HWY_INLINE Float gather(const float* table, Int index) {
   return hn::GatherIndex(FloatTag(), table, index.v);
 }
+HWY_INLINE Int gather(const std::int32_t* table, Int index) {
+  return hn::GatherIndex(IntTag(), table, index.v);
+}
 HWY_INLINE Uint gather(const std::uint32_t* table, Int index) {
   return hn::GatherIndex(UintTag(), table, index.v);
 }

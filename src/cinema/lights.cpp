@@ -35,6 +35,10 @@ Lights::Lights(const LightRig& rig, const Mat3& frame_from_world)
     key.irradiance = light.radiance * (kPi / (1.0f - 0.5f * key.one_minus_cos));
     keys_.push_back(key);
   }
+  if (rig.environment) {
+    environment_ =
+        std::make_unique<EnvironmentMap>(*rig.environment, rig.environment_turn, frame_from_world);
+  }
 }
 
 Vec3 Lights::face_radiance(const Vec3& normal) const {
@@ -51,7 +55,8 @@ Vec3 Lights::face_radiance(const Vec3& normal) const {
     const float height = std::sqrt(1.0f - r2);
     for (int j = 0; j < kSpokes; ++j) {
       const float phi = 2.0f * kPi * (static_cast<float>(j) + 0.5f) / kSpokes;
-      sum += sky(r * (std::cos(phi) * tangent + std::sin(phi) * bitangent) + height * normal);
+      sum += gradient_radiance(r * (std::cos(phi) * tangent + std::sin(phi) * bitangent) +
+                               height * normal);
     }
   }
   sum /= static_cast<float>(kRings * kSpokes);
@@ -68,6 +73,9 @@ Vec3 Lights::face_radiance(const Vec3& normal) const {
     }
     sum += key.irradiance * (cosine / (kDisc * kDisc * kPi));
   }
+  if (environment_) {
+    sum += environment_->face_radiance(normal);
+  }
   return sum;
 }
 
@@ -76,6 +84,9 @@ Vec3 Lights::mean_radiance() const {
   Vec3 mean = sky_.horizon + 0.25f * (sky_.to_top + sky_.to_bottom);
   for (const Key& key : keys_) {
     mean += key.irradiance / (4.0f * kPi);
+  }
+  if (environment_) {
+    mean += environment_->mean_radiance();
   }
   return mean;
 }

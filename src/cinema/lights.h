@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "cinema/environment_map.h"
 #include "core/geometry.h"
 #include "volume/preset.h"
 
@@ -34,11 +36,13 @@ class Lights {
     Vec3 horizon, to_top, to_bottom;
   };
   const Sky& gradient() const { return sky_; }
+  /// May be null.
+  const EnvironmentMap* environment() const { return environment_.get(); }
 
-  /// Radiance of the sky from unit `direction`.
+  /// Radiance of gradient and environment from unit `direction`.
   Vec3 sky(const Vec3& direction) const {
-    const float up = glm::dot(sky_.up, direction);
-    return up >= 0 ? sky_.horizon + up * sky_.to_top : sky_.horizon - up * sky_.to_bottom;
+    const Vec3 gradient = gradient_radiance(direction);
+    return environment_ ? gradient + environment_->radiance(direction) : gradient;
   }
 
   /// What a white Lambert face with this normal and nothing above it radiates, linear RGB:
@@ -50,8 +54,14 @@ class Lights {
   Vec3 mean_radiance() const;
 
  private:
+  Vec3 gradient_radiance(const Vec3& direction) const {
+    const float up = glm::dot(sky_.up, direction);
+    return up >= 0 ? sky_.horizon + up * sky_.to_top : sky_.horizon - up * sky_.to_bottom;
+  }
+
   std::vector<Key> keys_;
   Sky sky_;
+  std::unique_ptr<const EnvironmentMap> environment_;
 };
 
 }  // namespace clipgs

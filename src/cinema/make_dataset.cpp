@@ -104,6 +104,10 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
     f.add(key.radiance);
     f.add(key.angular_radius);
   }
+  if (preset.rig.environment) {
+    add_array(f, preset.rig.environment->data);
+    f.add(preset.rig.environment_turn);
+  }
   f.add(options.size);
   f.add(options.train_frames);
   f.add(options.test_frames);

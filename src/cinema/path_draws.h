@@ -27,6 +27,7 @@ enum Dimension : std::uint32_t {
   kTurn2,
   kLensU,
   kLensV,
+  kTexel,
   kDimensions
 };
 
@@ -36,7 +37,7 @@ constexpr std::array<std::uint32_t, kDimensions> steps() {
       std::numbers::sqrt2, std::numbers::sqrt3, 2.23606797749979,   2.6457513110645907,
       3.3166247903554,     3.605551275463989,   4.123105625617661,  4.358898943540674,
       4.795831523312719,   5.385164807134504,   5.5677643628300215, 6.082762530298219,
-      6.4031242374328485,  6.557438524302,      6.855654600401044};
+      6.4031242374328485,  6.557438524302,      6.855654600401044,  7.280109889280518};
   std::array<std::uint32_t, kDimensions> result{};
   for (std::size_t i = 0; i < result.size(); ++i) {
     const double fraction = kRoots[i] - static_cast<int>(kRoots[i]);

@@ -89,6 +89,7 @@ struct Rays {
   size_t count = 0;
   Channels origin;     // voxel space
   Channels direction;  // grid frame, unit
+  Channel density;     // probability of the direction where the path turned, 1/sr
   Channel depth;       // in: optical depth of the first tentative collision
   std::array<std::uint32_t, kPadded> rng;
   std::array<std::uint32_t, kPadded> path;  // index into the batch
@@ -104,6 +105,27 @@ struct Clipped {
 struct Material {
   Float3 albedo;
   Float specular, roughness, phase;
+};
+
+/// One of several lights, chosen in proportion to its largest channel as they are offered.
+struct Reservoir {
+  Float pick;  // uniform in [0, 1): decides, and is stretched to be uniform again
+  Float total, weight;
+  Float3 light, towards;
+
+  HWY_INLINE explicit Reservoir(Float u)
+      : pick(u), total(0), weight(0), light(Vec3(0)), towards(Vec3(0, 0, 1)) {}
+  HWY_INLINE void offer(Float3 there, Float3 more) {
+    const Float strength = largest(more);
+    total = total + strength;
+    const Float share = strength / max(total, Float(1e-30f));
+    const Mask takes = pick < share;
+    pick = select(takes, pick / max(share, Float(1e-30f)),
+                  (pick - share) / max(Float(1) - share, Float(1e-30f)));
+    weight = select(takes, strength, weight);
+    light = select(takes, more, light);
+    towards = select(takes, there, towards);
+  }
 };
 
 struct Vertex {
@@ -461,7 +483,8 @@ class Kernel {
       lanes::pack(at, hit, &hits_[hits]);
       hits += how_many(hit);
       if (bounce > 0) {
-        add(load(rays_.weight, i) * sky(load(rays_.direction, i)), path_of(rays_, i, valid & ~hit));
+        const Float3 light = sky_of_path(load(rays_.direction, i), lanes::load(&rays_.density[i]));
+        add(load(rays_.weight, i) * light, path_of(rays_, i, valid & ~hit));
       }
     }
     if (hits > 0) {  // the last lanes must find some hit
@@ -487,6 +510,66 @@ class Kernel {
   }
 
   HWY_INLINE Float3 sky(Float3 direction) const {
+    const EnvironmentMap* const map = lights_.environment();
+    const Float3 light = gradient_sky(direction);
+    return map == nullptr ? light : light + texel_radiance(*map, texel(direction));
+  }
+
+  /// What a path that leaves the volume meets. The environment was looked for at its last vertex
+  /// too: the balance heuristic (Veach 1995) shares it out between the two ways to find it.
+  HWY_INLINE Float3 sky_of_path(Float3 direction, Float density) const {
+    const EnvironmentMap* const map = lights_.environment();
+    const Float3 light = gradient_sky(direction);
+    if (map == nullptr) {
+      return light;
+    }
+    const Int at = texel(direction);
+    const Float share = density / (density + texel_density(*map, at, direction));
+    return light + share * texel_radiance(*map, at);
+  }
+
+  static HWY_INLINE Float sum_of(Float3 v) { return abs(v.x) + abs(v.y) + abs(v.z); }
+  static HWY_INLINE Int texel(Float3 direction) {
+    const Float scale = Float(1) / sum_of(direction);
+    const Float x = scale * direction.x;
+    const Float y = scale * direction.y;
+    const Mask below = direction.z < Float(0);  // the lower half folds outwards
+    const Float u = select(below, copy_sign(Float(1) - abs(y), x), x);
+    const Float v = select(below, copy_sign(Float(1) - abs(x), y), y);
+    constexpr float kHalf = 0.5f * EnvironmentMap::kSide;
+    const Int last(EnvironmentMap::kSide - 1);
+    const Int i = min(max(truncate(u * Float(kHalf) + Float(kHalf)), Int(0)), last);
+    const Int j = min(max(truncate(v * Float(kHalf) + Float(kHalf)), Int(0)), last);
+    return j * Int(EnvironmentMap::kSide) + i;
+  }
+  static HWY_INLINE Float3 texel_radiance(const EnvironmentMap& map, Int at) {
+    const auto& radiance = map.tables().radiance;
+    return {lanes::gather(radiance[0].data(), at), lanes::gather(radiance[1].data(), at),
+            lanes::gather(radiance[2].data(), at)};
+  }
+  static HWY_INLINE Float texel_density(const EnvironmentMap& map, Int at, Float3 direction) {
+    const Float sum = sum_of(direction);
+    return lanes::gather(map.tables().density.data(), at) / (sum * sum * sum);
+  }
+  /// A direction in proportion to the map's radiance; `at` is its texel.
+  static HWY_INLINE Float3 sample_environment(const EnvironmentMap& map, Float pick, Float u,
+                                              Float v, Int& at) {
+    constexpr int kTexels = EnvironmentMap::kSide * EnvironmentMap::kSide;
+    const Float scaled = pick * Float(kTexels);
+    at = truncate(scaled);
+    const Mask kept = (scaled - to_float(at)) < lanes::gather(map.tables().keep.data(), at);
+    at = select(kept, at, lanes::gather(map.tables().alias.data(), at));
+    static_assert(EnvironmentMap::kSide == 1 << 8);
+    constexpr float kStep = 2.0f / EnvironmentMap::kSide;
+    const Float x = (to_float(at & Int(EnvironmentMap::kSide - 1)) + u) * Float(kStep) - Float(1);
+    const Float y = (to_float(shift_right<8>(at)) + v) * Float(kStep) - Float(1);
+    const Float z = Float(1) - abs(x) - abs(y);
+    const Mask below = z < Float(0);
+    return normalize({select(below, copy_sign(Float(1) - abs(y), x), x),
+                      select(below, copy_sign(Float(1) - abs(x), y), y), z});
+  }
+
+  HWY_INLINE Float3 gradient_sky(Float3 direction) const {
     const Lights::Sky& sky = lights_.gradient();
     const Float up = dot(Float3(sky.up), direction);
     const Mask above = up >= Float(0);
@@ -531,6 +614,9 @@ class Kernel {
       pack(vertex.voxel, valid, rays_.origin, kept);
       pack(onwards, valid, rays_.direction, kept);
       pack(throughput, valid, rays_.weight, kept);
+      if (lights_.environment() != nullptr) {
+        lanes::pack(density(vertex, onwards, bounce == 0), valid, &rays_.density[kept]);
+      }
       lanes::pack(free_path(draws.first(path_draws::kDistance2, valid)), valid, &rays_.depth[kept]);
       lanes::pack(draws.rng, valid, &rays_.rng[kept]);
       lanes::pack(as_uint(path), valid, &rays_.path[kept]);
@@ -630,39 +716,55 @@ class Kernel {
     return sum;
   }
 
-  /// Next-event estimation: one key, chosen by what each would give unshadowed.
+  /// Probability density of the directions that `turn` draws, 1/sr.
+  static HWY_INLINE Float density(const Vertex& vertex, Float3 towards, bool first) {
+    const Material& m = vertex.material;
+    const Float cosine = max(Float(0), dot(vertex.normal, towards));
+    Float surface = (Float(1) - m.specular) * cosine * Float(1 / kPi);
+    if (first && any(m.specular > Float(0))) {
+      surface =
+          surface + m.specular * ggx::density(vertex.normal, -vertex.before, towards, m.roughness);
+    }
+    return select(vertex.surface, surface, henyey_greenstein(dot(vertex.before, towards), m.phase));
+  }
+
+  /// Next-event estimation: one key or the environment, chosen by what each would give unshadowed.
   HWY_INLINE void light(const Vertex& vertex, Float3 throughput, Int path, Draws& draws,
                         Mask valid) {
-    if (lights_.keys().empty()) {
+    const EnvironmentMap* const map = lights_.environment();
+    if (lights_.keys().empty() && map == nullptr) {
       return;
     }
     const bool first = draws.bounce == 0;
     const Float u = draws.first(path_draws::kDiscU, valid);
     const Float v = draws.first(path_draws::kDiscV, valid);
-    Float pick = draws.first(path_draws::kKey, valid);
-    Float total(0);
-    Float chosen_weight(0);
-    Float3 chosen(Vec3(0));
-    Float3 towards(Vec3(0, 0, 1));
+    Reservoir reservoir(draws.first(path_draws::kKey, valid));
     for (const Lights::Key& key : lights_.keys()) {
       const Float3 there = disc(key, u, v);
-      const Float3 light = scattered(vertex, there, first) * Float3(key.irradiance);
-      const Float weight = largest(light);
-      total = total + weight;
-      // A reservoir of one: the number that decides is stretched to be uniform again.
-      const Float share = weight / max(total, Float(1e-30f));
-      const Mask takes = pick < share;
-      pick = select(takes, pick / max(share, Float(1e-30f)),
-                    (pick - share) / max(Float(1) - share, Float(1e-30f)));
-      chosen_weight = select(takes, weight, chosen_weight);
-      chosen = select(takes, light, chosen);
-      towards = select(takes, there, towards);
+      reservoir.offer(there, scattered(vertex, there, first) * Float3(key.irradiance));
     }
-    const Mask lit = valid & (chosen_weight > Float(0));
+    if (map != nullptr) {
+      // Several directions, one from each part of the table: most lie where the vertex does not
+      // look, and to offer them costs little beside the one shadow ray.
+      constexpr int kOffers = 4;
+      const Float texel = draws.first(path_draws::kTexel, valid);
+      for (int i = 0; i < kOffers; ++i) {
+        Int at;
+        const Float part = (texel + Float(static_cast<float>(i))) * Float(1.0f / kOffers);
+        const Float3 there = sample_environment(*map, part, u, v, at);
+        // 1/density, times the balance heuristic's density / (density + the path's own).
+        const Float weight = Float(1.0f / kOffers) /
+                             (texel_density(*map, at, there) + density(vertex, there, first));
+        reservoir.offer(there,
+                        weight * (scattered(vertex, there, first) * texel_radiance(*map, at)));
+      }
+    }
+    const Mask lit = valid & (reservoir.weight > Float(0));
     const size_t at = shadows_.count;
     pack(vertex.voxel, lit, shadows_.origin, at);
-    pack(towards, lit, shadows_.direction, at);
-    pack(total / chosen_weight * (throughput * chosen), lit, shadows_.weight, at);
+    pack(reservoir.towards, lit, shadows_.direction, at);
+    pack(reservoir.total / reservoir.weight * (throughput * reservoir.light), lit, shadows_.weight,
+         at);
     lanes::pack(free_path(draws.next(valid)), lit, &shadows_.depth[at]);
     // A sequence of its own, so that path and shadow can be tracked in any order.
     lanes::pack(hash(draws.rng ^ Uint(path_draws::kGolden)), lit, &shadows_.rng[at]);

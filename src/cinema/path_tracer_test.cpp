@@ -122,6 +122,30 @@ TEST(PathTracer, FurnaceBySky) {
   }
 }
 
+// A white panorama is a white environment again, now shared between two ways to find it: right in
+// the mean, with weights that no path exceeds.
+TEST(PathTracer, FurnaceByPanorama) {
+  const Volume ball = make_ball(24, 9, 1, 0);
+  LightRig rig{Vec3(0), Vec3(0), Vec3(0), {}};
+  Image white(8, 4, 3);
+  std::ranges::fill(white.data, 1.0f);
+  rig.environment = std::make_shared<const Image>(white);
+  for (const float surface_strength : {0.0f, 1e6f}) {
+    Preset preset = make_preset({point(0, 0), point(1, 1.5f)}, rig, surface_strength);
+    preset.phase_g = 0.3f;
+    const CinemaScene scene(ball, preset);
+    const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
+    Mean radiance;
+    for (const PathSample& sample : tracer.trace(starts(20000, 3))) {
+      if (sample.hit) {
+        radiance.add(sample.radiance.y);
+      }
+    }
+    EXPECT_NEAR(radiance.value(), 1, radiance.tolerance());
+    EXPECT_LT(radiance.tolerance(), 0.03);
+  }
+}
+
 // The same by next-event estimation alone.
 TEST(PathTracer, FurnaceByKeyLights) {
   const Volume ball = make_ball(24, 9, 1, 0);
@@ -158,7 +182,7 @@ TEST(PathTracer, HighlightIsTheSameByEitherWay) {
 
 // A volume with everything: anisotropic, turned, rough, a non-monotonic transfer function, coloured
 // lights, highlights. Fast and slow must agree, cut and uncut.
-TEST(PathTracer, AgreesWithTheReference) {
+void expect_agreement(const LightRig& rig) {
   Rng noise(3);
   Volume volume = make_volume({40, 30, 26}, [&](const IVec3& v) {
     const Vec3 p = (Vec3(v) - Vec3(20, 15, 13)) / Vec3(17, 12, 10);
@@ -168,9 +192,6 @@ TEST(PathTracer, AgreesWithTheReference) {
   volume.spacing = Vec3(0.8f, 1.1f, 1.6f);
   volume.direction = Mat3(glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3))));
   volume.origin = -(volume.direction * (Vec3(19.5f, 14.5f, 12.5f) * volume.spacing));
-  LightRig rig{Vec3(0.9f), Vec3(0.5f), Vec3(0.1f), {}};
-  rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.9f), 0.2f},
-              {glm::normalize(Vec3(-1, 0.2f, 0)), Vec3(0.4f), 0.0f}};
   Preset preset = make_preset(
       {point(-500, 0, Vec3(0.3f)), point(-100, 0.9f, Vec3(0.8f), 0.3f), point(50, 0, Vec3(0.4f)),
        point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f), point(500, 0.2f, Vec3(0.7f))},
@@ -189,6 +210,22 @@ TEST(PathTracer, AgreesWithTheReference) {
     EXPECT_GT(slow.alpha.value(), 0.3);
     EXPECT_LT(slow.alpha.value(), 0.95);
   }
+}
+
+TEST(PathTracer, AgreesWithTheReference) {
+  LightRig rig{Vec3(0.9f), Vec3(0.5f), Vec3(0.1f), {}};
+  rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.9f), 0.2f},
+              {glm::normalize(Vec3(-1, 0.2f, 0)), Vec3(0.4f), 0.0f}};
+  expect_agreement(rig);
+}
+
+// The reference finds the window of the panorama by chance alone.
+TEST(PathTracer, AgreesWithTheReferenceUnderAPanorama) {
+  LightRig rig{Vec3(0.2f), Vec3(0.1f), Vec3(0), {}};
+  rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.3f), 0.2f}};
+  rig.environment = std::make_shared<const Image>(test::panorama());
+  rig.environment_turn = 1;
+  expect_agreement(rig);
 }
 
 TEST(PathTracer, CutFaceIsLitAsPredicted) {

@@ -69,6 +69,17 @@ HWY_INLINE Float evaluate(Float3 normal, Float3 out, Float3 in, Float alpha) {
   return or_zero(above, density * masking / (Float(4) * cos_out));
 }
 
+/// Probability density of `sample`'s directions, 1/sr.
+HWY_INLINE Float density(Float3 normal, Float3 out, Float3 in, Float alpha) {
+  const Float cos_out = dot(normal, out);
+  const Mask above = (cos_out > Float(0)) & (dot(normal, in) > Float(0));
+  const Float cos_half = dot(normal, normalize(out + in));
+  const Float a2 = alpha * alpha;
+  const Float s = cos_half * cos_half * (a2 - Float(1)) + Float(1);
+  const Float facets = a2 / (Float(std::numbers::pi_v<float>) * s * s);
+  return or_zero(above, facets / ((Float(1) + lambda(cos_out, alpha)) * Float(4) * cos_out));
+}
+
 HWY_INLINE Float3 sample(Float3 normal, Float3 out, Float alpha, Float u, Float v, Float& weight) {
   Float3 tangent;
   Float3 bitangent;

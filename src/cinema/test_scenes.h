@@ -42,6 +42,21 @@ inline LightRig white_keys() {
           {{Vec3(0, 0, 1), Vec3(1), half_sphere}, {Vec3(0, 0, -1), Vec3(1), half_sphere}}};
 }
 
+/// A dim coloured sky with a bright window in it.
+inline Image panorama() {
+  Image image(64, 32, 3);
+  for (int y = 0; y < 32; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const bool window = x >= 20 && x < 28 && y >= 6 && y < 14;
+      float* pixel = image.at(x, y);
+      pixel[0] = window ? 9.0f : 0.1f;
+      pixel[1] = window ? 8.0f : 0.01f * static_cast<float>(y);
+      pixel[2] = window ? 6.0f : 0.3f;
+    }
+  }
+  return image;
+}
+
 inline Preset make_preset(std::vector<TransferPoint> points, LightRig rig,
                           float surface_strength = 0) {
   Preset preset;

@@ -173,6 +173,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   }
   const Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_look(arguments.look, volume);
+  require_light_for_section(preset, arguments.section);
   // Only now, so that an input that cannot be used leaves nothing behind.
   create_folder(work);
   write_text(work / kClaimFile, claim.dump(1));

@@ -165,6 +165,24 @@ TEST_F(CliTest, PlaneThatMissesWarns) {
   EXPECT_THAT(all.err, HasSubstr("everything is cut"));
 }
 
+TEST_F(CliTest, PanoramaLightsPicturesButNotSections) {
+  const fs::path sky = at("sky.hdr");
+  std::string pixels;
+  for (int i = 0; i < 8 * 4; ++i) {
+    pixels += i < 16 ? std::string("\xff\xc0\x80\x82", 4) : std::string("\x10\x10\x20\x80", 4);
+  }
+  write_text(sky, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + pixels);
+  const fs::path out = at("panorama.png");
+  ASSERT_EQ(run_clipgs({"cinema", phantom(), "-o", out, "--rig", sky, "--size", "32", "--spp", "4"})
+                .status,
+            0);
+  EXPECT_EQ(read_png(out).width, 32);
+  expect_failure({"dataset", phantom(), "-o", at("dark"), "--rig", sky}, "--no-section",
+                 at("dark"));
+  write_text(sky, "no picture");
+  expect_failure({"cinema", phantom(), "-o", at("y.png"), "--rig", sky}, "sky.hdr", at("y.png"));
+}
+
 TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   const Finished built = run_clipgs(small_build("case.sog"));
   ASSERT_EQ(built.status, 0) << built.err;

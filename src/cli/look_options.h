@@ -18,9 +18,10 @@ struct LookArguments {
 inline void add_look_options(CLI::App& command, LookArguments& look) {
   command.add_option("--preset", look.preset, "Look: a preset's name, a JSON file, or auto")
       ->capture_default_str();
-  command.add_option("--rig", look.rig,
-                     "Lights: studio, theatre, rim, dome, ambient, or a JSON file (default: the "
-                     "preset's own)");
+  command.add_option(
+      "--rig", look.rig,
+      "Lights: studio, theatre, rim, dome, ambient, a JSON file, or a panorama (.hdr; "
+      "default: the preset's own)");
 }
 
 /// The preset under these lights, ready to use on `volume`. Throws Error.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "asset/section_file.h"
+#include "core/error.h"
 #include "section/fit_reflectance.h"
 
 namespace clipgs {
@@ -23,6 +24,15 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
   command.add_flag("--no-section", choice.none, "No section: splats fill the cut faces");
+}
+
+void require_light_for_section(const Preset& preset, const SectionChoice& choice) {
+  if (preset.rig.environment && !choice.none) {
+    throw Error(
+        "a panorama cannot light cut faces that are drawn from the volume: choose another --rig, "
+        "or "
+        "add --no-section");
+  }
 }
 
 void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,

@@ -35,6 +35,9 @@ Image composite(const Image& rgba, float r, float g, float b);
 /// Reads an 8- or 16-bit PNG as 3 (no alpha) or 4 channels in [0, 1]. Throws Error.
 Image read_png(const std::filesystem::path& path);
 
+/// Reads a Radiance HDR picture: 3 channels, linear. Throws Error.
+Image read_hdr(const std::filesystem::path& path);
+
 /// Writes 1, 3 or 4 channels in [0, 1] (clamped, rounded) as PNG with 8 or 16 bits a channel,
 /// atomically (see write_file). Throws Error.
 void write_png(const std::filesystem::path& path, const Image& image, int bits = 8);

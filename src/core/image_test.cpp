@@ -51,6 +51,26 @@ TEST(Image, TruncatedPngThrows) {
   fs::remove(path);
 }
 
+// Radiance's format: the mantissas of three channels and an exponent for all.
+TEST(Image, HdrIsRead) {
+  const fs::path path = fs::path(testing::TempDir()) / fmt::format("clipgs-{}.hdr", getpid());
+  const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n";
+  const std::string pixels("\x80\x40\x00\x81\x80\x80\x80\x85", 8);
+  write_text(path, header + pixels);
+  const Image image = read_hdr(path);
+  ASSERT_EQ(image.width, 2);
+  ASSERT_EQ(image.height, 1);
+  EXPECT_EQ(image.data, (std::vector<float>{1, 0.5f, 0, 16, 16, 16}));
+  for (const char* damaged :
+       {"", "#?RADIANCE\n", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 99999\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y -3 +X 2\n"}) {
+    write_text(path, damaged);
+    EXPECT_THROW(read_hdr(path), Error) << damaged;
+  }
+  fs::remove(path);
+  EXPECT_THROW(read_hdr(path), Error);
+}
+
 TEST(Image, CompositeUsesStraightAlpha) {
   Image image(1, 1, 4);
   image.data = {1.0f, 0.5f, 0.0f, 0.25f};

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <span>
@@ -192,6 +193,24 @@ KeyLight parse_key(const json& object, const std::string& where) {
   return key;
 }
 
+// {"file": ..., "intensity": ..., "turn_deg": ...}; the file lies beside the rig's.
+void parse_environment(const json& object, const std::string& where, LightRig& rig) {
+  Reader reader(object, where + ": environment");
+  const std::filesystem::path file =
+      std::filesystem::path(where).parent_path() / reader.text("file", "");
+  const float intensity = reader.number("intensity", 1);
+  if (intensity < 0) {
+    throw Error("{}: \"intensity\" must not be negative", reader.where());
+  }
+  rig.environment_turn = reader.number("turn_deg", 0) * kRadiansPerDegree;
+  reader.refuse_unknown_keys();
+  Image panorama = read_hdr(file);
+  for (float& value : panorama.data) {
+    value *= intensity;
+  }
+  rig.environment = std::make_shared<const Image>(std::move(panorama));
+}
+
 LightRig parse_rig(const json& object, const std::string& where) {
   Reader reader(object, where);
   reader.text("title", "");
@@ -205,6 +224,9 @@ LightRig parse_rig(const json& object, const std::string& where) {
   const json& keys = reader.list("keys");
   for (size_t i = 0; i < keys.size(); ++i) {
     rig.keys.push_back(parse_key(keys[i], fmt::format("{}: key light {}", where, i + 1)));
+  }
+  if (object.contains("environment")) {
+    parse_environment(reader.get("environment"), where, rig);
   }
   reader.refuse_unknown_keys();
   return rig;
@@ -284,15 +306,44 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   return preset;
 }
 
+// A panorama alone. Files of this kind come in any unit: its mean is made `studio`'s.
+LightRig rig_of_panorama(const std::filesystem::path& path) {
+  constexpr double kMean = 0.6;
+  Image panorama = read_hdr(path);
+  double sum = 0;
+  double weights = 0;
+  for (int y = 0; y < panorama.height; ++y) {
+    const double weight = std::sin(std::numbers::pi * (y + 0.5) / panorama.height);
+    for (int x = 0; x < panorama.width; ++x) {
+      const float* pixel = panorama.at(x, y);
+      sum += weight * static_cast<double>(pixel[0] + pixel[1] + pixel[2]) / 3;
+      weights += weight;
+    }
+  }
+  if (sum <= 0) {
+    throw Error("{}: the panorama is black", path.string());
+  }
+  const auto scale = static_cast<float>(kMean * weights / sum);
+  for (float& value : panorama.data) {
+    value *= scale;
+  }
+  LightRig rig{Vec3(0), Vec3(0), Vec3(0), {}};
+  rig.environment = std::make_shared<const Image>(std::move(panorama));
+  return rig;
+}
+
 }  // namespace
 
 std::vector<std::string> rig_names() { return names_of(built_in_rigs()); }
 
 LightRig load_rig(const std::string& name_or_path) {
+  if (std::filesystem::path(name_or_path).extension() == ".hdr") {
+    return rig_of_panorama(name_or_path);
+  }
   const std::optional<Source> source = find_source(built_in_rigs(), "rig", name_or_path);
   if (!source) {
-    throw Error("no light rig \"{}\": use one of {}, or the path of a .json file", name_or_path,
-                fmt::join(rig_names(), ", "));
+    throw Error("no light rig \"{}\": use one of {}, or the path of a .json or .hdr file",
+                name_or_path, fmt::join(rig_names(), ", "));
   }
   return parse_rig(parse_json(source->text, source->where), source->where);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/image.h"
 #include "volume/transfer_function.h"
 #include "volume/volume.h"
 
@@ -16,12 +18,16 @@ struct KeyLight {
   float angular_radius = 0.1f;  ///< radians, 0 for a point
 };
 
-/// Lights of a scene: a smooth sky (vertical gradient along S) and any number of key lights.
+/// Lights of a scene: a smooth sky (vertical gradient along S), any number of key lights, and what
+/// a panorama shows.
 struct LightRig {
   Vec3 sky_top{1};      ///< environment radiance from superior, linear RGB
   Vec3 sky_horizon{1};  ///< … from the horizon
   Vec3 sky_bottom{1};   ///< … from inferior
   std::vector<KeyLight> keys;
+  /// [height, width, 3], linear radiance: superior at the top, anterior in the middle. May be null.
+  std::shared_ptr<const Image> environment = nullptr;
+  float environment_turn = 0;  ///< radians, towards the patient's right
 };
 
 /// What the transfer function's values mean.
@@ -47,7 +53,8 @@ struct Preset {
 /// Names of the built-in light rigs, sorted.
 std::vector<std::string> rig_names();
 
-/// A built-in rig by name, or a JSON file by path. Throws Error that lists the names.
+/// A built-in light rig by name, a JSON file, or a panorama (.hdr, made as bright as `studio` is)
+/// by path. Throws Error that lists the names.
 LightRig load_rig(const std::string& name_or_path);
 
 /// Parses a preset; `where` names the source in errors. Throws Error.
