@@ -125,6 +125,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
   return {{"input", fingerprint(arguments.volume)},
           {"preset", arguments.look.preset},
           {"rig", arguments.look.rig},
+          {"exposure", arguments.look.exposure},
           {"size", quality.size},
           {"train_frames", quality.train_frames},
           {"test_frames", quality.test_frames},

@@ -3,18 +3,22 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "cinema/exposure.h"
+#include "cinema/visible_matter.h"
+#include "cli/arguments.h"
 #include "volume/preset.h"
 
 namespace clipgs {
 
-/// --preset and --rig.
+/// --preset, --rig and --exposure.
 struct LookArguments {
   std::string preset = "auto";
-  std::string rig;  ///< empty: the preset's own
+  std::string rig;       ///< empty: the preset's own
+  std::string exposure;  ///< a factor or "auto"; empty: the preset's own
 };
 
-/// Adds --preset and --rig, which every command that path-traces understands. `look` must outlive
-/// the parsing.
+/// Adds --preset, --rig and --exposure, which every command that path-traces understands. `look`
+/// must outlive the parsing.
 inline void add_look_options(CLI::App& command, LookArguments& look) {
   command.add_option("--preset", look.preset, "Look: a preset's name, a JSON file, or auto")
       ->capture_default_str();
@@ -22,6 +26,10 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       "--rig", look.rig,
       "Lights: studio, theatre, rim, dome, ambient, a JSON file, or a panorama (.hdr; "
       "default: the preset's own)");
+  command.add_option(
+      "--exposure", look.exposure,
+      "Brightness: a factor, or auto: what is bright is shown bright under any light "
+      "(default: the preset's own, or auto where --rig is a panorama)");
 }
 
 /// The preset under these lights, ready to use on `volume`. Throws Error.
@@ -29,6 +37,17 @@ inline Preset load_look(const LookArguments& look, const Volume& volume) {
   Preset preset = load_preset(look.preset, volume);
   if (!look.rig.empty()) {
     preset.rig = load_rig(look.rig);
+  }
+  const bool automatic =
+      look.exposure.empty() ? preset.rig.environment != nullptr : look.exposure == "auto";
+  if (automatic) {
+    const VisibleMatter matter = visible_matter(volume, preset.transfer);
+    preset.exposure = automatic_exposure(CinemaScene(volume, preset), matter.sphere);
+  } else if (!look.exposure.empty()) {
+    preset.exposure = parse_numbers(look.exposure, 1, 1, "--exposure").front();
+    if (!(preset.exposure > 0)) {
+      throw CLI::ValidationError("--exposure", "must be greater than 0, or auto");
+    }
   }
   return preset;
 }
