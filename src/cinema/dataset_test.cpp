@@ -276,6 +276,36 @@ TEST(Dataset, RefusesWhatItCannotTrust) {
               ThrowsMessage<Error>(HasSubstr("seed points")));
 }
 
+TEST(Dataset, OtherLooksOfLabelsMakeItAnew) {
+  Fixture f;
+  f.options.train_frames = 2;
+  f.options.test_frames = 0;
+  f.volume.label_numbers = {0, 1};
+  f.volume.labels.assign(f.volume.voxels(), 1);
+  const TemporaryFolder folder;
+  f.make(folder.path());
+  const auto before = contents(folder.path());
+  f.preset.labels[1].opacity = 0.5f;
+  f.make(folder.path());
+  EXPECT_NE(contents(folder.path()), before);
+}
+
+TEST(SeedPoints, TakeLabelsLooks) {
+  Volume ball = make_ball(48, 18, 1, 0);
+  ball.label_numbers = {0, 1, 2};
+  for (size_t i = 0; i < ball.voxels(); ++i) {
+    ball.labels.push_back(i < ball.voxels() / 2 ? 1 : 2);  // inferior, superior
+  }
+  Preset preset = make_preset({point(0.2f, 0), point(0.8f, 2)}, test::white_sky());
+  preset.labels[1].opacity = 0;
+  preset.labels[2].albedo = Vec3(0, 1, 0);
+  for (const SeedPoint& p : sample_seed_points(ball, preset, 2000, 1)) {
+    EXPECT_GT(p.position.z, -0.1f);
+    EXPECT_EQ(p.color.r, 0);
+    EXPECT_GT(p.color.g, 0.5f);
+  }
+}
+
 TEST(SeedPoints, FillTheSolidAndCrowdAtBoundaries) {
   const Volume ball = make_ball(64, 24, 1, 0);
   const Preset preset = make_preset({point(0.2f, 0), point(0.8f, 2)}, test::white_sky());

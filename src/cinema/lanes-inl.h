@@ -122,7 +122,8 @@ HWY_INLINE Float to_float(Int a) { return hn::ConvertTo(FloatTag(), a.v); }
 /// Towards zero; of numbers that fit.
 HWY_INLINE Int truncate(Float a) {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  return hn::Vec<IntTag>{_mm512_cvttps_epi32(a.v.raw)};  // ConvertTo also mends what does not fit
+  // ConvertTo also mends what does not fit. All lanes by a mask: GCC warns of the form without one.
+  return hn::Vec<IntTag>{_mm512_maskz_cvttps_epi32(0xffff, a.v.raw)};
 #else
   return hn::ConvertTo(IntTag(), a.v);
 #endif
@@ -161,6 +162,13 @@ HWY_INLINE Uint gather(const std::uint32_t* table, Int index) {
 HWY_INLINE Uint gather_pair(const std::uint16_t* table, Int index) {
   return hn::GatherOffset(UintTag(), reinterpret_cast<const std::uint32_t*>(table),
                           shift_left<1>(index).v);
+}
+
+/// The byte at each index; reads the three after it.
+HWY_INLINE Int gather_byte(const std::uint8_t* table, Int index) {
+  const Uint four =
+      hn::GatherOffset(UintTag(), reinterpret_cast<const std::uint32_t*>(table), index.v);
+  return as_int(four) & Int(0xff);
 }
 
 /// count() vectors in space or linear RGB.

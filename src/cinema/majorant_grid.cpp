@@ -15,22 +15,39 @@ std::uint32_t rounded_up(float x) {
          static_cast<std::uint32_t>(MajorantGrid::kBoundBits);
 }
 
+// Of the labels of the voxels from … to, both included.
+float largest_opacity(const LabelGrid* labels, const IVec3& from, const IVec3& to) {
+  if (labels == nullptr) {
+    return 1;
+  }
+  float largest = 0;
+  for (int z = from.z; z <= to.z; ++z) {
+    for (int y = from.y; y <= to.y; ++y) {
+      for (int x = from.x; x <= to.x; ++x) {
+        largest = std::max(largest, labels->opacity(x, y, z));
+      }
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 MajorantGrid::MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer,
-                           const Vec3& spacing)
+                           const Vec3& spacing, const LabelGrid* labels)
     : nudge_(1e-3f * std::min({spacing.x, spacing.y, spacing.z})) {
   cells_.count = (grid.dims() + kCell - 1) / kCell;
   cells_.stride_y = cells_.count.x;
   cells_.stride_z = cells_.count.x * cells_.count.y;
   const size_t count = static_cast<size_t>(cells_.stride_z) * static_cast<size_t>(cells_.count.z);
   cells_.words.assign(count, 0);
-  find_majorants(grid, transfer);
-  find_matter(grid, transfer);
+  find_majorants(grid, transfer, labels);
+  find_matter(grid, transfer, labels);
   find_distances();
 }
 
-void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction& transfer) {
+void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction& transfer,
+                                  const LabelGrid* labels) {
   const IVec3 last = grid.dims() - 1;
   parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t begin, size_t) {
     const int cz = static_cast<int>(begin);
@@ -50,9 +67,11 @@ void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction&
           }
         }
         // One code of margin for the rounding of interpolation.
+        const float extinction =
+            transfer.max_extinction(grid.value(static_cast<float>(low) - 1.0f),
+                                    grid.value(static_cast<float>(high) + 1.0f));
         cells_.words[index(cx, cy, cz)] =
-            rounded_up(transfer.max_extinction(grid.value(static_cast<float>(low) - 1.0f),
-                                               grid.value(static_cast<float>(high) + 1.0f)));
+            rounded_up(extinction * largest_opacity(labels, from, to));
       }
     }
   });
@@ -100,7 +119,8 @@ void MajorantGrid::find_distances() {
   }
 }
 
-void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& transfer) {
+void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& transfer,
+                               const LabelGrid* labels) {
   // "Is any code of [low, high] visible": yes if the next visible one at or above low is.
   constexpr int kCodes = 1 << 16;
   std::vector<int> next_visible(kCodes + 1, kCodes);
@@ -119,7 +139,7 @@ void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& tr
       low = std::min(low, code);
       high = std::max(high, code);
     }
-    return next_visible[low] <= high;
+    return next_visible[low] <= high && largest_opacity(labels, voxel, voxel + 1) > 0;
   };
   parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t cz, size_t) {
     for (int cy = 0; cy < cells_.count.y; ++cy) {

@@ -5,23 +5,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "cinema/label_grid.h"
 #include "cinema/voxel_grid.h"
 #include "volume/transfer_function.h"
 
 namespace clipgs {
 
 /// Macrocells of kCell³ voxels with the largest extinction that any point inside can have: the
-/// cell's range of values (its border voxels included) through the transfer function. Where there
-/// is nothing, the cells know how far the next matter is, so that a ray leaps over air in a few
-/// steps.
+/// cell's range of values (its border voxels included) through the transfer function, times the
+/// largest opacity of its labels. Where there is nothing, the cells know how far the next matter
+/// is, so that a ray leaps over air in a few steps.
 class MajorantGrid {
  public:
   /// Side of the macrocells, voxels. Small cells bound tightly, so that tracking wastes few
   /// look-ups where a surface crosses a cell; smaller ones yet would outgrow the caches.
   static constexpr int kCell = 2;
 
-  /// `spacing` of the voxels in mm.
-  MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer, const Vec3& spacing);
+  /// `spacing` of the voxels in mm; `labels` may be null.
+  MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer, const Vec3& spacing,
+               const LabelGrid* labels = nullptr);
 
   /// Walks the ray voxel = origin + t·direction for t in [t0, t1] (which must lie inside the
   /// grid; t in mm) through the cells that are not empty, in order. visit(majorant, begin, end)
@@ -86,9 +88,11 @@ class MajorantGrid {
                                 static_cast<std::uint32_t>(kBoundBits));
   }
 
-  void find_majorants(const VoxelGrid& grid, const TransferFunction& transfer);
+  void find_majorants(const VoxelGrid& grid, const TransferFunction& transfer,
+                      const LabelGrid* labels);
   void find_distances();
-  void find_matter(const VoxelGrid& grid, const TransferFunction& transfer);
+  void find_matter(const VoxelGrid& grid, const TransferFunction& transfer,
+                   const LabelGrid* labels);
 
   Cells cells_;
   float nudge_;

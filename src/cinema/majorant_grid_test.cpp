@@ -83,6 +83,30 @@ TEST(MajorantGrid, BoundsTheExtinctionEverywhere) {
   EXPECT_GT(air, 100000);
 }
 
+TEST(MajorantGrid, IsLowerWhereLabelsThin) {
+  Volume volume = make_volume({40, 8, 8}, [](const IVec3&) { return 1.0f; });
+  volume.label_numbers = {0, 1, 2};
+  for (size_t i = 0; i < volume.voxels(); ++i) {
+    const size_t x = i % 40;
+    volume.labels.push_back(x < 12 ? 0 : x < 24 ? 1 : 2);
+  }
+  LabelLooks looks;
+  looks[1].opacity = 0.5f;
+  looks[2].opacity = 0;
+  const VoxelGrid grid(volume, 0, 1);
+  const LabelGrid labels(volume, looks);
+  const MajorantGrid majorants(grid, TransferFunction({point(0, 0), point(1, 2)}), Vec3(1),
+                               &labels);
+  EXPECT_GE(majorants.majorant(4, 1, 1), 2);
+  EXPECT_GE(majorants.majorant(5, 1, 1), 2);  // its last voxel is a border of the next label
+  EXPECT_NEAR(majorants.majorant(8, 1, 1), 1, 0.01);
+  EXPECT_EQ(majorants.majorant(14, 1, 1), 0);
+  EXPECT_FALSE(majorants.has_matter(24, 3, 3));
+  EXPECT_TRUE(majorants.has_matter(23, 3, 3));
+  EXPECT_EQ(majorants.occupied().max.x, 24);
+  EXPECT_NEAR(labels.mean_opacity(Vec3(11.25f, 3, 3)), 0.875, 1e-6);
+}
+
 // The optical depth of the majorants along random rays, by the walk and by small steps.
 TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
   Rng rng(9);

@@ -85,6 +85,11 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
   f.add(volume.origin);
   add_array(f, volume.values);
   add_array(f, volume.rgb);
+  add_array(f, volume.labels);
+  for (const LabelLook& look : looks_of_labels(volume, preset.labels)) {
+    f.add(look.opacity);
+    f.add(look.albedo.value_or(Vec3(-1)));
+  }
   f.add(preset.name.data(), preset.name.size());
   for (const TransferPoint& point : preset.transfer.points()) {
     f.add(point.value);
@@ -281,7 +286,7 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
   for (const char* name : {"images", "uncut", "depth"}) {
     create_folder(folder / name);
   }
-  const VisibleMatter matter = visible_matter(volume, preset.transfer);
+  const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
   std::vector<Frame> frames = plan_frames(matter, options);
   const Maker maker(volume, preset, folder, options, matter);
   save_seed_points(folder / "points.ply",

@@ -92,10 +92,11 @@ struct Rays {
   Channel density;     // probability of the direction where the path turned, 1/sr
   Channel depth;       // in: optical depth of the first tentative collision
   std::array<std::uint32_t, kPadded> rng;
-  std::array<std::uint32_t, kPadded> path;  // index into the batch
-  Channels weight;                          // of the light that comes from there
-  Channel t;                                // out: mm to the collision, −1 where there is none
-  Channel code;                             // out: of the matter that was met
+  std::array<std::uint32_t, kPadded> path;   // index into the batch
+  Channels weight;                           // of the light that comes from there
+  Channel t;                                 // out: mm to the collision, −1 where there is none
+  Channel code;                              // out: of the matter that was met
+  std::array<std::uint32_t, kPadded> label;  // out: index of its label, if there are labels
 };
 
 struct Clipped {
@@ -148,6 +149,7 @@ class Kernel {
       : view_(view),
         scene_(*view.scene),
         grid_(scene_.grid()),
+        labels_(scene_.labels()),
         majorants_(scene_.majorants()),
         lights_(scene_.lights()),
         batch_(batch),
@@ -232,6 +234,25 @@ class Kernel {
     return m;
   }
 
+  /// The label of one of the eight voxels about the position, drawn with its trilinear weight:
+  /// edges are smooth in the mean.
+  HWY_INLINE Int draw_label(Float3 voxel, Uint& rng, Mask where) const {
+    const Int ix = truncate(voxel.x + Float(1) + next_random(rng, where));
+    const Int iy = truncate(voxel.y + Float(1) + next_random(rng, where));
+    const Int iz = truncate(voxel.z + Float(1) + next_random(rng, where));
+    const Int sy(static_cast<std::int32_t>(grid_.stride_y()));
+    const Int sz(static_cast<std::int32_t>(grid_.stride_z()));
+    return gather_byte(labels_->first_border_label(), iz * sz + iy * sy + ix);
+  }
+  /// The albedo of the label, where it has one.
+  HWY_INLINE Float3 label_albedo(Int label, Float3 otherwise) const {
+    const LabelGrid::Looks& looks = labels_->looks();
+    const Float3 own(lanes::gather(looks.albedo[0].data(), label),
+                     lanes::gather(looks.albedo[1].data(), label),
+                     lanes::gather(looks.albedo[2].data(), label));
+    return select(lanes::gather(looks.has_albedo.data(), label) > Float(0), own, otherwise);
+  }
+
   HWY_INLINE Float3 photo(Float3 voxel) const {
     std::array<std::array<float, kMost>, 3> at;
     store(voxel.x, at[0].data());
@@ -289,6 +310,7 @@ class Kernel {
     Float end, last;               // of the macrocell, of the ray, mm
     Float depth;                   // optical depth to the next tentative collision
     Float majorant, code;
+    Int label;  // of the last tentative collision, if there are labels
     Uint rng;
 
     HWY_INLINE Convoy() {
@@ -296,6 +318,7 @@ class Kernel {
       origin = step = inverse = Float3(Vec3(0));
       t = end = last = depth = code = Float(0);
       majorant = Float(1);
+      label = Int(0);
       rng = Uint(0U);
     }
   };
@@ -397,7 +420,11 @@ class Kernel {
 
     if (any(matter)) {
       const Float value = sample(or_zero(matter, voxel));
-      const Float extinction = lanes::gather(scene_.materials().extinction.data(), entry(value));
+      Float extinction = lanes::gather(scene_.materials().extinction.data(), entry(value));
+      if (labels_ != nullptr) {
+        c.label = select(matter, draw_label(or_zero(matter, voxel), c.rng, matter), c.label);
+        extinction = extinction * lanes::gather(labels_->looks().opacity.data(), c.label);
+      }
       const Mask real = matter & (next_random(c.rng, matter) * c.majorant < extinction);
       c.code = select(real, value, c.code);
       c.hit = c.hit | real;
@@ -421,13 +448,15 @@ class Kernel {
   }
 
   /// Writes what the rays of idle lanes met.
-  static HWY_INLINE void write_results(Convoy& c, Rays& rays) {
+  HWY_INLINE void write_results(Convoy& c, Rays& rays) const {
     std::array<float, kMost> ts;
     std::array<float, kMost> codes;
     std::array<std::uint32_t, kMost> states;
+    std::array<std::uint32_t, kMost> labels;
     store(select(c.hit, c.t, Float(-1)), ts.data());
     store(c.code, codes.data());
     store(c.rng, states.data());
+    store(as_uint(c.label), labels.data());
     const std::uint32_t done = c.owned & ~bits(c.active);
     for (std::uint32_t left = done; left != 0; left &= left - 1) {
       const auto lane = static_cast<size_t>(std::countr_zero(left));
@@ -435,6 +464,9 @@ class Kernel {
       rays.t[slot] = ts[lane];
       rays.code[slot] = codes[lane];
       rays.rng[slot] = states[lane];
+      if (labels_ != nullptr) {
+        rays.label[slot] = labels[lane];
+      }
     }
     c.owned &= ~done;
   }
@@ -592,7 +624,11 @@ class Kernel {
       const Float3 voxel =
           gather(rays_.origin, at) +
           lanes::gather(rays_.t.data(), at) * (direction * Float3(scene_.inverse_spacing()));
-      const Material material = this->material(lanes::gather(rays_.code.data(), at), voxel);
+      Material material = this->material(lanes::gather(rays_.code.data(), at), voxel);
+      if (labels_ != nullptr) {
+        material.albedo =
+            label_albedo(as_int(lanes::gather(rays_.label.data(), at)), material.albedo);
+      }
       if (bounce == 0) {
         scatter(material.albedo, batch_.albedo, path);
         hn::ScatterIndex(Float(1).v, FloatTag(), batch_.hit.data(), path.v);
@@ -804,6 +840,7 @@ class Kernel {
   const PathView& view_;
   const CinemaScene& scene_;
   const VoxelGrid& grid_;
+  const LabelGrid* labels_;  // null: none
   const MajorantGrid& majorants_;
   const Lights& lights_;
   PathBatch& batch_;

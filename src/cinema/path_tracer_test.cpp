@@ -63,6 +63,18 @@ void expect_same(const Mean& a, const Mean& b) {
   EXPECT_NEAR(a.value(), b.value(), 4 * std::sqrt(a.variance() + b.variance()) + 1e-6);
 }
 
+// Gives every voxel the label of this index.
+void label_where(Volume& volume, const std::function<int(const IVec3&)>& index) {
+  volume.labels.resize(volume.voxels());
+  for (int z = 0; z < volume.dims.z; ++z) {
+    for (int y = 0; y < volume.dims.y; ++y) {
+      for (int x = 0; x < volume.dims.x; ++x) {
+        volume.labels[volume.offset(x, y, z)] = static_cast<std::uint8_t>(index({x, y, z}));
+      }
+    }
+  }
+}
+
 TEST(PathTracer, SlabTransmits) {
   Volume volume = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
   volume.spacing = Vec3(0.5f, 1, 1);
@@ -180,11 +192,20 @@ TEST(PathTracer, HighlightIsTheSameByEitherWay) {
   }
 }
 
-// A volume with everything: anisotropic, turned, rough, a non-monotonic transfer function, coloured
-// lights, highlights. Fast and slow must agree, cut and uncut.
-void expect_agreement(const LightRig& rig) {
+// A volume with everything: anisotropic, turned, rough, with a transfer function that is not
+// monotonic, coloured lights, highlights.
+struct Everything {
+  Volume volume;
+  Preset preset;
+  Camera camera = camera_from({70, 50, 40});
+  Plane plane{glm::normalize(Vec3(-1, -0.5f, -0.2f)), -2};
+
+  explicit Everything(const LightRig& rig);
+};
+
+Everything::Everything(const LightRig& rig) {
   Rng noise(3);
-  Volume volume = make_volume({40, 30, 26}, [&](const IVec3& v) {
+  volume = make_volume({40, 30, 26}, [&](const IVec3& v) {
     const Vec3 p = (Vec3(v) - Vec3(20, 15, 13)) / Vec3(17, 12, 10);
     const float shells = 600 * std::sin(5 * glm::dot(p, p));
     return glm::length(p) < 1 ? shells + 100 * noise.normal() : -1000.0f;
@@ -192,31 +213,84 @@ void expect_agreement(const LightRig& rig) {
   volume.spacing = Vec3(0.8f, 1.1f, 1.6f);
   volume.direction = Mat3(glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3))));
   volume.origin = -(volume.direction * (Vec3(19.5f, 14.5f, 12.5f) * volume.spacing));
-  Preset preset = make_preset(
+  preset = make_preset(
       {point(-500, 0, Vec3(0.3f)), point(-100, 0.9f, Vec3(0.8f), 0.3f), point(50, 0, Vec3(0.4f)),
        point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f), point(500, 0.2f, Vec3(0.7f))},
       rig, 0.002f);
   preset.phase_g = 0.2f;
-  const CinemaScene scene(volume, preset);
-  const Camera camera = camera_from({70, 50, 40});
-  const Plane plane{glm::normalize(Vec3(-1, -0.5f, -0.2f)), -2};
+}
+
+void expect_agreement(const Everything& e, const CinemaScene& scene, const Cut& cut) {
+  const Means fast = trace(PathTracer(scene, e.camera, cut, 4), 60000, 14);
+  const Means slow = trace(ReferenceTracer(e.volume, e.preset, e.camera, cut, 4), 30000, 14);
+  expect_same(fast.radiance, slow.radiance);
+  expect_same(fast.alpha, slow.alpha);
+  EXPECT_GT(slow.alpha.value(), 0.2);
+  EXPECT_LT(slow.alpha.value(), 0.95);
+}
+
+// Fast and slow must agree, cut and uncut.
+void expect_agreement(const Everything& e) {
+  const CinemaScene scene(e.volume, e.preset);
   const Plane across{glm::normalize(Vec3(0.3f, -0.2f, -1)), -3};
   const Plane behind{-across.normal, -10};  // with `across`, a slab
-  for (const Cut& cut : {Cut(), Cut(plane), Cut({plane, across, behind})}) {
-    const Means fast = trace(PathTracer(scene, camera, cut, 4), 60000, 14);
-    const Means slow = trace(ReferenceTracer(volume, preset, camera, cut, 4), 30000, 14);
-    expect_same(fast.radiance, slow.radiance);
-    expect_same(fast.alpha, slow.alpha);
-    EXPECT_GT(slow.alpha.value(), 0.3);
-    EXPECT_LT(slow.alpha.value(), 0.95);
+  for (const Cut& cut : {Cut(), Cut(e.plane), Cut({e.plane, across, behind})}) {
+    expect_agreement(e, scene, cut);
   }
 }
 
-TEST(PathTracer, AgreesWithTheReference) {
+LightRig two_keys() {
   LightRig rig{Vec3(0.9f), Vec3(0.5f), Vec3(0.1f), {}};
   rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.9f), 0.2f},
               {glm::normalize(Vec3(-1, 0.2f, 0)), Vec3(0.4f), 0.0f}};
-  expect_agreement(rig);
+  return rig;
+}
+
+TEST(PathTracer, AgreesWithTheReference) { expect_agreement(Everything(two_keys())); }
+
+TEST(PathTracer, AgreesWithTheReferenceOnLabels) {
+  Everything e(two_keys());
+  // Checks of 5 voxels: as the transfer function says, hidden, tinted, thinned and tinted.
+  e.volume.label_numbers = {0, 3, 5, 1000};
+  label_where(e.volume, [](const IVec3& v) { return (v.x / 5 + v.y / 5 + v.z / 5) % 4; });
+  e.preset.labels = {{3, {std::nullopt, 0}},
+                     {5, {Vec3(0.9f, 0.1f, 0.2f), 1}},
+                     {1000, {Vec3(0.1f, 0.9f, 0.4f), 0.4f}}};
+  expect_agreement(e);
+}
+
+// Half a slab has a label; the draws between voxels make its edge soft but keep the mean.
+TEST(PathTracer, OpacityThinsMatter) {
+  Volume volume = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
+  volume.label_numbers = {0, 7};
+  label_where(volume, [](const IVec3& v) { return v.x < 12 ? 1 : 0; });
+  for (const float opacity : {0.0f, 0.3f}) {
+    Preset preset = make_preset({point(0, 0), point(1, 0.1f)}, test::white_sky());
+    preset.labels[7].opacity = opacity;
+    const CinemaScene scene(volume, preset);
+    for (const float side : {-80.0f, 80.0f}) {
+      const PathTracer tracer(scene, camera_from({side, 0, 0}), {}, 1);
+      const Means means = trace(tracer, 40000);
+      EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-0.1 * 11.5 * (1 + opacity)),
+                  means.alpha.tolerance());
+    }
+  }
+}
+
+TEST(PathTracer, LabelsColourWhatIsFirstMet) {
+  Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
+  block.label_numbers = {0, 2};
+  label_where(block, [](const IVec3&) { return 1; });
+  Preset preset = make_preset({point(0, 60), point(1, 60)}, test::white_sky());
+  const Vec3 red(0.8f, 0.2f, 0.1f);
+  preset.labels[2].albedo = red;
+  const CinemaScene scene(block, preset);
+  const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1);
+  for (const PathSample& sample : tracer.trace(starts(20))) {
+    ASSERT_TRUE(sample.hit);
+    EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
+    EXPECT_LT(glm::length(sample.radiance - red), 2e-3f);
+  }
 }
 
 // The reference finds the window of the panorama by chance alone.
@@ -225,7 +299,7 @@ TEST(PathTracer, AgreesWithTheReferenceUnderAPanorama) {
   rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.3f), 0.2f}};
   rig.environment = std::make_shared<const Image>(test::panorama());
   rig.environment_turn = 1;
-  expect_agreement(rig);
+  expect_agreement(Everything(rig));
 }
 
 TEST(PathTracer, CutFaceIsLitAsPredicted) {
@@ -263,7 +337,7 @@ TEST(PathTracer, RemovedMatterCastsNoShadow) {
   const Preset preset = make_preset({point(0, 0), point(1, 2)}, rig, 3);
   const Camera camera = camera_from({10, 60, 0}, {-11, 0, 0});
   const Plane plane{Vec3(-1, 0, 0), -0.5f};  // between the balls; keeps the first
-  const Volume two = balls(true);
+  Volume two = balls(true);
   const Volume one = balls(false);
   const CinemaScene scene_of_two(two, preset);
   const CinemaScene scene_of_one(one, preset);
@@ -273,6 +347,15 @@ TEST(PathTracer, RemovedMatterCastsNoShadow) {
   expect_same(cut.radiance, alone.radiance);
   EXPECT_GT(alone.radiance.value(), 0.05);
   EXPECT_LT(shadowed.radiance.value(), 0.5 * alone.radiance.value());
+
+  // Nor does matter that a label hides.
+  two.label_numbers = {0, 1};
+  label_where(two, [](const IVec3& v) { return v.x > 28 ? 1 : 0; });
+  Preset hiding = preset;
+  hiding.labels[1].opacity = 0;
+  const CinemaScene hidden_scene(two, hiding);
+  const Means hidden = trace(PathTracer(hidden_scene, camera, std::nullopt, 3), 30000);
+  expect_same(hidden.radiance, alone.radiance);
 }
 
 // Seen through a lens of radius R, a point at depth d covers a disc of radius f·R·|1/F − 1/d| px.
@@ -314,6 +397,16 @@ TEST(PathTracer, FirstHitIsTheSurface) {
   EXPECT_EQ(whole.first_hit(1, 1), 0);
   const PathTracer cut(scene, camera_from({0, 100, 0}), Plane{Vec3(0, -1, 0), -4}, 1);
   EXPECT_NEAR(cut.first_hit(32, 32), 96, 0.2);
+
+  // What a label hides is looked through.
+  Volume labelled = ball;
+  labelled.label_numbers = {0, 1};
+  label_where(labelled, [](const IVec3& v) { return v.y > 25 ? 1 : 0; });
+  Preset hiding = preset;
+  hiding.labels[1].opacity = 0;
+  const CinemaScene hidden(labelled, hiding);
+  const PathTracer through(hidden, camera_from({0, 100, 0}), std::nullopt, 1);
+  EXPECT_NEAR(through.first_hit(32, 32), 100 - (25.5 - 19.5), 1);
 }
 
 }  // namespace

@@ -134,6 +134,21 @@ TEST(VisibleMatter, FramesTheBallAndNotTheSpeck) {
   EXPECT_NEAR(extent.y, 15, 1);
 }
 
+TEST(VisibleMatter, LeavesHiddenLabelsOut) {
+  Volume volume = make_ball(80, 15, 1, 0);
+  const TransferFunction transfer({point(0.4f, 0), point(0.6f, 5)});
+  volume.label_numbers = {0, 9};
+  for (size_t i = 0; i < volume.voxels(); ++i) {
+    volume.labels.push_back(i < volume.voxels() / 2 ? 1 : 0);  // the inferior half
+  }
+  EXPECT_NEAR(visible_matter(volume, transfer).bounds.min.z, -15, 1);
+  LabelLooks looks;
+  looks[9].opacity = 0;
+  EXPECT_NEAR(visible_matter(volume, transfer, looks).bounds.min.z, 0.5f, 0.1f);
+  looks[0].opacity = 0;
+  EXPECT_THROW(visible_matter(volume, transfer, looks), std::runtime_error);
+}
+
 TEST(VisibleMatter, NothingToSeeIsAnError) {
   const Volume volume = make_ball(24, 6, 1, 0);
   EXPECT_THROW(visible_matter(volume, TransferFunction({point(2, 0), point(3, 5)})),

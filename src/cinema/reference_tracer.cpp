@@ -13,6 +13,7 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
                                  const Cut& cut, int max_bounces)
     : volume_(volume),
       preset_(preset),
+      labels_(looks_of_labels(volume, preset.labels)),
       camera_(camera),
       max_bounces_(max_bounces),
       lights_(preset.rig, glm::transpose(volume.direction)),
@@ -53,6 +54,19 @@ double ReferenceTracer::value_at(const DVec3& voxel) const {
   return value;
 }
 
+// Of one of the eight voxels about the position, drawn with its trilinear weight.
+LabelLook ReferenceTracer::draw_label(const DVec3& voxel, Rng& rng) const {
+  if (labels_.empty()) {
+    return {};
+  }
+  const DVec3 p = glm::clamp(voxel, DVec3(0), last_);
+  IVec3 at(p);
+  for (int k = 0; k < 3; ++k) {
+    at[k] += static_cast<double>(rng.uniform()) < p[k] - at[k] ? 1 : 0;
+  }
+  return labels_[volume_.labels[volume_.offset(at.x, at.y, at.z)]];
+}
+
 bool ReferenceTracer::clip(const DVec3& origin, const DVec3& direction, double& t0,
                            double& t1) const {
   for (int k = 0; k < 3; ++k) {
@@ -90,10 +104,13 @@ bool ReferenceTracer::track(const DVec3& origin, const DVec3& direction, double 
     if (!(t < t1)) {
       return false;
     }
-    const double value = value_at(voxel_at(origin, direction, t));
-    const double extinction = preset_.transfer.at(static_cast<float>(value)).extinction;
+    const DVec3 voxel = voxel_at(origin, direction, t);
+    const double value = value_at(voxel);
+    const LabelLook label = draw_label(voxel, rng);
+    const double extinction =
+        label.applied_to(preset_.transfer.at(static_cast<float>(value))).extinction;
     if (static_cast<double>(rng.uniform()) * majorant_ < extinction) {
-      collision = {t, value};
+      collision = {t, value, label};
       return true;
     }
   }
@@ -146,7 +163,8 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     sample.hit = true;
     const DVec3 voxel = voxel_at(origin, DVec3(direction), collision.t);
     const Vec3 out = -direction;
-    Material m = preset_.transfer.at(static_cast<float>(collision.value));
+    Material m =
+        collision.label.applied_to(preset_.transfer.at(static_cast<float>(collision.value)));
 
     const Vec3* const face = bounce == 0 ? face_at(voxel, DVec3(direction)) : nullptr;
     DVec3 start = voxel;

@@ -26,9 +26,11 @@ class ReferenceTracer {
   struct Collision {
     double t = 0;
     double value = 0;
+    LabelLook label;
   };
 
   double value_at(const DVec3& voxel) const;
+  LabelLook draw_label(const DVec3& voxel, Rng& rng) const;
   DVec3 voxel_at(const DVec3& origin, const DVec3& direction, double t) const {
     return origin + t * direction / spacing_;
   }
@@ -40,6 +42,7 @@ class ReferenceTracer {
 
   const Volume& volume_;
   const Preset& preset_;
+  std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
   Camera camera_;
   int max_bounces_;
   Lights lights_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 
+#include "cinema/label_grid.h"
 #include "cinema/lights.h"
 #include "cinema/majorant_grid.h"
 #include "cinema/voxel_grid.h"
@@ -19,9 +20,9 @@ struct MaterialTables {
   Table specular, roughness;
 };
 
-/// A volume made ready for path tracing under a preset. Tracing works in *voxel space* (continuous
-/// voxel index) for positions and in the *grid frame* (the volume's axes, unit length = mm) for
-/// directions, normals and lights.
+/// A volume made ready for path tracing under a preset, with its labels if it has any. Tracing
+/// works in *voxel space* (continuous voxel index) for positions and in the *grid frame* (the
+/// volume's axes, unit length = mm) for directions, normals and lights.
 ///
 /// The volume must outlive the scene (photographs are read from it while tracing).
 class CinemaScene {
@@ -48,6 +49,8 @@ class CinemaScene {
   bool has_photo() const { return !volume_->rgb.empty(); }
   /// Trilinear, linear RGB.
   Vec3 photo(const Vec3& voxel) const;
+  /// Null for a volume without labels.
+  const LabelGrid* labels() const { return labels_.get(); }
   /// Value units per mm, for differences of codes over a voxel.
   const Vec3& gradient_scale() const { return gradient_scale_; }
 
@@ -68,6 +71,7 @@ class CinemaScene {
   const Volume* volume_;
   Preset preset_;
   VoxelGrid grid_;
+  std::unique_ptr<LabelGrid> labels_;
   MajorantGrid majorants_;
   Lights lights_;
   Vec3 inverse_spacing_;

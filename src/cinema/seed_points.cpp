@@ -37,34 +37,56 @@ constexpr const char* kHeader =
     "property float spacing\n"
     "end_header\n";
 
-// What an opaque voxel-sized piece of each table entry looks like: colour times opacity, opacity.
+// What voxels look like.
 class Looks {
  public:
-  Looks(const Volume& volume, const TransferFunction& transfer)
-      : transfer_(transfer),
+  Looks(const Volume& volume, const Preset& preset)
+      : volume_(volume),
+        transfer_(preset.transfer),
+        labels_(looks_of_labels(volume, preset.labels)),
         thickness_(std::cbrt(volume.spacing.x * volume.spacing.y * volume.spacing.z)) {}
 
-  Vec4 at(float value) const {
-    const Material& m = transfer_.at(value);
+  // Colour times opacity, opacity; photographs' colours do not count.
+  Vec4 at(int x, int y, int z) const {
+    const size_t voxel = volume_.offset(x, y, z);
+    const Material m = labelled(transfer_.at(volume_.values[voxel]), voxel);
     const float opacity = 1.0f - std::exp(-m.extinction * thickness_);
     return {m.albedo * opacity, opacity};
   }
 
+  Vec3 albedo_at(int x, int y, int z) const {
+    const size_t voxel = volume_.offset(x, y, z);
+    Material m = transfer_.at(volume_.values[voxel]);
+    if (!volume_.rgb.empty()) {
+      const std::uint8_t* rgb = &volume_.rgb[3 * voxel];
+      for (int c = 0; c < 3; ++c) {
+        m.albedo[c] *= linear_from_srgb(static_cast<float>(rgb[c]) / 255.0f);
+      }
+    }
+    return labelled(m, voxel).albedo;
+  }
+
  private:
+  Material labelled(const Material& material, size_t voxel) const {
+    return labels_.empty() ? material : labels_[volume_.labels[voxel]].applied_to(material);
+  }
+
+  const Volume& volume_;
   const TransferFunction& transfer_;
+  std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
   float thickness_;
 };
 
 // Points per voxel, up to a common factor: opacity, more of it where the look changes.
 float weight_at(const Volume& volume, const Looks& looks, int x, int y, int z) {
-  const Vec4 here = looks.at(volume.at(x, y, z));
+  const Vec4 here = looks.at(x, y, z);
   if (here.w < 0.02f) {
     return 0;
   }
   const auto ahead = [&](int dx, int dy, int dz) {
-    const Vec4 there = looks.at(volume.at(std::clamp(x + dx, 0, volume.dims.x - 1),
-                                          std::clamp(y + dy, 0, volume.dims.y - 1),
-                                          std::clamp(z + dz, 0, volume.dims.z - 1)));
+    const Vec4 there =
+        looks.at(std::clamp(x + dx, 0, volume.dims.x - 1), std::clamp(y + dy, 0, volume.dims.y - 1),
+                 std::clamp(z + dz, 0, volume.dims.z - 1));
     const Vec4 change = there - here;
     return glm::dot(change, change);
   };
@@ -73,22 +95,11 @@ float weight_at(const Volume& volume, const Looks& looks, int x, int y, int z) {
   return here.w * (1.0f + kBoundaryGain * std::min(1.0f, std::sqrt(change2)));
 }
 
-Vec3 albedo_at(const Volume& volume, const TransferFunction& transfer, int x, int y, int z) {
-  Vec3 albedo = transfer.at(volume.at(x, y, z)).albedo;
-  if (!volume.rgb.empty()) {
-    const std::uint8_t* rgb = &volume.rgb[3 * volume.offset(x, y, z)];
-    for (int c = 0; c < 3; ++c) {
-      albedo[c] *= linear_from_srgb(static_cast<float>(rgb[c]) / 255.0f);
-    }
-  }
-  return albedo;
-}
-
 }  // namespace
 
 std::vector<SeedPoint> sample_seed_points(const Volume& volume, const Preset& preset, size_t count,
                                           std::uint64_t seed) {
-  const Looks looks(volume, preset.transfer);
+  const Looks looks(volume, preset);
   const auto slices = static_cast<size_t>(volume.dims.z);
   std::vector<double> slice_weight(slices, 0);
   parallel_for(slices, 1, [&](size_t z, size_t) {
@@ -133,7 +144,7 @@ std::vector<SeedPoint> sample_seed_points(const Volume& volume, const Preset& pr
           const Vec3 jitter(rng.uniform() - 0.5f, rng.uniform() - 0.5f, rng.uniform() - 0.5f);
           const Vec3 index =
               glm::clamp(Vec3(x, y, static_cast<int>(z)) + jitter, Vec3(0), Vec3(volume.dims - 1));
-          const Vec3 albedo = albedo_at(volume, preset.transfer, x, y, static_cast<int>(z));
+          const Vec3 albedo = looks.albedo_at(x, y, static_cast<int>(z));
           SeedPoint point;
           point.position = volume.world_from_index(index);
           for (int c = 0; c < 3; ++c) {

@@ -16,9 +16,31 @@ constexpr float kLeastDepth = 0.5f;    // … or of optical depth across the vol
 constexpr int kLeastVoxels = 6;        // in a cell, or it is a speck
 constexpr double kLeastIsland = 0.01;  // share of all visible voxels that a group of cells needs
 
+class VisibleVoxels {
+ public:
+  VisibleVoxels(const Volume& volume, const TransferFunction& transfer, const LabelLooks& labels,
+                float least)
+      : volume_(volume),
+        transfer_(transfer),
+        labels_(looks_of_labels(volume, labels)),
+        least_(least) {}
+
+  bool contains(size_t voxel) const {
+    const Material& material = transfer_.at(volume_.values[voxel]);
+    const float opacity = labels_.empty() ? 1.0f : labels_[volume_.labels[voxel]].opacity;
+    return opacity * material.extinction >= least_;
+  }
+
+ private:
+  const Volume& volume_;
+  const TransferFunction& transfer_;
+  std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
+  float least_;                    // extinction, 1/mm
+};
+
 class CellGrid {
  public:
-  CellGrid(const Volume& volume, const TransferFunction& transfer, float least)
+  CellGrid(const Volume& volume, const VisibleVoxels& visible)
       : dims_((volume.dims + kCell - 1) / kCell),
         counts_(static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y) *
                 static_cast<size_t>(dims_.z)) {
@@ -28,9 +50,9 @@ class CellGrid {
       for (int z = static_cast<int>(cz) * kCell; z < z_end; ++z) {
         for (int y = 0; y < volume.dims.y; ++y) {
           int* row = &counts_[cz * slab + static_cast<size_t>(y / kCell * dims_.x)];
-          const float* values = &volume.values[volume.offset(0, y, z)];
+          const size_t first = volume.offset(0, y, z);
           for (int x = 0; x < volume.dims.x; ++x) {
-            row[x / kCell] += transfer.at(values[x]).extinction >= least ? 1 : 0;
+            row[x / kCell] += visible.contains(first + static_cast<size_t>(x)) ? 1 : 0;
           }
         }
       }
@@ -140,18 +162,20 @@ Vec2 VisibleMatter::extent(const Vec3& normal) const {
   return interval;
 }
 
-VisibleMatter visible_matter(const Volume& volume, const TransferFunction& transfer) {
+VisibleMatter visible_matter(const Volume& volume, const TransferFunction& transfer,
+                             const LabelLooks& labels) {
   const float diagonal = glm::length(volume.bounds().size());
   const float most = transfer.max_extinction(std::numeric_limits<float>::lowest(),
                                              std::numeric_limits<float>::max());
   const float least = std::min(kLeastShare * most, kLeastDepth * 20.0f / std::max(diagonal, 1e-6f));
   VisibleMatter matter;
   if (least > 0) {
-    CellGrid cells(volume, transfer, least);
+    const VisibleVoxels voxels(volume, transfer, labels, least);
+    CellGrid cells(volume, voxels);
     cells.drop_islands();
     // The ends of every row of voxels span all that lies between.
     const auto visible = [&](int x, int y, int z) {
-      return cells.has_matter(x, y, z) && transfer.at(volume.at(x, y, z)).extinction >= least;
+      return cells.has_matter(x, y, z) && voxels.contains(volume.offset(x, y, z));
     };
     for (int z = 0; z < volume.dims.z; ++z) {
       for (int y = 0; y < volume.dims.y; ++y) {
@@ -174,8 +198,9 @@ VisibleMatter visible_matter(const Volume& volume, const TransferFunction& trans
   }
   if (matter.hull.empty()) {
     throw Error(
-        "nothing of the volume is visible with this preset; choose another with --preset, or check "
-        "the values with 'clipgs info' (8-bit data may need --hu scale,offset)");
+        "nothing of the volume is visible with this preset{}; choose another with --preset, or "
+        "check the values with 'clipgs info' (8-bit data may need --hu scale,offset)",
+        volume.labels.empty() ? "" : " and these labels");
   }
   matter.sphere = enclosing_sphere(matter.hull, matter.bounds.center());
   return matter;

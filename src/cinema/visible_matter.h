@@ -1,12 +1,13 @@
 #pragma once
 
+#include "volume/label_looks.h"
 #include "volume/transfer_function.h"
 #include "volume/volume.h"
 
 namespace clipgs {
 
-/// Where the matter is that a transfer function shows, in world space (RAS mm). Specks far from the
-/// rest do not count.
+/// Where the matter is that a transfer function and labels show, in world space (RAS mm). Specks
+/// far from the rest do not count.
 struct VisibleMatter {
   Box bounds;
   Sphere sphere;           ///< what cameras frame
@@ -16,7 +17,8 @@ struct VisibleMatter {
   Vec2 extent(const Vec3& normal) const;
 };
 
-/// Throws Error if the transfer function shows nothing of the volume.
-VisibleMatter visible_matter(const Volume& volume, const TransferFunction& transfer);
+/// Throws Error if they show nothing of the volume.
+VisibleMatter visible_matter(const Volume& volume, const TransferFunction& transfer,
+                             const LabelLooks& labels = {});
 
 }  // namespace clipgs

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <vector>
 
+#include "core/parallel.h"
 #include "volume/volume.h"
 
 namespace clipgs {
@@ -61,16 +63,23 @@ class VoxelGrid {
   std::ptrdiff_t stride_y() const { return stride_y_; }
   std::ptrdiff_t stride_z() const { return stride_z_; }
 
+  // Voxels that repeat the edge: x and x+1 of the cell that starts one voxel below the grid … two
+  // voxels above it.
+  static constexpr int kLowBorder = 1;
+  static constexpr int kHighBorder = 2;
+  /// Voxels along the axes, those of the border included.
+  static IVec3 padded(const IVec3& dims) { return dims + kLowBorder + kHighBorder; }
+  /// Calls visit(to, from) for every voxel of the layout: its place there, and the volume's voxel
+  /// that it repeats.
+  template <typename Visit>
+  static void for_each_padded(const Volume& volume, const Visit& visit);
+
   const IVec3& dims() const { return dims_; }
   float value(float code) const { return low_ + code * step_; }
   float low() const { return low_; }
   float step() const { return step_; }
 
  private:
-  // x and x+1 of the cell that starts one voxel below the grid … two voxels above it.
-  static constexpr int kLowBorder = 1;
-  static constexpr int kHighBorder = 2;
-
   template <typename T>
   using Lanes __attribute__((vector_size(16))) = T;
 
@@ -87,5 +96,21 @@ class VoxelGrid {
   float step_ = 1;
   std::vector<std::uint16_t> codes_;
 };
+
+template <typename Visit>
+void VoxelGrid::for_each_padded(const Volume& volume, const Visit& visit) {
+  const IVec3 size = padded(volume.dims);
+  parallel_for(static_cast<size_t>(size.z), 1, [&](size_t slice, size_t) {
+    const int z = std::clamp(static_cast<int>(slice) - kLowBorder, 0, volume.dims.z - 1);
+    size_t to = slice * static_cast<size_t>(size.y) * static_cast<size_t>(size.x);
+    for (int py = 0; py < size.y; ++py) {
+      const size_t row = volume.offset(0, std::clamp(py - kLowBorder, 0, volume.dims.y - 1), z);
+      for (int px = 0; px < size.x; ++px, ++to) {
+        const int x = std::clamp(px - kLowBorder, 0, volume.dims.x - 1);
+        visit(to, row + static_cast<size_t>(x));
+      }
+    }
+  });
+}
 
 }  // namespace clipgs

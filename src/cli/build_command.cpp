@@ -126,6 +126,9 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"preset", arguments.look.preset},
           {"rig", arguments.look.rig},
           {"exposure", arguments.look.exposure},
+          {"labels", fingerprint(arguments.loading.labels)},
+          {"label", arguments.look.labels.looks},
+          {"label_table", fingerprint(arguments.look.labels.table)},
           {"size", quality.size},
           {"train_frames", quality.train_frames},
           {"test_frames", quality.test_frames},
@@ -249,6 +252,7 @@ void add_build_command(CLI::App& app) {
       ->required();
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
   add_look_options(*command, arguments->look);
+  add_label_options(*command, arguments->look.labels, arguments->loading);
   command->add_option("--quality", arguments->quality, "draft, standard or high")
       ->capture_default_str();
   command->add_option("--work", arguments->work,
@@ -282,7 +286,10 @@ void add_build_command(CLI::App& app) {
       "An interrupted build resumes when it is run again. The work folder keeps the pictures for\n"
       "clipgs eval; delete it when you do not need them.\n"
       "Example: clipgs build dicom/ -o case.sog");
-  command->callback([arguments] { run_build(*arguments); });
+  command->callback([arguments] {
+    leave_section_to_splats(arguments->loading, arguments->section);
+    run_build(*arguments);
+  });
 }
 
 }  // namespace clipgs

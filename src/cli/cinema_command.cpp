@@ -48,7 +48,7 @@ void run_cinema(const CinemaArguments& arguments) {
   require_writable(arguments.output);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
-  const VisibleMatter matter = visible_matter(volume, preset.transfer);
+  const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
   warn_if_plane_misses(cut, matter.bounds);
   const CinemaScene scene(volume, preset);
   PictureOptions options = arguments.picture;
@@ -112,6 +112,7 @@ void add_cinema_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
       ->required();
   add_look_options(*command, arguments->look);
+  add_label_options(*command, arguments->look.labels, arguments->load);
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
   add_cut_options(*command, arguments->cut);

@@ -1,5 +1,6 @@
 // The program as a user runs it: real processes, real files.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +13,7 @@
 
 #include "cli/process.h"
 #include "core/file.h"
+#include "core/geometry.h"
 #include "core/image.h"
 
 namespace clipgs {
@@ -48,6 +50,16 @@ class CliTest : public testing::Test {
         "build",    phantom(),        "-o",     at(output),      "--quality", "draft",   "--size",
         "48",       "--train-frames", "8",      "--test-frames", "1",         "--steps", "120",
         "--budget", "1500",           "--quiet"};
+  }
+
+  /// Two voxels of a metre a side, so that the patient's left is label 1 if `x` is −500.
+  std::string write_labels(const std::string& name, int x) const {
+    const std::string header =
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\n"
+        "space directions: (1000,0,0) (0,1000,0) (0,0,1000)\nencoding: raw\nspace origin: (" +
+        std::to_string(x) + ",-500,-500)\n\n";
+    write_text(at(name), header + std::string("\1\0\1\0\1\0\1\0", 8));
+    return at(name);
   }
 
   /// Fails in one line on standard error, with exit status 1, and leaves no file at `output`.
@@ -128,6 +140,70 @@ TEST_F(CliTest, EmptyNanAndConstantVolumesFailInOneLine) {
   for (const char* name : {"zero.nrrd", "nan.nrrd", "constant.nrrd"}) {
     expect_failure({"cinema", at(name), "-o", out}, name, out);
   }
+}
+
+TEST_F(CliTest, LabelsColourThinAndHide) {
+  const std::string labels = write_labels("labels.nrrd", -500);
+  const auto picture = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"cinema", phantom(), "-o",     at("x.png"), "--view",
+                                          "0,0",    "--size",  "48x48",  "--spp",     "8",
+                                          "--rig",  "ambient", "--quiet"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Finished finished = run_clipgs(arguments);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return read_png(at("x.png"));
+  };
+  // Sums of red, green, blue and alpha in each half of the picture.
+  const auto halves = [](const Image& image) {
+    std::array<Vec4, 2> sums{Vec4(0), Vec4(0)};
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        for (int c = 0; c < 4; ++c) {
+          sums[x < image.width / 2 ? 0 : 1][c] += image.at(x, y)[c];
+        }
+      }
+    }
+    return sums;
+  };
+  // From the front, the patient's right (x > 0) is on the left.
+  const auto plain = halves(picture({}));
+  const auto blue = halves(picture({"--labels", labels, "--label", "1=#0000ff"}));
+  EXPECT_NEAR(blue[0].x, plain[0].x, 0.1f * plain[0].x);
+  EXPECT_LT(blue[1].x, 0.2f * plain[1].x);
+  EXPECT_GT(blue[1].z, plain[1].z);
+  EXPECT_NEAR(blue[1].w, plain[1].w, 0.05f * plain[1].w);
+  write_text(at("table.json"), R"({"labels": [{"label": 1, "name": "left", "visible": false}]})");
+  const Image hidden = picture({"--labels", labels, "--label-table", at("table.json")});
+  EXPECT_NE(hidden.data, picture({}).data);
+  EXPECT_EQ(hidden.data, picture({"--labels", labels, "--label", "1=hidden"}).data);
+
+  const std::vector<std::string> command = {"cinema", phantom(), "-o", at("none.png")};
+  const auto with = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = command;
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return arguments;
+  };
+  EXPECT_EQ(run_clipgs(with({"--label", "1=hidden"})).status, 2);
+  EXPECT_EQ(run_clipgs(with({"--labels", labels, "--label", "1=red"})).status, 2);
+  expect_failure(with({"--labels", phantom()}), "255 labels", at("none.png"));
+  expect_failure(with({"--labels", write_labels("beside.nrrd", 9999)}), "patient space",
+                 at("none.png"));
+  expect_failure(with({"--labels", labels, "--label-table", labels}), "not JSON", at("none.png"));
+}
+
+TEST_F(CliTest, BuildWithLabelsHasNoSection) {
+  const std::string labels = write_labels("labels.nrrd", -500);
+  std::vector<std::string> build = small_build("case.sog");
+  build.insert(build.end(), {"--labels", labels, "--label", "1=hidden"});
+  const Finished built = run_clipgs(build);
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.err, HasSubstr("no section"));
+  const Finished info = run_clipgs({"info", at("case.sog"), "--json"});
+  EXPECT_TRUE(nlohmann::json::parse(info.out).value("section", nlohmann::json()).is_null());
+
+  // Another look of the labels is another build.
+  build.back() = "1=0.5";
+  EXPECT_THAT(run_clipgs(build).err, HasSubstr("--work"));
 }
 
 TEST_F(CliTest, UnknownPresetListsTheOnesThereAre) {

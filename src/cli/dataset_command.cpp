@@ -78,6 +78,7 @@ void add_dataset_command(CLI::App& app) {
                    "Folder to fill; an interrupted run goes on where it stopped")
       ->required();
   add_look_options(*command, arguments->look);
+  add_label_options(*command, arguments->look.labels, arguments->load);
   command->add_option("--size", options.size, "Pixels a side")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
@@ -110,7 +111,10 @@ void add_dataset_command(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
-  command->callback([arguments] { run_dataset(*arguments); });
+  command->callback([arguments] {
+    leave_section_to_splats(arguments->load, arguments->section);
+    run_dataset(*arguments);
+  });
 }
 
 }  // namespace clipgs

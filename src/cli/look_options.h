@@ -6,15 +6,17 @@
 #include "cinema/exposure.h"
 #include "cinema/visible_matter.h"
 #include "cli/arguments.h"
+#include "cli/label_options.h"
 #include "volume/preset.h"
 
 namespace clipgs {
 
-/// --preset, --rig and --exposure.
+/// --preset, --rig, --exposure and what label_options.h adds.
 struct LookArguments {
   std::string preset = "auto";
   std::string rig;       ///< empty: the preset's own
   std::string exposure;  ///< a factor or "auto"; empty: the preset's own
+  LabelArguments labels;
 };
 
 /// Adds --preset, --rig and --exposure, which every command that path-traces understands. `look`
@@ -32,16 +34,18 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       "(default: the preset's own, or auto where --rig is a panorama)");
 }
 
-/// The preset under these lights, ready to use on `volume`. Throws Error.
+/// The preset under these lights, with the looks of the volume's labels, ready to use on `volume`.
+/// Throws Error.
 inline Preset load_look(const LookArguments& look, const Volume& volume) {
   Preset preset = load_preset(look.preset, volume);
   if (!look.rig.empty()) {
     preset.rig = load_rig(look.rig);
   }
+  preset.labels = load_label_looks(look.labels, volume);
   const bool automatic =
       look.exposure.empty() ? preset.rig.environment != nullptr : look.exposure == "auto";
   if (automatic) {
-    const VisibleMatter matter = visible_matter(volume, preset.transfer);
+    const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
     preset.exposure = automatic_exposure(CinemaScene(volume, preset), matter.sphere);
   } else if (!look.exposure.empty()) {
     preset.exposure = parse_numbers(look.exposure, 1, 1, "--exposure").front();

@@ -23,7 +23,8 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
                   "drawn from")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
-  command.add_flag("--no-section", choice.none, "No section: splats fill the cut faces");
+  command.add_flag("--no-section", choice.none,
+                   "No section: splats fill the cut faces (always so with --labels)");
 }
 
 void require_light_for_section(const Preset& preset, const SectionChoice& choice) {

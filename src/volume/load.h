@@ -16,9 +16,10 @@ struct Rescale {
 };
 
 struct LoadOptions {
-  std::string series;         ///< DICOM series UID or 1-based number; empty: the largest
-  std::optional<Rescale> hu;  ///< --hu scale,offset; empty: values as stored
-  bool keep_table = false;    ///< leave what a CT shows beside the patient
+  std::string series;            ///< DICOM series UID or 1-based number; empty: the largest
+  std::optional<Rescale> hu;     ///< --hu scale,offset; empty: values as stored
+  bool keep_table = false;       ///< leave what a CT shows beside the patient
+  std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
 };
 
 /// One series of a DICOM folder, as a person tells series apart.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fmt/ranges.h>
@@ -10,6 +11,8 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <sstream>
+#include <string_view>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -71,6 +74,14 @@ class Reader {
       throw Error("{}: \"{}\" must be a string", where_, key);
     }
     return value->get<std::string>();
+  }
+
+  bool flag(const std::string& key, bool otherwise) {
+    const json* value = find(key);
+    if (value != nullptr && !value->is_boolean()) {
+      throw Error("{}: \"{}\" must be true or false", where_, key);
+    }
+    return value == nullptr ? otherwise : value->get<bool>();
   }
 
   Vec3 vector(const std::string& key) { return vector(get(key), key); }
@@ -332,7 +343,75 @@ LightRig rig_of_panorama(const std::filesystem::path& path) {
   return rig;
 }
 
+std::pair<int, LabelLook> parse_label(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  const float number = reader.number("label");
+  if (number != std::trunc(number) || std::abs(number) > 0x1p24f) {
+    throw Error("{}: \"label\" must be a whole number", where);
+  }
+  LabelLook look;
+  reader.text("name", "");  // for people
+  if (reader.find("color") != nullptr) {
+    look.albedo = reader.color("color");
+  }
+  look.opacity = reader.number("opacity", 1);
+  if (look.opacity < 0 || look.opacity > 1) {
+    throw Error("{}: \"opacity\" must lie in 0..1", where);
+  }
+  if (!reader.flag("visible", true)) {
+    look.opacity = 0;
+  }
+  reader.refuse_unknown_keys();
+  return {static_cast<int>(number), look};
+}
+
+/// A number that is all of the text.
+template <typename Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number number{};
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, number);
+  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
 }  // namespace
+
+std::pair<int, LabelLook> parse_label(const std::string& text) {
+  const size_t equals = std::min(text.find('='), text.size());
+  const std::optional<int> number = parse_number<int>(std::string_view(text).substr(0, equals));
+  json object = {{"label", number.value_or(0)}};
+  bool understood = number && equals < text.size();
+  std::istringstream parts(text.substr(std::min(equals + 1, text.size())));
+  for (std::string part; understood && std::getline(parts, part, ',');) {
+    const std::optional<float> opacity = parse_number<float>(part);
+    const char* const key = part == "hidden"        ? "visible"
+                            : part.starts_with('#') ? "color"
+                                                    : "opacity";
+    understood = !object.contains(key) && (opacity || key != std::string_view("opacity"));
+    object[key] = part == "hidden" ? json(false) : opacity ? json(*opacity) : json(part);
+  }
+  if (!understood || object.size() == 1) {
+    throw Error("label \"{}\": write N=#rrggbb, N=OPACITY, N=#rrggbb,OPACITY or N=hidden", text);
+  }
+  return parse_label(object, fmt::format("label \"{}\"", text));
+}
+
+LabelLooks load_label_table(const std::filesystem::path& path) {
+  const std::string where = path.string();
+  const json table = parse_json(read_text(path), where);
+  Reader reader(table, where);
+  const json& list = reader.list("labels");
+  LabelLooks looks;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const auto [number, look] = parse_label(list[i], fmt::format("{}: entry {}", where, i + 1));
+    if (!looks.emplace(number, look).second) {
+      throw Error("{}: label {} is there twice", where, number);
+    }
+  }
+  reader.refuse_unknown_keys();
+  return looks;
+}
 
 std::vector<std::string> rig_names() { return names_of(built_in_rigs()); }
 

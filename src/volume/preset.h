@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "volume/label_looks.h"
 #include "volume/transfer_function.h"
 #include "volume/volume.h"
 
@@ -48,6 +49,7 @@ struct Preset {
   float phase_g = 0;           ///< Henyey–Greenstein asymmetry of volume scattering
   LightRig rig;
   float exposure = 1;  ///< linear factor before the sRGB curve
+  LabelLooks labels;   ///< of a volume with labels; no part of a preset's file
 };
 
 /// Names of the built-in light rigs, sorted.

@@ -17,6 +17,7 @@ const char* modality_name(Modality modality);  ///< "CT", "MR", "photographs", "
 ///
 ///   values  [nz, ny, nx] float  HU for CT, stored units otherwise (luminance 0…255 of photographs)
 ///   rgb     [nz, ny, nx, 3] u8  sRGB, only for photographs; empty otherwise
+///   labels  [nz, ny, nx] u8     index into label_numbers; empty without a segmentation
 struct Volume {
   IVec3 dims{0};      ///< voxels along the three index axes
   Vec3 spacing{1};    ///< mm between voxel centres
@@ -25,6 +26,8 @@ struct Volume {
   Modality modality = Modality::kUnknown;
   std::vector<float> values;
   std::vector<std::uint8_t> rgb;
+  std::vector<std::uint8_t> labels;
+  std::vector<int> label_numbers;  ///< as the segmentation's file has them; the first is 0
 
   size_t voxels() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
   size_t offset(int x, int y, int z) const {
