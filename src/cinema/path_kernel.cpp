@@ -175,6 +175,13 @@ class Kernel {
  private:
   // --- the volume
 
+  /// Of voxels counted from the border's first one.
+  HWY_INLINE Int border_index(Int x, Int y, Int z) const {
+    const Int stride_y(static_cast<std::int32_t>(grid_.stride_y()));
+    const Int stride_z(static_cast<std::int32_t>(grid_.stride_z()));
+    return z * stride_z + y * stride_y + x;
+  }
+
   /// Trilinear code at positions in [-1, dims].
   HWY_INLINE Float sample(Float3 voxel) const {
     const Float px = voxel.x + Float(1);  // positive, so that truncation is floor
@@ -184,9 +191,7 @@ class Kernel {
     const Int iy = truncate(py);
     const Int iz = truncate(pz);
     const std::uint16_t* const codes = grid_.first_border_code();
-    const Int sy(static_cast<std::int32_t>(grid_.stride_y()));
-    const Int sz(static_cast<std::int32_t>(grid_.stride_z()));
-    const Int at = iz * sz + iy * sy + ix;
+    const Int at = border_index(ix, iy, iz);
     const Float fx = px - to_float(ix);
     const Float fy = py - to_float(iy);
     const Float fz = pz - to_float(iz);
@@ -240,9 +245,7 @@ class Kernel {
     const Int ix = truncate(voxel.x + Float(1) + next_random(rng, where));
     const Int iy = truncate(voxel.y + Float(1) + next_random(rng, where));
     const Int iz = truncate(voxel.z + Float(1) + next_random(rng, where));
-    const Int sy(static_cast<std::int32_t>(grid_.stride_y()));
-    const Int sz(static_cast<std::int32_t>(grid_.stride_z()));
-    return gather_byte(labels_->first_border_label(), iz * sz + iy * sy + ix);
+    return gather_byte(labels_->first_border_label(), border_index(ix, iy, iz));
   }
   /// The albedo of the label, where it has one.
   HWY_INLINE Float3 label_albedo(Int label, Float3 otherwise) const {

@@ -57,14 +57,18 @@ HWY_INLINE Float lambda(Float cosine, Float alpha) {
   return Float(0.5f) * (sqrt(Float(1) + alpha * alpha * tan2) - Float(1));
 }
 
+/// Density of microfacets whose normal has this cosine, D(h).
+HWY_INLINE Float facets(Float cosine, Float alpha) {
+  const Float a2 = alpha * alpha;
+  const Float s = cosine * cosine * (a2 - Float(1)) + Float(1);
+  return a2 / (Float(std::numbers::pi_v<float>) * s * s);
+}
+
 HWY_INLINE Float evaluate(Float3 normal, Float3 out, Float3 in, Float alpha) {
   const Float cos_out = dot(normal, out);
   const Float cos_in = dot(normal, in);
   const Mask above = (cos_out > Float(0)) & (cos_in > Float(0));
-  const Float cos_half = dot(normal, normalize(out + in));
-  const Float a2 = alpha * alpha;
-  const Float s = cos_half * cos_half * (a2 - Float(1)) + Float(1);
-  const Float density = a2 / (Float(std::numbers::pi_v<float>) * s * s);
+  const Float density = facets(dot(normal, normalize(out + in)), alpha);
   const Float masking = Float(1) / (Float(1) + lambda(cos_out, alpha) + lambda(cos_in, alpha));
   return or_zero(above, density * masking / (Float(4) * cos_out));
 }
@@ -73,11 +77,8 @@ HWY_INLINE Float evaluate(Float3 normal, Float3 out, Float3 in, Float alpha) {
 HWY_INLINE Float density(Float3 normal, Float3 out, Float3 in, Float alpha) {
   const Float cos_out = dot(normal, out);
   const Mask above = (cos_out > Float(0)) & (dot(normal, in) > Float(0));
-  const Float cos_half = dot(normal, normalize(out + in));
-  const Float a2 = alpha * alpha;
-  const Float s = cos_half * cos_half * (a2 - Float(1)) + Float(1);
-  const Float facets = a2 / (Float(std::numbers::pi_v<float>) * s * s);
-  return or_zero(above, facets / ((Float(1) + lambda(cos_out, alpha)) * Float(4) * cos_out));
+  const Float half = facets(dot(normal, normalize(out + in)), alpha);
+  return or_zero(above, half / ((Float(1) + lambda(cos_out, alpha)) * Float(4) * cos_out));
 }
 
 HWY_INLINE Float3 sample(Float3 normal, Float3 out, Float alpha, Float u, Float v, Float& weight) {
