@@ -564,13 +564,19 @@ class Kernel {
   }
 
   static HWY_INLINE Float sum_of(Float3 v) { return abs(v.x) + abs(v.y) + abs(v.z); }
+  /// Between the square of the map and the octahedron seen from above, either way: the lower half
+  /// lies outside of the upper one.
+  static HWY_INLINE void fold_outwards(Float& x, Float& y, Mask below) {
+    const Float folded_x = copy_sign(Float(1) - abs(y), x);
+    const Float folded_y = copy_sign(Float(1) - abs(x), y);
+    x = select(below, folded_x, x);
+    y = select(below, folded_y, y);
+  }
   static HWY_INLINE Int texel(Float3 direction) {
     const Float scale = Float(1) / sum_of(direction);
-    const Float x = scale * direction.x;
-    const Float y = scale * direction.y;
-    const Mask below = direction.z < Float(0);  // the lower half folds outwards
-    const Float u = select(below, copy_sign(Float(1) - abs(y), x), x);
-    const Float v = select(below, copy_sign(Float(1) - abs(x), y), y);
+    Float u = scale * direction.x;
+    Float v = scale * direction.y;
+    fold_outwards(u, v, direction.z < Float(0));
     constexpr float kHalf = 0.5f * EnvironmentMap::kSide;
     const Int last(EnvironmentMap::kSide - 1);
     const Int i = min(max(truncate(u * Float(kHalf) + Float(kHalf)), Int(0)), last);
@@ -596,12 +602,11 @@ class Kernel {
     at = select(kept, at, lanes::gather(map.tables().alias.data(), at));
     static_assert(EnvironmentMap::kSide == 1 << 8);
     constexpr float kStep = 2.0f / EnvironmentMap::kSide;
-    const Float x = (to_float(at & Int(EnvironmentMap::kSide - 1)) + u) * Float(kStep) - Float(1);
-    const Float y = (to_float(shift_right<8>(at)) + v) * Float(kStep) - Float(1);
+    Float x = (to_float(at & Int(EnvironmentMap::kSide - 1)) + u) * Float(kStep) - Float(1);
+    Float y = (to_float(shift_right<8>(at)) + v) * Float(kStep) - Float(1);
     const Float z = Float(1) - abs(x) - abs(y);
-    const Mask below = z < Float(0);
-    return normalize({select(below, copy_sign(Float(1) - abs(y), x), x),
-                      select(below, copy_sign(Float(1) - abs(x), y), y), z});
+    fold_outwards(x, y, z < Float(0));
+    return normalize({x, y, z});
   }
 
   HWY_INLINE Float3 gradient_sky(Float3 direction) const {
@@ -696,9 +701,10 @@ class Kernel {
           ggx::sample(normal, -direction, material.roughness, draws.even(path_draws::kAngle),
                       draws.even(path_draws::kTurn), weight);
       Float3 highlight = weight * sky(in);
+      const Float u = draws.even(path_draws::kDiscU);
+      const Float v = draws.even(path_draws::kDiscV);
       for (const Lights::Key& key : lights_.keys()) {
-        const Float3 towards =
-            disc(key, draws.even(path_draws::kDiscU), draws.even(path_draws::kDiscV));
+        const Float3 towards = disc(key, u, v);
         highlight = highlight + ggx::evaluate(normal, -direction, towards, material.roughness) *
                                     Float3(key.irradiance);
       }
