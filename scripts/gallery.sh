@@ -118,11 +118,11 @@ sheets() {
   convert "$folder"/preset-{glass,lung,vessels,stent,generic}.png +append "$folder/presets-2.png"
   convert "$folder"/presets-{1,2}.png -append -quality 80 "$out/presets.webp"
   local rig
-  for rig in studio theatre rim dome ambient; do
+  for rig in studio theatre softbox rim dome ambient; do
     shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset soft-tissue --rig "$rig" \
       --view 30,20 --plane 0,0,-1,-150
   done
-  convert "$folder"/rig-{studio,theatre,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
+  convert "$folder"/rig-{studio,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
 }
 
 if [ ! -f "$folder/phantom.nii.gz" ]; then

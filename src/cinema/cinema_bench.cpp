@@ -67,7 +67,7 @@ Image plain_picture(const Subject& s, int spp) {
         for (int i = 0; i < spp; ++i) {
           const PathSample sample = tracer.trace(static_cast<float>(x) + rng.uniform(),
                                                  static_cast<float>(y) + rng.uniform(), rng);
-          mean += Vec4(sample.radiance, sample.hit ? 1 : 0) / static_cast<float>(spp);
+          mean += Vec4(sample.radiance, sample.alpha) / static_cast<float>(spp);
         }
         std::copy_n(&mean[0], 4, sum.at(x, static_cast<int>(y)));
       }

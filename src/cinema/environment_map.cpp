@@ -84,8 +84,6 @@ EnvironmentMap::EnvironmentMap(const Image& panorama, float turn, const Mat3& fr
   constexpr int kBlocks = kSide / kBlock;
   flux_.resize(kBlocks * kBlocks);
   std::vector<double> power(kTexels);
-  double solid_angle = 0;
-  glm::dvec3 total(0);
   for (int i = 0; i < kTexels; ++i) {
     const int x = i % kSide;
     const int y = i / kSide;
@@ -97,10 +95,7 @@ EnvironmentMap::EnvironmentMap(const Image& panorama, float turn, const Mat3& fr
       block[static_cast<size_t>(c)] += light[c] * angle * direction;
     }
     power[static_cast<size_t>(i)] = static_cast<double>(light.x + light.y + light.z) * angle;
-    solid_angle += angle;
-    total += glm::dvec3(light) * static_cast<double>(angle);
   }
-  mean_ = Vec3(total / solid_angle);
   make_alias_table(power);
 }
 

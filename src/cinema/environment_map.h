@@ -24,8 +24,6 @@ class EnvironmentMap {
   Vec3 radiance(const Vec3& direction) const;
   /// (1/π)·∫ L(ω) max(0, n·ω) dω: what a white Lambert face radiates.
   Vec3 face_radiance(const Vec3& normal) const;
-  /// Over the sphere.
-  const Vec3& mean_radiance() const { return mean_; }
 
   /// Where a direction lies in the map, each coordinate in [0, 1].
   static Vec2 square_from_direction(const Vec3& direction);
@@ -48,7 +46,6 @@ class EnvironmentMap {
 
   Tables tables_;
   std::vector<std::array<Vec3, 3>> flux_;  // of blocks of texels: ∫ L ω dω for each channel
-  Vec3 mean_{0};
 };
 
 }  // namespace clipgs

@@ -60,23 +60,20 @@ TEST(EnvironmentMap, DensityIsThatOfTheAliasTable) {
   }
 }
 
-TEST(EnvironmentMap, FaceAndMeanRadianceAreIntegrals) {
+TEST(EnvironmentMap, FaceRadianceIsAnIntegral) {
   const EnvironmentMap map(test::panorama(), 0, Mat3(1));
   Rng rng(5);
   const Vec3 normal = glm::normalize(Vec3(0.3f, -0.5f, 0.6f));
   glm::dvec3 face(0);
-  glm::dvec3 mean(0);
   constexpr int kDirections = 400000;
   for (int i = 0; i < kDirections; ++i) {
     const Vec3 direction = random_direction(rng);
     const glm::dvec3 light(map.radiance(direction));
-    mean += light / static_cast<double>(kDirections);
     face += light * static_cast<double>(4 * std::max(0.0f, glm::dot(direction, normal))) /
             static_cast<double>(kDirections);
   }
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(static_cast<double>(map.face_radiance(normal)[c]), face[c], 0.02 * face[c]);
-    EXPECT_NEAR(static_cast<double>(map.mean_radiance()[c]), mean[c], 0.02 * mean[c]);
   }
 }
 

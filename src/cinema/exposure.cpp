@@ -23,8 +23,7 @@ float automatic_exposure(const CinemaScene& scene, const Sphere& sphere) {
     for (size_t p = 0; p < picture.pixels(); ++p) {
       const float* pixel = &picture.data[4 * p];
       if (pixel[3] > kLeastAlpha) {
-        luminances.push_back((0.2126f * pixel[0] + 0.7152f * pixel[1] + 0.0722f * pixel[2]) /
-                             pixel[3]);
+        luminances.push_back(glm::dot(Vec3(pixel[0], pixel[1], pixel[2]), kLuminance) / pixel[3]);
       }
     }
   }

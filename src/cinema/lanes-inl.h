@@ -109,10 +109,25 @@ struct Uint {
 HWY_INLINE Uint operator+(Uint a, Uint b) { return hn::Add(a.v, b.v); }
 HWY_INLINE Uint operator*(Uint a, Uint b) { return hn::Mul(a.v, b.v); }
 HWY_INLINE Uint operator^(Uint a, Uint b) { return hn::Xor(a.v, b.v); }
+HWY_INLINE Uint operator&(Uint a, Uint b) { return hn::And(a.v, b.v); }
+HWY_INLINE Uint operator|(Uint a, Uint b) { return hn::Or(a.v, b.v); }
 HWY_INLINE Uint operator>>(Uint a, Uint b) { return hn::Shr(a.v, b.v); }
 template <int kBits>
 HWY_INLINE Uint shift_right(Uint a) {
   return hn::ShiftRight<kBits>(a.v);
+}
+template <int kBits>
+HWY_INLINE Uint swap_groups(Uint a, std::uint32_t low) {
+  const Uint down = hn::ShiftRight<kBits>(a.v);
+  const Uint up = hn::ShiftLeft<kBits>((a & Uint(low)).v);
+  return (down & Uint(low)) | up;
+}
+HWY_INLINE Uint reverse_bits(Uint a) {
+  a = swap_groups<1>(a, 0x55555555U);
+  a = swap_groups<2>(a, 0x33333333U);
+  a = swap_groups<4>(a, 0x0f0f0f0fU);
+  a = swap_groups<8>(a, 0x00ff00ffU);
+  return swap_groups<16>(a, 0x0000ffffU);
 }
 HWY_INLINE Uint select(Mask where, Uint yes, Uint no) {
   return hn::IfThenElse(hn::RebindMask(UintTag(), where.m), yes.v, no.v);

@@ -9,23 +9,36 @@
 
 namespace clipgs {
 
-/// A light rig turned into the frame that paths are traced in.
+/// Of linear sRGB, by dot product.
+inline constexpr Vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};
+
+/// A light rig turned into the frame that paths are traced in: the grid frame of scene.h.
 class Lights {
  public:
   static constexpr size_t kMaxKeys = 8;
 
-  /// `frame_from_world` rotates RAS directions into the tracing frame. Throws Error for more than
+  /// `frame_from_world` rotates RAS directions into the tracing frame; `extent` is the size of the
+  /// volume's box, mm, one corner of which is the frame's origin. Throws Error for more than
   /// kMaxKeys key lights.
-  Lights(const LightRig& rig, const Mat3& frame_from_world);
+  Lights(const LightRig& rig, const Mat3& frame_from_world, const Vec3& extent);
 
   struct Key {
     Vec3 direction;  ///< unit vector towards the middle of the disc
     Vec3 tangent, bitangent;
     Vec3 irradiance;      ///< of a surface that faces the disc, linear RGB
     float one_minus_cos;  ///< 1 − cos(angular radius)
+    // Of a lamp at a finite distance:
+    bool near = false;
+    Vec3 position{0};   ///< of the disc's middle, mm
+    float radius = 0;   ///< mm
+    Vec3 intensity{0};  ///< irradiance · mm² of what faces the lamp on its axis, linear RGB
 
-    /// A direction towards the disc, uniform in solid angle for uniform u, v in [0, 1).
-    Vec3 sample(float u, float v) const;
+    struct Sample {
+      Vec3 towards;     ///< unit vector
+      Vec3 irradiance;  ///< of a surface that faces there, linear RGB
+    };
+    /// A point of the disc, evenly drawn for uniform u, v in [0, 1), as seen from `seen_from`, mm.
+    Sample sample(const Vec3& seen_from, float u, float v) const;
   };
 
   const std::vector<Key>& keys() const { return keys_; }
@@ -45,13 +58,11 @@ class Lights {
     return environment_ ? gradient + environment_->radiance(direction) : gradient;
   }
 
-  /// What a white Lambert face with this normal and nothing above it radiates, linear RGB:
-  /// (1/π)·∫ L(ω) max(0, n·ω) dω over sky and key lights, by quadrature.
-  Vec3 face_radiance(const Vec3& normal) const;
-
-  /// Mean radiance over the sphere of directions: what an unshadowed isotropic scatterer of albedo
-  /// 1 radiates.
-  Vec3 mean_radiance() const;
+  /// Which key lights count.
+  enum class Keys { kAll, kDistant };
+  /// What a white Lambert face with this normal and nothing above it radiates, linear RGB, in the
+  /// middle of the volume: (1/π)·∫ L(ω) max(0, n·ω) dω over sky and key lights, by quadrature.
+  Vec3 face_radiance(const Vec3& normal, Keys which = Keys::kAll) const;
 
  private:
   Vec3 gradient_radiance(const Vec3& direction) const {
@@ -61,6 +72,7 @@ class Lights {
 
   std::vector<Key> keys_;
   Sky sky_;
+  Vec3 middle_;  // of the volume's box, mm
   std::unique_ptr<const EnvironmentMap> environment_;
 };
 

@@ -108,6 +108,7 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
     f.add(key.direction);
     f.add(key.radiance);
     f.add(key.angular_radius);
+    f.add(key.distance);
   }
   if (preset.rig.environment) {
     add_array(f, preset.rig.environment->data);

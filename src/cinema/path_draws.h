@@ -2,50 +2,34 @@
 
 #include <array>
 #include <cstdint>
-#include <numbers>
 
 namespace clipgs {
 
-/// Random numbers of a path. Its first dimensions run through an additive recurrence (Richtmyer's
-/// sequence, a random start for every key), which spreads the samples of one key evenly; all
-/// further ones are a small PCG's. Everything is a function of (key, index): no state is shared.
+/// Random numbers of a path. Its first dimensions are Sobol's sequence in two dimensions at a time,
+/// shuffled and scrambled after Owen for every key and pair of dimensions (Burley 2020): the
+/// samples of one key are spread evenly over every pair. All further ones are a small PCG's.
+/// Everything is a function of (key, index): no state is shared.
 namespace path_draws {
 
+/// In pairs: dimensions 2n and 2n + 1 are even together.
 enum Dimension : std::uint32_t {
   kPixelX,
   kPixelY,
   kDistance,
   kSurface,
-  kLobe,
   kAngle,
   kTurn,
-  kKey,
   kDiscU,
   kDiscV,
-  kDistance2,
+  kKey,
+  kLobe,
   kAngle2,
   kTurn2,
+  kDistance2,
+  kTexel,
   kLensU,
   kLensV,
-  kTexel,
-  kDimensions
 };
-
-/// Fractional parts of the square roots of primes, ·2³²: irrational and independent of each other.
-constexpr std::array<std::uint32_t, kDimensions> steps() {
-  constexpr std::array<double, kDimensions> kRoots = {
-      std::numbers::sqrt2, std::numbers::sqrt3, 2.23606797749979,   2.6457513110645907,
-      3.3166247903554,     3.605551275463989,   4.123105625617661,  4.358898943540674,
-      4.795831523312719,   5.385164807134504,   5.5677643628300215, 6.082762530298219,
-      6.4031242374328485,  6.557438524302,      6.855654600401044,  7.280109889280518};
-  std::array<std::uint32_t, kDimensions> result{};
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const double fraction = kRoots[i] - static_cast<int>(kRoots[i]);
-    result[i] = static_cast<std::uint32_t>(fraction * 4294967296.0);
-  }
-  return result;
-}
-inline constexpr std::array<std::uint32_t, kDimensions> kSteps = steps();
 
 /// Multipliers of `hash` (found by Wellons' search for low bias).
 inline constexpr std::uint32_t kHash1 = 0x7feb352dU;
@@ -59,10 +43,43 @@ constexpr std::uint32_t hash(std::uint32_t x) {
   return x ^ (x >> 16U);
 }
 
+/// Multipliers of a permutation in which every bit depends on lower ones alone (Laine and Karras
+/// 2011, constants by Vegdahl).
+inline constexpr std::array<std::uint32_t, 3> kPermute = {0x3d20adeaU, 0x05526c56U, 0x53a22864U};
+
+/// Owen's scrambling of a fraction whose bits are reversed.
+constexpr std::uint32_t permute(std::uint32_t x, std::uint32_t seed) {
+  x = (x ^ (x * kPermute[0])) + seed;
+  x = x * ((seed >> 16U) | 1U);
+  x = x ^ (x * kPermute[1]);
+  return x ^ (x * kPermute[2]);
+}
+
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+  std::uint32_t result = 0;
+  for (int i = 0; i < 32; ++i) {
+    result = result << 1U | (x >> static_cast<unsigned>(i) & 1U);
+  }
+  return result;
+}
+
+/// Sobol's second dimension at an index, bits reversed (the first one is the index itself): the
+/// index as a polynomial in x, taken at 1 + x.
+constexpr std::uint32_t sobol2(std::uint32_t index) {
+  index ^= (index & 0xaaaaaaaaU) >> 1U;
+  index ^= (index & 0xccccccccU) >> 2U;
+  index ^= (index & 0xf0f0f0f0U) >> 4U;
+  index ^= (index & 0xff00ff00U) >> 8U;
+  return index ^ (index & 0xffff0000U) >> 16U;
+}
+
 /// Uniform in [0, 1).
 constexpr float draw(Dimension dimension, std::uint32_t key, std::uint32_t index) {
-  const std::uint32_t start = hash(key + (dimension + 1) * kGolden);
-  return static_cast<float>((start + index * kSteps[dimension]) >> 8U) * 0x1p-24f;
+  const std::uint32_t pair = hash(key + (dimension / 2 + 1) * kGolden);
+  const std::uint32_t shuffled = reverse_bits(permute(reverse_bits(index), pair));
+  const std::uint32_t at = dimension % 2 == 0 ? shuffled : sobol2(shuffled);
+  const std::uint32_t scrambled = permute(at, hash(pair + dimension % 2 + 1));
+  return static_cast<float>(reverse_bits(scrambled) >> 8U) * 0x1p-24f;
 }
 
 }  // namespace path_draws

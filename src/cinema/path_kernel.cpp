@@ -59,6 +59,22 @@ HWY_INLINE Uint hash(Uint x) {
   return x ^ shift_right<16>(x);
 }
 
+// See path_draws.h.
+HWY_INLINE Uint permute(Uint x, Uint seed) {
+  x = (x ^ (x * Uint(path_draws::kPermute[0]))) + seed;
+  x = x * (shift_right<16>(seed) | Uint(1U));
+  x = x ^ (x * Uint(path_draws::kPermute[1]));
+  return x ^ (x * Uint(path_draws::kPermute[2]));
+}
+template <int kBits>
+HWY_INLINE Uint fold(Uint x, std::uint32_t where) {
+  return x ^ shift_right<kBits>(x & Uint(where));
+}
+HWY_INLINE Uint sobol2(Uint index) {
+  index = fold<2>(fold<1>(index, 0xaaaaaaaaU), 0xccccccccU);
+  return fold<16>(fold<8>(fold<4>(index, 0xf0f0f0f0U), 0xff00ff00U), 0xffff0000U);
+}
+
 /// PCG-RXS-M-XS-32 (O'Neill 2014): the next number in [0, 1) of the lanes of `where`.
 HWY_INLINE Float next_random(Uint& state, Mask where) {
   const Uint old = state;
@@ -74,8 +90,10 @@ struct Draws {
 
   /// A dimension of the even sequence.
   HWY_INLINE Float even(path_draws::Dimension dimension) const {
-    const Uint start = hash(key + Uint((dimension + 1) * path_draws::kGolden));
-    return to_unit(start + index * Uint(path_draws::kSteps[dimension]));
+    const Uint pair = hash(key + Uint((dimension / 2 + 1) * path_draws::kGolden));
+    const Uint shuffled = reverse_bits(permute(reverse_bits(index), pair));
+    const Uint at = dimension % 2 == 0 ? shuffled : sobol2(shuffled);
+    return to_unit(reverse_bits(permute(at, hash(pair + Uint(dimension % 2 + 1)))));
   }
   HWY_INLINE Float next(Mask where) { return next_random(rng, where); }
   /// Even at the first vertex, any number later.
@@ -129,6 +147,12 @@ struct Reservoir {
   }
 };
 
+/// A point of a light as a vertex sees it.
+struct LightSample {
+  Float3 towards;     // unit vector
+  Float3 irradiance;  // of what faces there
+};
+
 struct Vertex {
   Float3 voxel;   // where light leaves from, voxel space
   Float3 before;  // direction of the path up to here, grid frame
@@ -160,6 +184,10 @@ class Kernel {
   void trace() {
     start_paths();
     track(rays_);
+    if (view_.has_floor) {
+      catch_shadows(FloorLight::kKeys);
+      catch_shadows(FloorLight::kSky);
+    }
     for (int bounce = 0;; ++bounce) {
       const size_t hits = find_hits(bounce);
       if (hits == 0 || bounce == view_.max_bounces) {
@@ -502,7 +530,7 @@ class Kernel {
       store(Float3(Vec3(1)), rays_.weight, i);
       store(Float3(Vec3(0)), batch_.radiance, i);
       store(Float3(Vec3(0)), batch_.albedo, i);
-      store(Float(0), &batch_.hit[i]);
+      store(Float(0), &batch_.alpha[i]);
     }
     rays_.count = batch_.count;
   }
@@ -542,6 +570,80 @@ class Kernel {
       const Mask lit = valid & (lanes::load(&shadows_.t[i]) < Float(0));
       add(load(shadows_.weight, i), path_of(shadows_, i, lit));
     }
+  }
+
+  enum class FloorLight { kKeys, kSky };
+
+  /// Camera rays that met nothing but the floor: a ray to a light, and where matter absorbs it,
+  /// that light's share of all is added to alpha.
+  void catch_shadows(FloorLight which) {
+    shadows_.count = 0;
+    for (size_t i = 0; i < rays_.count; i += lanes::count()) {
+      const Mask missed =
+          first(std::min(lanes::count(), rays_.count - i)) & (lanes::load(&rays_.t[i]) < Float(0));
+      const Int path = as_int(lanes::load(&rays_.path[i]));
+      Draws draws{lanes::load(&batch_.key[i]), lanes::load(&batch_.index[i]),
+                  lanes::load(&rays_.rng[i]), 0};
+      Float fade;
+      const Vertex vertex = floor_vertex(i, fade);
+      const Mask met = missed & (fade > Float(0));
+      if (!any(met)) {
+        continue;
+      }
+      // Luminance in shares of all that a free floor receives.
+      const Float3 throughput = fade / floor_light(vertex.voxel) * Float3(kLuminance);
+      if (which == FloorLight::kKeys) {
+        light(vertex, throughput, path, draws, met);
+      } else {
+        const Float3 towards = sample_cosine(vertex.normal, draws.even(path_draws::kAngle),
+                                             draws.even(path_draws::kTurn));
+        const Float3 light = sky_of_path(towards, density(vertex, towards, true));
+        cast_shadow(vertex.voxel, towards, throughput * light, path, draws, met);
+      }
+    }
+    track(shadows_);
+    for (size_t i = 0; i < shadows_.count; i += lanes::count()) {
+      const Mask valid = first(std::min(lanes::count(), shadows_.count - i));
+      const Mask dark = valid & (lanes::load(&shadows_.t[i]) >= Float(0));
+      const Int path = path_of(shadows_, i, dark);
+      const Float3 share = load(shadows_.weight, i);
+      const Float alpha = lanes::gather(batch_.alpha.data(), path) + share.x + share.y + share.z;
+      hn::ScatterIndex(alpha.v, FloatTag(), batch_.alpha.data(), path.v);
+    }
+  }
+
+  /// Where the camera's rays from `i` meet the floor: white, and without an edge. `fade` is 0 where
+  /// they do not.
+  HWY_INLINE Vertex floor_vertex(size_t i, Float& fade) const {
+    const Float3 up(view_.floor_up);
+    const Float3 direction = load(rays_.direction, i);
+    const Float3 origin = load(rays_.origin, i) * Float3(scene_.volume().spacing);
+    const Float slope = dot(up, direction);
+    const Float distance = dot(up, Float3(view_.floor_middle) - origin) / min(slope, Float(-1e-6f));
+    const Float3 point = origin + distance * direction;
+    const Float3 away = Float(1 / view_.floor_radius) * (point - Float3(view_.floor_middle));
+    const Float inside = max(Float(0), Float(1) - dot(away, away));
+    fade = or_zero((slope < Float(0)) & (distance > Float(0)), inside * inside);
+    Vertex vertex;
+    vertex.voxel = point * Float3(scene_.inverse_spacing());
+    vertex.before = direction;
+    vertex.normal = up;
+    vertex.material = {Float3(Vec3(1)), Float(0), Float(1), Float(0)};
+    vertex.surface = first(lanes::count());
+    return vertex;
+  }
+
+  /// Luminance of a white floor that nothing shadows.
+  HWY_INLINE Float floor_light(Float3 voxel) const {
+    Float light(view_.floor_light);
+    for (const Lights::Key& key : lights_.keys()) {
+      if (key.near) {
+        const LightSample lamp = illuminate(key, voxel, Float(0), Float(0));
+        const Float cosine = max(Float(0), dot(Float3(view_.floor_up), lamp.towards));
+        light = light + cosine * Float(1 / kPi) * dot(Float3(kLuminance), lamp.irradiance);
+      }
+    }
+    return max(light, Float(1e-6f));
   }
 
   HWY_INLINE Float3 sky(Float3 direction) const {
@@ -639,7 +741,7 @@ class Kernel {
       }
       if (bounce == 0) {
         scatter(material.albedo, batch_.albedo, path);
-        hn::ScatterIndex(Float(1).v, FloatTag(), batch_.hit.data(), path.v);
+        hn::ScatterIndex(Float(1).v, FloatTag(), batch_.alpha.data(), path.v);
         valid = valid & ~shade_faces(voxel, direction, material, draws, path);
         if (!any(valid)) {
           continue;
@@ -694,6 +796,15 @@ class Kernel {
     if (!any(met)) {
       return met;
     }
+    const Float u = draws.even(path_draws::kDiscU);
+    const Float v = draws.even(path_draws::kDiscV);
+    for (const Lights::Key& key : lights_.keys()) {
+      if (key.near) {
+        const LightSample light = illuminate(key, voxel, u, v);
+        const Float cosine = max(Float(0), dot(normal, light.towards));
+        white = white + cosine * Float(1 / kPi) * light.irradiance;
+      }
+    }
     Float3 radiance = (Float(1) - material.specular) * (material.albedo * white);
     if (any(met & (material.specular > Float(0)))) {
       Float weight;
@@ -701,12 +812,11 @@ class Kernel {
           ggx::sample(normal, -direction, material.roughness, draws.even(path_draws::kAngle),
                       draws.even(path_draws::kTurn), weight);
       Float3 highlight = weight * sky(in);
-      const Float u = draws.even(path_draws::kDiscU);
-      const Float v = draws.even(path_draws::kDiscV);
       for (const Lights::Key& key : lights_.keys()) {
-        const Float3 towards = disc(key, u, v);
-        highlight = highlight + ggx::evaluate(normal, -direction, towards, material.roughness) *
-                                    Float3(key.irradiance);
+        const LightSample light = illuminate(key, voxel, u, v);
+        highlight =
+            highlight +
+            ggx::evaluate(normal, -direction, light.towards, material.roughness) * light.irradiance;
       }
       radiance = radiance + or_zero(material.specular > Float(0), material.specular * highlight);
     }
@@ -714,10 +824,21 @@ class Kernel {
     return met;
   }
 
-  static HWY_INLINE Float3 disc(const Lights::Key& key, Float u, Float v) {
+  /// Lights::Key::sample.
+  HWY_INLINE LightSample illuminate(const Lights::Key& key, Float3 voxel, Float u, Float v) const {
+    if (key.near) {
+      const Float3 point = Float3(key.position) + cylinder(Float(key.radius) * sqrt(u), v, Float(0),
+                                                           key.tangent, key.bitangent, Vec3(0));
+      const Float3 way = point - voxel * Float3(scene_.volume().spacing);
+      const Float inverse = Float(1) / sqrt(dot(way, way));
+      const Float3 towards = inverse * way;
+      const Float cosine = max(Float(0), dot(towards, Float3(key.direction)));
+      return {towards, cosine * inverse * inverse * Float3(key.intensity)};
+    }
     const Float cosine = Float(1) - u * Float(key.one_minus_cos);
     const Float sine = sqrt(max(Float(0), Float(1) - cosine * cosine));
-    return cylinder(sine, v, cosine, key.tangent, key.bitangent, key.direction);
+    return {cylinder(sine, v, cosine, key.tangent, key.bitangent, key.direction),
+            Float3(key.irradiance)};
   }
 
   HWY_INLINE Vertex vertex_at(Float3 voxel, Float3 direction, const Material& material,
@@ -785,8 +906,8 @@ class Kernel {
     const Float v = draws.first(path_draws::kDiscV, valid);
     Reservoir reservoir(draws.first(path_draws::kKey, valid));
     for (const Lights::Key& key : lights_.keys()) {
-      const Float3 there = disc(key, u, v);
-      reservoir.offer(there, scattered(vertex, there, first) * Float3(key.irradiance));
+      const LightSample sample = illuminate(key, vertex.voxel, u, v);
+      reservoir.offer(sample.towards, scattered(vertex, sample.towards, first) * sample.irradiance);
     }
     if (map != nullptr) {
       // Several directions, one from each part of the table: most lie where the vertex does not
@@ -804,13 +925,19 @@ class Kernel {
                         weight * (scattered(vertex, there, first) * texel_radiance(*map, at)));
       }
     }
-    const Mask lit = valid & (reservoir.weight > Float(0));
+    cast_shadow(vertex.voxel, reservoir.towards,
+                reservoir.total / reservoir.weight * (throughput * reservoir.light), path, draws,
+                valid & (reservoir.weight > Float(0)));
+  }
+
+  /// Asks whether matter lies between a point and what gives it this light.
+  HWY_INLINE void cast_shadow(Float3 voxel, Float3 towards, Float3 light, Int path, Draws& draws,
+                              Mask lit) {
     const size_t at = shadows_.count;
-    pack(vertex.voxel, lit, shadows_.origin, at);
-    pack(reservoir.towards, lit, shadows_.direction, at);
-    pack(reservoir.total / reservoir.weight * (throughput * reservoir.light), lit, shadows_.weight,
-         at);
-    lanes::pack(free_path(draws.next(valid)), lit, &shadows_.depth[at]);
+    pack(voxel, lit, shadows_.origin, at);
+    pack(towards, lit, shadows_.direction, at);
+    pack(light, lit, shadows_.weight, at);
+    lanes::pack(free_path(draws.next(lit)), lit, &shadows_.depth[at]);
     // A sequence of its own, so that path and shadow can be tracked in any order.
     lanes::pack(hash(draws.rng ^ Uint(path_draws::kGolden)), lit, &shadows_.rng[at]);
     lanes::pack(as_uint(path), lit, &shadows_.path[at]);

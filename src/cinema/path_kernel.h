@@ -14,7 +14,7 @@ struct BlockFace {
   Vec3 gradient;  ///< mm per voxel: depth in mm of p = offset − gradient·p
   float offset = 0;
   float half_voxel = 0;  ///< mm
-  Vec3 radiance;         ///< of a white face, linear RGB
+  Vec3 radiance;         ///< of a white face under sky and distant lights, linear RGB
 };
 
 /// All that paths of one camera's view of a cut scene depend on.
@@ -32,6 +32,11 @@ struct PathView {
   size_t plane_count = 0;
   size_t face_count = 0;
   std::array<BlockFace, Cut::kMostPlanes + 6> faces;  // of the planes, then of the box
+  // The shadow catcher, in the grid frame.
+  bool has_floor = false;
+  Vec3 floor_up, floor_middle;  // unit vector; mm
+  float floor_radius = 0;       // mm
+  float floor_light = 0;        // luminance of a white floor under sky and distant lights
 };
 
 /// Paths that are traced together, one array a quantity. `key` and `index` name a path's random
@@ -47,7 +52,7 @@ struct PathBatch {
   // Out:
   std::array<std::array<float, kPadded>, 3> radiance;  ///< linear RGB
   std::array<std::array<float, kPadded>, 3> albedo;    ///< of the matter that the camera ray met
-  std::array<float, kPadded> hit;                      ///< 1 if the camera ray met matter, else 0
+  std::array<float, kPadded> alpha;                    ///< see PathSample
 };
 
 /// Traces the batch: many paths side by side in the lanes of vectors, on the best instruction set

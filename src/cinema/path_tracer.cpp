@@ -13,7 +13,7 @@ float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 }  // namespace
 
 PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut,
-                       int max_bounces, const Lens& lens)
+                       int max_bounces, const Lens& lens, const std::optional<Floor>& floor)
     : scene_(scene), camera_(camera) {
   const Box& occupied = scene.majorants().occupied();
   empty_ = occupied.empty();
@@ -46,6 +46,14 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
              static_cast<float>(scene.volume().dims[k] - 1) * spacing[k]);
     add_face(-outward, -outward * spacing, 0);
   }
+  if (floor) {
+    view_.has_floor = true;
+    view_.floor_up = scene.frame_from_world(floor->up);
+    view_.floor_middle = scene.voxel_from_world(floor->middle) * spacing;
+    view_.floor_radius = floor->radius;
+    view_.floor_light =
+        glm::dot(scene.lights().face_radiance(view_.floor_up, Lights::Keys::kDistant), kLuminance);
+  }
 }
 
 void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offset) {
@@ -54,7 +62,7 @@ void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offse
   face.gradient = gradient;
   face.offset = offset;
   face.half_voxel = 0.5f * glm::length(gradient);
-  face.radiance = scene_.lights().face_radiance(outward);
+  face.radiance = scene_.lights().face_radiance(outward, Lights::Keys::kDistant);
 }
 
 std::vector<PathSample> PathTracer::trace(std::span<const PathStart> starts) const {
@@ -77,7 +85,7 @@ std::vector<PathSample> PathTracer::trace(std::span<const PathStart> starts) con
     trace_paths(view_, *batch);
     for (size_t i = 0; i < batch->count; ++i) {
       PathSample& sample = samples[begin + i];
-      sample.hit = batch->hit[i] > 0;
+      sample.alpha = batch->alpha[i];
       for (size_t c = 0; c < 3; ++c) {
         sample.radiance[static_cast<int>(c)] = batch->radiance[c][i];
         sample.albedo[static_cast<int>(c)] = batch->albedo[c][i];

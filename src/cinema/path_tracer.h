@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,14 +23,23 @@ struct PathStart {
 /// Light along one camera path. Where it misses, all is zero: the picture's background is empty.
 struct PathSample {
   Vec3 radiance{0};
-  bool hit = false;  ///< the camera ray met matter; its mean is the alpha
-  Vec3 albedo{0};    ///< of the matter that the camera ray met
+  /// Its mean is the picture's alpha: 1 if the camera ray met matter; on a floor the share of light
+  /// that is found missing there.
+  float alpha = 0;
+  Vec3 albedo{0};  ///< of the matter that the camera ray met
 };
 
 /// A thin lens. What is not at its focus is blurred.
 struct Lens {
   float radius = 0;  ///< mm; 0: a pinhole, all is sharp
   float focus = 0;   ///< mm along the view's axis to the plane that is sharp
+};
+
+/// A shadow catcher: a disc that shows nothing but the shadow that falls on it, black, from above.
+struct Floor {
+  Vec3 up;           ///< unit RAS vector
+  Vec3 middle;       ///< RAS, mm
+  float radius = 0;  ///< mm; shadows fade out towards it
 };
 
 /// Unbiased volumetric path tracing (up to `max_bounces`) of one camera's view of what a cut keeps
@@ -40,7 +50,7 @@ class PathTracer {
  public:
   /// The scene must outlive the tracer.
   PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces,
-             const Lens& lens = {});
+             const Lens& lens = {}, const std::optional<Floor>& floor = std::nullopt);
 
   /// Traces any number of paths; each sample depends on its start alone. Safe on many threads at
   /// once.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cinema/path_draws.h"
 #include "cinema/reference_tracer.h"
 #include "cinema/test_scenes.h"
 #include "volume/phantom.h"
@@ -41,7 +42,7 @@ Means trace(const PathTracer& tracer, int count, float spread = 0) {
   Means means;
   for (const PathSample& sample : tracer.trace(starts(count, spread))) {
     means.radiance.add(sample.radiance.y);
-    means.alpha.add(sample.hit ? 1 : 0);
+    means.alpha.add(sample.alpha);
   }
   return means;
 }
@@ -54,7 +55,7 @@ Means trace(const ReferenceTracer& tracer, int count, float spread = 0, std::uin
     const float y = 32 + spread * (2 * rng.uniform() - 1);
     const PathSample sample = tracer.trace(x, y, rng);
     means.radiance.add(sample.radiance.y);
-    means.alpha.add(sample.hit ? 1 : 0);
+    means.alpha.add(sample.alpha);
   }
   return means;
 }
@@ -83,6 +84,25 @@ TEST(PathTracer, SlabTransmits) {
   const CinemaScene scene(volume, preset);
   const Means means = trace(PathTracer(scene, camera_from({80, 0, 0}), std::nullopt, 1), 40000);
   EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-0.13 * 11.5), means.alpha.tolerance());
+}
+
+// Through a uniform slab, the draw of the distance alone decides whether a path meets matter.
+TEST(PathTracer, DrawsAreThoseOfPathDraws) {
+  constexpr float kExtinction = 0.0625f;
+  const Volume slab = make_volume({17, 41, 41}, [](const IVec3&) { return 1.0f; });
+  const CinemaScene scene(slab, make_preset({point(0, kExtinction), point(1, kExtinction)}, {}));
+  const PathTracer tracer(scene, camera_from({80, 0, 0}), {}, 1);
+  std::vector<PathStart> paths;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    paths.push_back({32, 32, path_draws::hash(i / 100), i % 100});
+  }
+  int same = 0;
+  const std::vector<PathSample> samples = tracer.trace(paths);
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const float u = path_draws::draw(path_draws::kDistance, paths[i].key, paths[i].index);
+    same += (-std::log(1 - u) < 16 * kExtinction) == (samples[i].alpha > 0) ? 1 : 0;
+  }
+  EXPECT_GT(same, 3980);  // all but those that rounding moves across the slab's end
 }
 
 TEST(PathTracer, RampTransmits) {
@@ -123,7 +143,7 @@ TEST(PathTracer, FurnaceBySky) {
         const PathTracer tracer(scene, camera_from({60, 20, 10}), plane, kManyBounces);
         int hits = 0;
         for (const PathSample& sample : tracer.trace(starts(300, 3))) {
-          if (sample.hit) {
+          if (sample.alpha > 0) {
             ++hits;
             ASSERT_NEAR(sample.radiance.y, 1, 1e-4);
           }
@@ -149,7 +169,7 @@ TEST(PathTracer, FurnaceByPanorama) {
     const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
     Mean radiance;
     for (const PathSample& sample : tracer.trace(starts(20000, 3))) {
-      if (sample.hit) {
+      if (sample.alpha > 0) {
         radiance.add(sample.radiance.y);
       }
     }
@@ -287,7 +307,7 @@ TEST(PathTracer, LabelsColourWhatIsFirstMet) {
   const CinemaScene scene(block, preset);
   const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1);
   for (const PathSample& sample : tracer.trace(starts(20))) {
-    ASSERT_TRUE(sample.hit);
+    ASSERT_EQ(sample.alpha, 1);
     EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
     EXPECT_LT(glm::length(sample.radiance - red), 2e-3f);
   }
@@ -299,6 +319,13 @@ TEST(PathTracer, AgreesWithTheReferenceUnderAPanorama) {
   rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.3f), 0.2f}};
   rig.environment = std::make_shared<const Image>(test::panorama());
   rig.environment_turn = 1;
+  expect_agreement(Everything(rig));
+}
+
+TEST(PathTracer, AgreesWithTheReferenceUnderLamps) {
+  LightRig rig = two_keys();
+  rig.keys[0].distance = 1.2f;
+  rig.keys[1].distance = 2;
   expect_agreement(Everything(rig));
 }
 
@@ -316,7 +343,7 @@ TEST(PathTracer, CutFaceIsLitAsPredicted) {
   const Vec3 expected =
       albedo * (Vec3(0.25f) + glm::dot(normal, towards_light) * Vec3(0.7f, 0.6f, 0.5f));
   for (const PathSample& sample : tracer.trace(starts(20))) {
-    ASSERT_TRUE(sample.hit);
+    ASSERT_EQ(sample.alpha, 1);
     for (int c = 0; c < 3; ++c) {
       EXPECT_NEAR(sample.radiance[c], expected[c], 2e-3f);
     }
@@ -359,6 +386,45 @@ TEST(PathTracer, RemovedMatterCastsNoShadow) {
 }
 
 // Seen through a lens of radius R, a point at depth d covers a disc of radius f·R·|1/F − 1/d| px.
+// A ball of radius r covers (r/h)² of what a floor h below its middle gets from an even sky.
+TEST(PathTracer, FloorCatchesTheShadowOfABall) {
+  constexpr float kRadius = 10;
+  const Volume ball = make_volume(
+      {27, 27, 27}, [](const IVec3& v) { return kRadius - glm::length(Vec3(v) - Vec3(13)); });
+  const auto shadow = [&](const LightRig& rig, const Vec3& target) {
+    const Preset preset = make_preset({point(-0.05f, 0), point(0.05f, 200)}, rig);
+    const CinemaScene scene(ball, preset);
+    const Floor floor{Vec3(0, 0, 1), {0, 0, -16}, 1000};
+    const Camera camera = look_at({60, 0, 10}, target, Vec3(0, 0, 1), 64, 64);
+    return trace(PathTracer(scene, camera, {}, 2, {}, floor), 20000);
+  };
+  const Vec3 below(0, 0, -16);
+  const Means sky = shadow(test::white_sky(), below);
+  EXPECT_NEAR(sky.alpha.value(), std::pow(kRadius / 16, 2), 0.01);
+  EXPECT_EQ(sky.radiance.value(), 0);
+  LightRig lamp{Vec3(0), Vec3(0), Vec3(0), {}};
+  for (const float distance : {0.0f, 3.0f}) {
+    lamp.keys = {{Vec3(0, 0, 1), Vec3(1), 0.05f, distance}};
+    EXPECT_NEAR(shadow(lamp, below).alpha.value(), 1, 0.01);
+    EXPECT_EQ(shadow(lamp, {0, 30, -16}).alpha.value(), 0);
+  }
+  EXPECT_EQ(shadow(test::white_sky(), {0, 0, 300}).alpha.value(), 0);  // looks above the floor
+}
+
+// What covers the whole sky leaves no light, whichever lights there are.
+TEST(PathTracer, FloorLosesAllLightBelowASlab) {
+  const Volume slab = make_volume({81, 81, 5}, [](const IVec3&) { return 1.0f; });
+  LightRig rig = two_keys();
+  rig.keys[0].distance = 1.5f;
+  rig.environment = std::make_shared<const Image>(test::panorama());
+  const Preset preset = make_preset({point(0, 200), point(1, 200)}, rig);
+  const CinemaScene scene(slab, preset);
+  const Floor floor{Vec3(0, 0, 1), {0, 0, -4}, 1000};
+  const Camera camera = look_at({60, 0, -3}, {0, 0, -4}, Vec3(0, 0, 1), 64, 64);
+  const Means means = trace(PathTracer(scene, camera, {}, 2, {}, floor), 20000);
+  EXPECT_NEAR(means.alpha.value(), 1, 0.02);
+}
+
 TEST(PathTracer, LensBlursWhatIsNotAtItsFocus) {
   const Volume ball = make_ball(17, 6, 1, 0);
   const CinemaScene scene(ball, make_preset({point(0.4f, 0), point(0.6f, 50)}, test::white_sky()));
@@ -371,7 +437,7 @@ TEST(PathTracer, LensBlursWhatIsNotAtItsFocus) {
     }
     Mean alpha;
     for (const PathSample& sample : tracer.trace(paths)) {
-      alpha.add(sample.hit ? 1 : 0);
+      alpha.add(sample.alpha);
     }
     return alpha.value();
   };

@@ -29,8 +29,9 @@ class Rendering {
  public:
   Rendering(const CinemaScene& scene, const Camera& camera, const Cut& cut,
             const PictureOptions& options)
-      : tracer_(scene, camera, cut, options.max_bounces, options.lens),
+      : tracer_(scene, camera, cut, options.max_bounces, options.lens, options.floor),
         exposure_(scene.preset().exposure),
+        background_(options.floor ? 1.0f : 0.0f),  // shadows are black
         options_(options),
         width_(camera.width),
         height_(camera.height),
@@ -154,7 +155,7 @@ class Rendering {
       auto sample = samples.begin();
       for (const Run& run : runs) {
         for (int i = 0; i < run.count; ++i, ++sample) {
-          sums_[run.pixel].halves[run.half] += Vec4(sample->radiance, sample->hit ? 1.0f : 0.0f);
+          sums_[run.pixel].halves[run.half] += Vec4(sample->radiance, sample->alpha);
           sums_[run.pixel].albedos[run.half] += sample->albedo;
         }
       }
@@ -191,12 +192,13 @@ class Rendering {
     flush();
   }
 
-  // Over black, as displayed: alpha · sRGB(exposure · radiance / alpha).
+  // Over the background, as displayed: alpha · sRGB(exposure · radiance / alpha) + …
   Vec3 shown(const Vec4& sum, int samples) const {
-    Vec3 rgb(0);
+    const float alpha = sum.w / static_cast<float>(samples);
+    Vec3 rgb((1 - alpha) * background_);
     if (sum.w > 0) {
       for (int c = 0; c < 3; ++c) {
-        rgb[c] = sum.w / static_cast<float>(samples) * srgb_from_linear(exposure_ * sum[c] / sum.w);
+        rgb[c] += alpha * srgb_from_linear(exposure_ * sum[c] / sum.w);
       }
     }
     return rgb;
@@ -249,6 +251,7 @@ class Rendering {
 
   PathTracer tracer_;
   float exposure_;
+  float background_;
   PictureOptions options_;
   int width_;
   int height_;
@@ -316,9 +319,9 @@ Image display(const Image& premultiplied, float exposure) {
   return image;
 }
 
-float noise_floor(const Picture& picture, float exposure) {
-  const Image a = composite(display(picture.half_a, exposure), 0, 0, 0);
-  const Image b = composite(display(picture.half_b, exposure), 0, 0, 0);
+float noise_floor(const Picture& picture, float exposure, float background) {
+  const Image a = composite(display(picture.half_a, exposure), background, background, background);
+  const Image b = composite(display(picture.half_b, exposure), background, background, background);
   double sum = 0;
   for (size_t i = 0; i < a.data.size(); ++i) {
     const double difference = a.data[i] - b.data[i];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "cinema/path_tracer.h"
@@ -16,6 +17,7 @@ struct PictureOptions {
   float noise_db = 0;   ///< stop as soon as the noise floor is this high; 0: spend all samples
   int max_bounces = 6;  ///< vertices of a path
   Lens lens;
+  std::optional<Floor> floor;
   std::uint64_t seed = 1;
   std::string progress;  ///< label of a progress line; empty: silent
 };
@@ -48,10 +50,10 @@ Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cu
 /// radiance) exactly.
 Image display(const Image& premultiplied, float exposure);
 
-/// Noise floor of the displayed picture over black, in dB: −10·log10(MSE(A, B)/4), for the error of
-/// the mean of two halves with independent errors is a quarter of their mean squared difference. No
-/// PSNR against the picture can be trusted above it. At most kNoNoise.
-float noise_floor(const Picture& picture, float exposure);
+/// Noise floor of the displayed picture over a background of this grey, in dB: −10·log10(MSE(A,
+/// B)/4), for the error of the mean of two halves with independent errors is a quarter of their
+/// mean squared difference. No PSNR against the picture can be trusted above it. At most kNoNoise.
+float noise_floor(const Picture& picture, float exposure, float background = 0);
 
 constexpr float kNoNoise = 99;
 

@@ -16,7 +16,7 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
       labels_(looks_of_labels(volume, preset.labels)),
       camera_(camera),
       max_bounces_(max_bounces),
-      lights_(preset.rig, glm::transpose(volume.direction)),
+      lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       spacing_(volume.spacing),
       last_(volume.dims - 1),
       majorant_(preset.transfer.max_extinction(std::numeric_limits<float>::lowest(),
@@ -160,7 +160,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
       }
       return sample;
     }
-    sample.hit = true;
+    sample.alpha = 1;
     const DVec3 voxel = voxel_at(origin, DVec3(direction), collision.t);
     const Vec3 out = -direction;
     Material m =
@@ -195,7 +195,8 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
       return face != nullptr ? 1.0f : static_cast<float>(visibility(start, towards, rng));
     };
     for (const Lights::Key& key : lights_.keys()) {
-      const Vec3 towards = key.sample(rng.uniform(), rng.uniform());
+      const auto [towards, irradiance] =
+          key.sample(Vec3(start * spacing_), rng.uniform(), rng.uniform());
       Vec3 scattered(0);
       if (surface) {
         const float cosine = std::max(0.0f, glm::dot(normal, towards));
@@ -205,7 +206,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
         scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), preset_.phase_g);
       }
       if (scattered != Vec3(0)) {
-        sample.radiance += throughput * scattered * key.irradiance * light_from(towards);
+        sample.radiance += throughput * scattered * irradiance * light_from(towards);
       }
     }
 

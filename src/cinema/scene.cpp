@@ -49,7 +49,7 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
       grid_(make_grid(volume, preset.transfer)),
       labels_(volume.labels.empty() ? nullptr : std::make_unique<LabelGrid>(volume, preset.labels)),
       majorants_(grid_, preset.transfer, volume.spacing, labels_.get()),
-      lights_(preset.rig, glm::transpose(volume.direction)),
+      lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       inverse_spacing_(1.0f / volume.spacing),
       gradient_scale_(grid_.step() / volume.spacing),
       tables_(std::make_unique<MaterialTables>()) {

@@ -120,7 +120,7 @@ std::vector<SeedPoint> sample_seed_points(const Volume& volume, const Preset& pr
   }
 
   // Light on a face that looks at the middling light: half of what an open one gets.
-  const Lights lights(preset.rig, Mat3(1));
+  const Lights lights(preset.rig, Mat3(1), Vec3(volume.dims - 1) * volume.spacing);
   Vec3 light(0);
   constexpr int kDirections = 64;
   for (int i = 0; i < kDirections; ++i) {

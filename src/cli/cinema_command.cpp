@@ -2,6 +2,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fmt/format.h>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,11 @@
 namespace clipgs {
 namespace {
 
+// Sides of the body that a floor may lie on.
+const std::map<std::string, Vec3> kSides = {{"left", {-1, 0, 0}},      {"right", {1, 0, 0}},
+                                            {"posterior", {0, -1, 0}}, {"anterior", {0, 1, 0}},
+                                            {"inferior", {0, 0, -1}},  {"superior", {0, 0, 1}}};
+
 struct CinemaArguments {
   std::filesystem::path volume;
   std::filesystem::path output;
@@ -30,11 +36,19 @@ struct CinemaArguments {
   std::string size = "512x512";
   std::string background;
   std::string focus;
+  std::string floor;
   PictureOptions picture;
   bool denoise = false;
   int bits = 8;
   bool json = false;
 };
+
+/// Touches what is visible, and reaches beyond the picture's edges.
+Floor make_floor(const VisibleMatter& matter, const Vec3& side) {
+  const Vec3& center = matter.sphere.center;
+  const float distance = matter.extent(side).y - glm::dot(side, center);
+  return {-side, center + distance * side, 3 * matter.sphere.radius};
+}
 
 void run_cinema(const CinemaArguments& arguments) {
   const View view = parse_view(arguments.view);
@@ -60,6 +74,9 @@ void run_cinema(const CinemaArguments& arguments) {
     const std::vector<float> n = parse_numbers(arguments.focus, 3, 3, "--focus");
     focus = Vec3(n[0], n[1], n[2]);
   }
+  if (!arguments.floor.empty()) {
+    options.floor = make_floor(matter, kSides.at(arguments.floor));
+  }
   double samples = 0;
   float noise = kNoNoise;  // of the noisiest picture
   const auto draw = [&](const View& from, const Cut& kept) {
@@ -67,7 +84,7 @@ void run_cinema(const CinemaArguments& arguments) {
     options.lens.focus = camera.to_camera(focus).z;
     const Picture picture = render_picture(scene, camera, kept, options);
     samples += picture.samples;
-    noise = std::min(noise, noise_floor(picture, preset.exposure));
+    noise = std::min(noise, noise_floor(picture, preset.exposure, options.floor ? 1 : 0));
     const Picture clean = arguments.denoise ? denoise(picture, preset.exposure) : picture;
     const Image image = display(clean.mean(), preset.exposure);
     return background.empty() ? image
@@ -138,6 +155,11 @@ void add_cinema_command(CLI::App& app) {
   command->add_option(
       "--focus", arguments->focus,
       "R,A,S, mm: the point that is sharp (default: the middle of what is visible)");
+  command
+      ->add_option("--floor", arguments->floor,
+                   "A floor on this side of the body that shows only the shadow that falls on it: "
+                   "inferior, posterior, left, right, anterior or superior")
+      ->check(CLI::IsMember(&kSides));
   command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
   command->add_option("--seed", arguments->picture.seed, "Random seed")->capture_default_str();
   command->add_option("--background", arguments->background,

@@ -255,8 +255,30 @@ TEST_F(CliTest, PanoramaLightsPicturesButNotSections) {
   EXPECT_EQ(read_png(out).width, 32);
   expect_failure({"dataset", phantom(), "-o", at("dark"), "--rig", sky}, "--no-section",
                  at("dark"));
+  expect_failure({"dataset", phantom(), "-o", at("dark"), "--rig", "softbox"}, "--no-section",
+                 at("dark"));
   write_text(sky, "no picture");
   expect_failure({"cinema", phantom(), "-o", at("y.png"), "--rig", sky}, "sky.hdr", at("y.png"));
+}
+
+TEST_F(CliTest, FloorShowsShadowsAlone) {
+  const auto shadows = [&](const std::vector<std::string>& more) {
+    const std::string out = at("floor.png");
+    std::vector<std::string> arguments = {"cinema", phantom(), "-o",    out,     "--view",
+                                          "20,15",  "--size",  "48x48", "--spp", "16"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_clipgs(arguments).status, 0);
+    const Image image = read_png(out);
+    int count = 0;
+    for (size_t i = 0; i < image.pixels(); ++i) {
+      const float* pixel = &image.data[4 * i];
+      count += pixel[3] > 0.1f && pixel[0] + pixel[1] + pixel[2] == 0 ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_LT(shadows({}), 4);
+  EXPECT_GT(shadows({"--floor", "inferior"}), 20);
+  EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--floor", "below"}).status, 2);
 }
 
 TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {

@@ -26,7 +26,7 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       ->capture_default_str();
   command.add_option(
       "--rig", look.rig,
-      "Lights: studio, theatre, rim, dome, ambient, a JSON file, or a panorama (.hdr; "
+      "Lights: studio, theatre, softbox, rim, dome, ambient, a JSON file, or a panorama (.hdr; "
       "default: the preset's own)");
   command.add_option(
       "--exposure", look.exposure,

@@ -1,5 +1,6 @@
 #include "cli/section_step.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "asset/section_file.h"
@@ -28,11 +29,19 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
 }
 
 void require_light_for_section(const Preset& preset, const SectionChoice& choice) {
-  if (preset.rig.environment && !choice.none) {
+  if (choice.none) {
+    return;
+  }
+  const auto is_near = [](const KeyLight& key) { return key.distance > 0; };
+  const char* const light = preset.rig.environment ? "a panorama"
+                            : std::ranges::any_of(preset.rig.keys, is_near)
+                                ? "a lamp at a finite \"distance\""
+                                : nullptr;
+  if (light != nullptr) {
     throw Error(
-        "a panorama cannot light cut faces that are drawn from the volume: choose another --rig, "
-        "or "
-        "add --no-section");
+        "{} cannot light cut faces that are drawn from the volume: choose another --rig, or add "
+        "--no-section",
+        light);
   }
 }
 

@@ -28,7 +28,7 @@ float relative_difference(const Vec3& a, const Vec3& b) {
 
 TEST(FaceLight, DiffuseIsTheIntegralOverTheHemisphere) {
   const LightRig rig = three_lights();
-  const Lights lights(rig, Mat3(1));
+  const Lights lights(rig, Mat3(1), Vec3(1));
   for (int i = 0; i < 300; ++i) {
     const Vec3 normal = fibonacci_sphere(i, 300);
     const Vec3 truth = lights.face_radiance(normal);
@@ -45,7 +45,7 @@ TEST(FaceLight, WhiteSkyGivesOne) {
 
 TEST(FaceLight, GlossIsCloseToTheIntegral) {
   const LightRig rig = three_lights();
-  const Lights lights(rig, Mat3(1));
+  const Lights lights(rig, Mat3(1), Vec3(1));
   Rng rng(7);
   double squared_error = 0;
   double squared_truth = 0;
@@ -60,7 +60,7 @@ TEST(FaceLight, GlossIsCloseToTheIntegral) {
       const Vec3 in = ggx::sample(normal, out, roughness, rng.uniform(), rng.uniform(), weight);
       truth += weight > 0 ? weight * lights.sky(in) : Vec3(0);
       for (const Lights::Key& key : lights.keys()) {
-        const Vec3 towards = key.sample(rng.uniform(), rng.uniform());
+        const Vec3 towards = key.sample(Vec3(0), rng.uniform(), rng.uniform()).towards;
         truth += ggx::evaluate(normal, out, towards, roughness) * key.irradiance;
       }
     }

@@ -200,6 +200,10 @@ KeyLight parse_key(const json& object, const std::string& where) {
     throw Error("{}: \"angular_radius_deg\" must lie in 0..89", where);
   }
   key.angular_radius = degrees * kRadiansPerDegree;
+  key.distance = reader.number("distance", 0);
+  if (key.distance != 0 && key.distance <= 1) {
+    throw Error("{}: \"distance\" must be greater than 1 (or 0: infinitely far)", where);
+  }
   reader.refuse_unknown_keys();
   return key;
 }

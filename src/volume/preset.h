@@ -12,11 +12,14 @@
 
 namespace clipgs {
 
-/// A distant light with a disc of some size; fixed in the patient's space.
+/// A light with a disc of some size; fixed in the patient's space.
 struct KeyLight {
   Vec3 direction{0, 1, 0};      ///< unit RAS vector towards the light
   Vec3 radiance{1};             ///< irradiance that a facing white surface receives / π, linear RGB
   float angular_radius = 0.1f;  ///< radians, 0 for a point
+  /// From the middle of the volume's box, in half diagonals of it, > 1: a lamp that faces the
+  /// middle, seen from there as the numbers above say. 0: infinitely far away.
+  float distance = 0;
 };
 
 /// Lights of a scene: a smooth sky (vertical gradient along S), any number of key lights, and what

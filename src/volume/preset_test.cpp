@@ -56,7 +56,8 @@ TEST(Preset, ReadsEveryKey) {
 
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
   const std::vector<std::string> names = rig_names();
-  EXPECT_THAT(names, testing::ElementsAre("ambient", "dome", "rim", "studio", "theatre"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("ambient", "dome", "rim", "softbox", "studio", "theatre"));
   for (const std::string& name : names) {
     const LightRig rig = load_rig(name);
     // No side of a cut is black: the sky alone shows it.
