@@ -232,7 +232,7 @@ class Kernel {
                 lanes::gather(tables.albedo[2].data(), at)};
     m.specular = lanes::gather(tables.specular.data(), at);
     m.roughness = lanes::gather(tables.roughness.data(), at);
-    m.phase = Float(scene_.preset().phase_g);
+    m.phase = lanes::gather(tables.phase.data(), at);
     if (scene_.has_photo()) {
       m.albedo = m.albedo * photo(voxel);
     }

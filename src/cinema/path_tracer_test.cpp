@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cinema/reference_tracer.h"
+#include "cinema/scatter.h"
 #include "cinema/test_scenes.h"
 #include "volume/phantom.h"
 
@@ -12,6 +13,7 @@ namespace {
 using test::make_preset;
 using test::make_volume;
 using test::Mean;
+using test::phase_point;
 using test::point;
 
 constexpr int kManyBounces = 100000;
@@ -113,9 +115,8 @@ TEST(PathTracer, FurnaceBySky) {
   const Volume ball = make_ball(24, 9, 1, 0);
   for (const float surface_strength : {0.0f, 3.0f, 1e6f}) {
     for (const float g : {0.0f, 0.6f}) {
-      Preset preset =
-          make_preset({point(0, 0), point(1, 1.5f)}, test::white_sky(), surface_strength);
-      preset.phase_g = g;
+      const Preset preset = make_preset({phase_point(0, 0, g), phase_point(1, 1.5f, g)},
+                                        test::white_sky(), surface_strength);
       const CinemaScene scene(ball, preset);
       for (const bool cut : {false, true}) {
         const std::optional<Plane> plane =
@@ -143,8 +144,8 @@ TEST(PathTracer, FurnaceByPanorama) {
   std::ranges::fill(white.data, 1.0f);
   rig.environment = std::make_shared<const Image>(white);
   for (const float surface_strength : {0.0f, 1e6f}) {
-    Preset preset = make_preset({point(0, 0), point(1, 1.5f)}, rig, surface_strength);
-    preset.phase_g = 0.3f;
+    const Preset preset =
+        make_preset({phase_point(0, 0, 0.3f), phase_point(1, 1.5f, 0.3f)}, rig, surface_strength);
     const CinemaScene scene(ball, preset);
     const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
     Mean radiance;
@@ -162,9 +163,8 @@ TEST(PathTracer, FurnaceByPanorama) {
 TEST(PathTracer, FurnaceByKeyLights) {
   const Volume ball = make_ball(24, 9, 1, 0);
   for (const float surface_strength : {0.0f, 1e6f}) {
-    Preset preset =
-        make_preset({point(0, 0), point(1, 1.5f)}, test::white_keys(), surface_strength);
-    preset.phase_g = 0.3f;
+    const Preset preset = make_preset({phase_point(0, 0, 0.3f), phase_point(1, 1.5f, 0.3f)},
+                                      test::white_keys(), surface_strength);
     const CinemaScene scene(ball, preset);
     const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
     const Means means = trace(tracer, 8000);
@@ -213,11 +213,11 @@ Everything::Everything(const LightRig& rig) {
   volume.spacing = Vec3(0.8f, 1.1f, 1.6f);
   volume.direction = Mat3(glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3))));
   volume.origin = -(volume.direction * (Vec3(19.5f, 14.5f, 12.5f) * volume.spacing));
-  preset = make_preset(
-      {point(-500, 0, Vec3(0.3f)), point(-100, 0.9f, Vec3(0.8f), 0.3f), point(50, 0, Vec3(0.4f)),
-       point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f), point(500, 0.2f, Vec3(0.7f))},
-      rig, 0.002f);
-  preset.phase_g = 0.2f;
+  preset = make_preset({point(-500, 0, Vec3(0.3f), 0, 0.4f, -0.5f),
+                        point(-100, 0.9f, Vec3(0.8f), 0.3f, 0.4f, 0.6f), point(50, 0, Vec3(0.4f)),
+                        point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f, 0.4f, -0.3f),
+                        point(500, 0.2f, Vec3(0.7f), 0, 0.4f, 0.8f)},
+                       rig, 0.002f);
 }
 
 void expect_agreement(const Everything& e, const CinemaScene& scene, const Cut& cut) {
@@ -290,6 +290,26 @@ TEST(PathTracer, LabelsColourWhatIsFirstMet) {
     ASSERT_TRUE(sample.hit);
     EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
     EXPECT_LT(glm::length(sample.radiance - red), 2e-3f);
+  }
+}
+
+// Scattered once towards a light behind it, thin matter is as bright as its own phase function
+// says.
+TEST(PathTracer, EveryValueHasItsOwnPhase) {
+  const LightRig rig{Vec3(0), Vec3(0), Vec3(0), {{Vec3(-0.8f, 0.6f, 0), Vec3(1), 0}}};
+  const Preset preset =
+      make_preset({phase_point(0, 0.01f, -0.5f), phase_point(1, 0.01f, 0.7f)}, rig);
+  const auto radiance = [&](float value) {
+    const Volume slab = make_volume({24, 20, 20}, [&](const IVec3&) { return value; });
+    const CinemaScene scene(slab, preset);
+    return trace(PathTracer(scene, camera_from({80, 0, 0}), {}, 1), 20000).radiance.value();
+  };
+  const double isotropic = radiance(0.5f / 1.2f);
+  EXPECT_GT(isotropic, 0);
+  for (const float value : {0.0f, 0.25f, 0.75f, 1.0f}) {
+    const float g = -0.5f + 1.2f * value;
+    const double expected = henyey_greenstein(0.8f, g) / henyey_greenstein(0.8f, 0);
+    EXPECT_NEAR(radiance(value) / isotropic, expected, 2e-3 * expected);
   }
 }
 

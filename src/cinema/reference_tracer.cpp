@@ -202,7 +202,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
         scattered = (1.0f - m.specular) * cosine * std::numbers::inv_pi_v<float> * m.albedo +
                     m.specular * ggx::evaluate(normal, out, towards, m.roughness);
       } else {
-        scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), preset_.phase_g);
+        scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), m.phase);
       }
       if (scattered != Vec3(0)) {
         sample.radiance += throughput * scattered * key.irradiance * light_from(towards);
@@ -212,7 +212,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     const float u = rng.uniform();
     const float v = rng.uniform();
     if (!surface) {
-      direction = sample_henyey_greenstein(direction, preset_.phase_g, u, v);
+      direction = sample_henyey_greenstein(direction, m.phase, u, v);
       throughput *= m.albedo;
     } else if (rng.uniform() < m.specular) {
       float weight = 0;

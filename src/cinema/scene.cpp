@@ -69,6 +69,7 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
     }
     tables_->specular[entry] = material.specular;
     tables_->roughness[entry] = material.roughness;
+    tables_->phase[entry] = material.phase;
   }
 }
 

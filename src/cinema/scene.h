@@ -17,7 +17,7 @@ struct MaterialTables {
   using Table = std::array<float, TransferFunction::kTableSize>;
   Table extinction;
   std::array<Table, 3> albedo;
-  Table specular, roughness;
+  Table specular, roughness, phase;
 };
 
 /// A volume made ready for path tracing under a preset, with its labels if it has any. Tracing

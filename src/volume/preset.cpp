@@ -157,7 +157,8 @@ ValueUnits parse_units(const std::string& text, const std::string& where) {
   throw Error("{}: units \"{}\" are none of hu, stored, percentile", where, text);
 }
 
-TransferPoint parse_point(const json& object, const std::string& where) {
+/// `phase`: of a point that has none of its own.
+TransferPoint parse_point(const json& object, const std::string& where, float phase) {
   Reader reader(object, where);
   TransferPoint point;
   point.value = reader.number("value");
@@ -165,6 +166,7 @@ TransferPoint parse_point(const json& object, const std::string& where) {
   point.material.extinction = reader.number("extinction");
   point.material.specular = reader.number("specular", 0);
   point.material.roughness = reader.number("roughness", 0.5f);
+  point.material.phase = reader.number("phase", phase);
   reader.refuse_unknown_keys();
   return point;
 }
@@ -290,16 +292,16 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   preset.modality = parse_modality(reader.text("modality", "any"), where);
   preset.units = parse_units(reader.text("units", "hu"), where);
   preset.surface_strength = reader.number("surface_strength");
-  preset.phase_g = reader.number("phase_g", 0);
+  const float phase = reader.number("phase_g", 0);
   preset.exposure = reader.number("exposure", 1);
-  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(preset.phase_g) >= 1) {
+  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(phase) >= 1) {
     throw Error("{}: surface_strength must be >= 0, exposure > 0 and |phase_g| < 1", where);
   }
 
   std::vector<TransferPoint> points;
   const json& list = reader.list("points");
   for (size_t i = 0; i < list.size(); ++i) {
-    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1)));
+    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1), phase));
     const float value = points.back().value;
     if (preset.units == ValueUnits::kPercentile && (value < 0 || value > 100)) {
       throw Error("{}: point {}: a percentile must lie in 0..100", where, i + 1);

@@ -46,7 +46,6 @@ struct Preset {
   ValueUnits units = ValueUnits::kStored;
   TransferFunction transfer;
   float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
-  float phase_g = 0;           ///< Henyey–Greenstein asymmetry of volume scattering
   LightRig rig;
   float exposure = 1;  ///< linear factor before the sRGB curve
   LabelLooks labels;   ///< of a volume with labels; no part of a preset's file

@@ -16,8 +16,10 @@ using testing::HasSubstr;
 
 constexpr const char* kSmall = R"({
   "title": "Small", "modality": "ct", "units": "hu", "surface_strength": 0.5, "exposure": 2,
+  "phase_g": 0.6,
   "points": [{"value": 0, "color": "#000000", "extinction": 0},
-             {"value": 100, "color": [1, 0.5, 0], "extinction": 2, "specular": 0.2, "roughness": 0.3}],
+             {"value": 100, "color": [1, 0.5, 0], "extinction": 2, "specular": 0.2, "roughness": 0.3,
+              "phase": -0.2}],
   "lights": {"sky": {"top": {"color": "#ffffff", "intensity": 0.5},
                      "horizon": {"color": "#ffffff"}, "bottom": {"color": "#000000"}},
              "keys": [{"direction": [0, 2, 0], "color": "#ffffff", "intensity": 3,
@@ -46,6 +48,8 @@ TEST(Preset, ReadsEveryKey) {
   EXPECT_EQ(m.extinction, 2);
   EXPECT_EQ(m.specular, 0.2f);
   EXPECT_EQ(m.roughness, 0.3f);
+  EXPECT_EQ(m.phase, -0.2f);
+  EXPECT_EQ(preset.transfer.at(0).phase, 0.6f);  // the preset's
   EXPECT_EQ(preset.rig.sky_top, Vec3(0.5f));
   EXPECT_EQ(preset.rig.sky_horizon, Vec3(1));
   ASSERT_EQ(preset.rig.keys.size(), 1);
@@ -96,6 +100,9 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(parse_error(with("\"ct\"", "\"pet\"")), HasSubstr("modality"));
   EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
   EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
+  EXPECT_THAT(parse_error(with("\"phase\": -0.2", "\"phase\": -1")),
+              HasSubstr("phase at value 100"));
+  EXPECT_THAT(parse_error(with("\"phase_g\": 0.6", "\"phase_g\": 1")), HasSubstr("phase_g"));
 }
 
 TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {
