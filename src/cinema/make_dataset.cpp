@@ -100,6 +100,11 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
     f.add(point.material.phase);
   }
   f.add(preset.surface_strength);
+  if (preset.gradient_opacity) {
+    f.add(preset.gradient_opacity->from);
+    f.add(preset.gradient_opacity->to);
+    f.add(preset.gradient_opacity->floor);
+  }
   f.add(preset.exposure);
   f.add(preset.rig.sky_top);
   f.add(preset.rig.sky_horizon);

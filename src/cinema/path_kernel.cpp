@@ -150,6 +150,7 @@ class Kernel {
         scene_(*view.scene),
         grid_(scene_.grid()),
         labels_(scene_.labels()),
+        thinning_(scene_.preset().gradient_opacity ? &*scene_.preset().gradient_opacity : nullptr),
         majorants_(scene_.majorants()),
         lights_(scene_.lights()),
         batch_(batch),
@@ -216,6 +217,14 @@ class Kernel {
                             sample({p.x, p.y + one, p.z}) - sample({p.x, p.y - one, p.z}),
                             sample({p.x, p.y, p.z + one}) - sample({p.x, p.y, p.z - one}));
     return difference * Float3(0.5f * scene_.gradient_scale());
+  }
+
+  /// Of the extinction, for the steepness of the values.
+  HWY_NOINLINE Float gradient_factor(Float3 p) const {
+    const GradientOpacity& g = *thinning_;
+    const Float3 slope = gradient(p);
+    const Float rise = (sqrt(dot(slope, slope)) - Float(g.from)) * Float(1 / (g.to - g.from));
+    return Float(g.floor) + Float(1 - g.floor) * min(max(rise, Float(0)), Float(1));
   }
 
   HWY_INLINE Int entry(Float code) const {
@@ -428,7 +437,11 @@ class Kernel {
         c.label = select(matter, draw_label(or_zero(matter, voxel), c.rng, matter), c.label);
         extinction = extinction * lanes::gather(labels_->looks().opacity.data(), c.label);
       }
-      const Mask real = matter & (next_random(c.rng, matter) * c.majorant < extinction);
+      const Float level = next_random(c.rng, matter) * c.majorant;
+      Mask real = matter & (level < extinction);
+      if (thinning_ != nullptr && any(real)) {  // its six samples only where they may matter
+        real = real & (level < extinction * gradient_factor(or_zero(real, voxel)));
+      }
       c.code = select(real, value, c.code);
       c.hit = c.hit | real;
       c.active = c.active & ~real;
@@ -849,7 +862,8 @@ class Kernel {
   const PathView& view_;
   const CinemaScene& scene_;
   const VoxelGrid& grid_;
-  const LabelGrid* labels_;  // null: none
+  const LabelGrid* labels_;          // null: none
+  const GradientOpacity* thinning_;  // null: none
   const MajorantGrid& majorants_;
   const Lights& lights_;
   PathBatch& batch_;

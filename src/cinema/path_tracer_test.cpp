@@ -259,6 +259,43 @@ TEST(PathTracer, AgreesWithTheReferenceOnLabels) {
   expect_agreement(e);
 }
 
+TEST(PathTracer, AgreesWithTheReferenceOnGradientOpacity) {
+  Everything e(two_keys());
+  e.preset.gradient_opacity = GradientOpacity{100, 500, 0.1f};
+  expect_agreement(e);
+  e.volume.label_numbers = {0, 3};
+  label_where(e.volume, [](const IVec3& v) { return (v.x / 5 + v.y / 5 + v.z / 5) % 2; });
+  e.preset.labels = {{3, {Vec3(0.9f, 0.1f, 0.2f), 0.6f}}};
+  expect_agreement(e);
+}
+
+TEST(PathTracer, EvenMatterKeepsTheFloorOfItsExtinction) {
+  const Volume slab = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
+  Preset preset = make_preset({point(0, 0), point(1, 0.13f)}, test::white_sky());
+  for (const float floor : {0.0f, 0.4f, 1.0f}) {
+    preset.gradient_opacity = GradientOpacity{1, 2, floor};
+    const CinemaScene scene(slab, preset);
+    const Means means = trace(PathTracer(scene, camera_from({80, 0, 0}), {}, 1), 40000);
+    const double depth = 0.13 * 23 * static_cast<double>(floor);
+    EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-depth), means.alpha.tolerance());
+  }
+}
+
+// Half as steep as full extinction needs: half of it. At the ends, where the values stop growing,
+// the ramp is half as steep.
+TEST(PathTracer, ExtinctionGrowsWithSteepness) {
+  Volume ramp =
+      make_volume({33, 16, 16}, [](const IVec3& v) { return 5 * static_cast<float>(v.x); });
+  ramp.spacing = Vec3(0.5f, 1, 1);
+  ramp.origin = -0.5f * Vec3(ramp.dims - 1) * ramp.spacing;
+  Preset preset = make_preset({point(0, 0.2f), point(160, 0.2f)}, test::white_sky());
+  preset.gradient_opacity = GradientOpacity{0, 20, 0};  // the values grow by 10 per mm
+  const CinemaScene scene(ramp, preset);
+  const Means means = trace(PathTracer(scene, camera_from({90, 0, 0}), {}, 1), 40000);
+  const double depth = 0.2 * (15 * 0.5 + 2 * 0.5 * 0.375);
+  EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-depth), means.alpha.tolerance());
+}
+
 // Half a slab has a label; the draws between voxels make its edge soft but keep the mean.
 TEST(PathTracer, OpacityThinsMatter) {
   Volume volume = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
@@ -427,6 +464,14 @@ TEST(PathTracer, FirstHitIsTheSurface) {
   const CinemaScene hidden(labelled, hiding);
   const PathTracer through(hidden, camera_from({0, 100, 0}), std::nullopt, 1);
   EXPECT_NEAR(through.first_hit(32, 32), 100 - (25.5 - 19.5), 1);
+
+  // So is matter of even values: of a block with a ball in it, the ball's surface is left, which
+  // central differences see from a voxel away.
+  Preset boundaries = make_preset({point(0, 20), point(1, 20)}, test::white_sky());
+  boundaries.gradient_opacity = GradientOpacity{0.1f, 0.3f, 0};
+  const CinemaScene shell(ball, boundaries);
+  const PathTracer to_shell(shell, camera_from({0, 100, 0}), std::nullopt, 1);
+  EXPECT_NEAR(to_shell.first_hit(32, 32), 84, 1);
 }
 
 }  // namespace

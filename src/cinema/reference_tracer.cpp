@@ -54,6 +54,28 @@ double ReferenceTracer::value_at(const DVec3& voxel) const {
   return value;
 }
 
+// Central differences over one voxel to either side, value units per mm, in the grid frame.
+glm::dvec3 ReferenceTracer::gradient_at(const DVec3& voxel) const {
+  DVec3 gradient;
+  for (int k = 0; k < 3; ++k) {
+    DVec3 step(0);
+    step[k] = 1;
+    gradient[k] = (value_at(voxel + step) - value_at(voxel - step)) / (2 * spacing_[k]);
+  }
+  return gradient;
+}
+
+double ReferenceTracer::extinction_at(const DVec3& voxel, double value,
+                                      const LabelLook& label) const {
+  const double extinction =
+      label.applied_to(preset_.transfer.at(static_cast<float>(value))).extinction;
+  if (!preset_.gradient_opacity) {
+    return extinction;
+  }
+  const auto steepness = static_cast<float>(glm::length(gradient_at(voxel)));
+  return extinction * preset_.gradient_opacity->factor(steepness);
+}
+
 // Of one of the eight voxels about the position, drawn with its trilinear weight.
 LabelLook ReferenceTracer::draw_label(const DVec3& voxel, Rng& rng) const {
   if (labels_.empty()) {
@@ -107,9 +129,7 @@ bool ReferenceTracer::track(const DVec3& origin, const DVec3& direction, double 
     const DVec3 voxel = voxel_at(origin, direction, t);
     const double value = value_at(voxel);
     const LabelLook label = draw_label(voxel, rng);
-    const double extinction =
-        label.applied_to(preset_.transfer.at(static_cast<float>(value))).extinction;
-    if (static_cast<double>(rng.uniform()) * majorant_ < extinction) {
+    if (static_cast<double>(rng.uniform()) * majorant_ < extinction_at(voxel, value, label)) {
       collision = {t, value, label};
       return true;
     }
@@ -171,12 +191,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     bool surface = face != nullptr;
     Vec3 normal = surface ? *face : Vec3(0);
     if (!surface) {
-      DVec3 gradient;
-      for (int k = 0; k < 3; ++k) {
-        DVec3 step(0);
-        step[k] = 1;
-        gradient[k] = (value_at(voxel + step) - value_at(voxel - step)) / (2 * spacing_[k]);
-      }
+      const DVec3 gradient = gradient_at(voxel);
       const double steepness = glm::length(gradient);
       surface = static_cast<double>(rng.uniform()) <
                 1.0 - std::exp(-static_cast<double>(preset_.surface_strength) * steepness);

@@ -27,10 +27,16 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
                    "No section: splats fill the cut faces (always so with --labels)");
 }
 
-void require_light_for_section(const Preset& preset, const SectionChoice& choice) {
+void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
   if (preset.rig.environment && !choice.none) {
     throw Error(
         "a panorama cannot light cut faces that are drawn from the volume: choose another --rig, "
+        "or "
+        "add --no-section");
+  }
+  if (preset.gradient_opacity && !choice.none) {
+    throw Error(
+        "gradient opacity does not reach cut faces that are drawn from the volume: do without it, "
         "or "
         "add --no-section");
   }

@@ -171,6 +171,17 @@ TransferPoint parse_point(const json& object, const std::string& where, float ph
   return point;
 }
 
+GradientOpacity parse_gradient_opacity(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  const GradientOpacity result{reader.number("from"), reader.number("to"),
+                               reader.number("floor", 0)};
+  if (!result.valid()) {
+    throw Error("{}: needs 0 <= from < to, and floor in 0..1", where);
+  }
+  reader.refuse_unknown_keys();
+  return result;
+}
+
 /// {"color": ..., "intensity": ...} as linear radiance.
 Vec3 parse_radiance(Reader& reader) {
   const float intensity = reader.number("intensity", 1);
@@ -293,6 +304,9 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   preset.units = parse_units(reader.text("units", "hu"), where);
   preset.surface_strength = reader.number("surface_strength");
   const float phase = reader.number("phase_g", 0);
+  if (const json* const found = reader.find("gradient_opacity")) {
+    preset.gradient_opacity = parse_gradient_opacity(*found, where + ": gradient_opacity");
+  }
   preset.exposure = reader.number("exposure", 1);
   if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(phase) >= 1) {
     throw Error("{}: surface_strength must be >= 0, exposure > 0 and |phase_g| < 1", where);
@@ -467,6 +481,10 @@ void resolve_percentiles(Preset& preset, const Volume& volume) {
   preset.transfer = TransferFunction(std::move(points));
   const float range = h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold);
   preset.surface_strength /= std::max(range, 1e-6f);
+  if (preset.gradient_opacity) {
+    preset.gradient_opacity->from *= std::max(range, 1e-6f);
+    preset.gradient_opacity->to *= std::max(range, 1e-6f);
+  }
   preset.units = ValueUnits::kStored;
 }
 

@@ -58,6 +58,27 @@ TEST(Preset, ReadsEveryKey) {
   EXPECT_NEAR(preset.rig.keys[0].angular_radius, 0.174533f, 1e-5f);
 }
 
+TEST(Preset, ReadsGradientOpacity) {
+  EXPECT_FALSE(parse_preset(kSmall, "small", "here").gradient_opacity);
+  const auto text = [](const std::string& value) {
+    return with("\"exposure\": 2", "\"exposure\": 2, \"gradient_opacity\": " + value);
+  };
+  const Preset preset = parse_preset(text(R"({"from": 20, "to": 60, "floor": 0.2})"), "s", "here");
+  const GradientOpacity g = preset.gradient_opacity.value();
+  EXPECT_FLOAT_EQ(g.factor(0), 0.2f);
+  EXPECT_FLOAT_EQ(g.factor(20), 0.2f);
+  EXPECT_FLOAT_EQ(g.factor(40), 0.6f);
+  EXPECT_FLOAT_EQ(g.factor(1000), 1);
+  EXPECT_EQ(parse_preset(text(R"({"from": 0, "to": 1})"), "s", "s").gradient_opacity->floor, 0);
+  for (const char* const wrong : {R"({"from": 60, "to": 60})", R"({"from": -1, "to": 60})",
+                                  R"({"from": 0, "to": 60, "floor": 1.1})"}) {
+    EXPECT_THAT(parse_error(text(wrong)), HasSubstr("gradient_opacity: needs 0 <= from < to"));
+  }
+  EXPECT_THAT(parse_error(text(R"({"from": 20})")), HasSubstr("\"to\" is missing"));
+  EXPECT_THAT(parse_error(text("[20, 60]")), HasSubstr("gradient_opacity: expected an object"));
+  EXPECT_THAT(parse_error(text(R"({"from": 0, "to": 1, "flor": 0})")), HasSubstr("\"flor\""));
+}
+
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
   const std::vector<std::string> names = rig_names();
   EXPECT_THAT(names, testing::ElementsAre("ambient", "dome", "rim", "studio", "theatre"));
@@ -167,6 +188,18 @@ TEST(Preset, PercentilesFollowTheScanner) {
   EXPECT_NEAR(a.surface_strength * 200, b.surface_strength * 20000, 0.1f);
   EXPECT_EQ(a.transfer.at(0).extinction, 0);
   EXPECT_EQ(b.transfer.at(300).extinction, 0);
+}
+
+TEST(Preset, GradientOpacityFollowsTheScanner) {
+  Preset preset = load_preset("mr");
+  preset.gradient_opacity = GradientOpacity{0.1f, 0.4f, 0.3f};
+  Preset tenfold = preset;
+  resolve_percentiles(preset, with_values(200, 0, Modality::kMr));
+  resolve_percentiles(tenfold, with_values(2000, 300, Modality::kMr));
+  EXPECT_GT(preset.gradient_opacity->from, 1);
+  EXPECT_FLOAT_EQ(preset.gradient_opacity->to, 4 * preset.gradient_opacity->from);
+  EXPECT_EQ(preset.gradient_opacity->floor, 0.3f);
+  EXPECT_NEAR(tenfold.gradient_opacity->to, 10 * preset.gradient_opacity->to, 0.5f);
 }
 
 }  // namespace
