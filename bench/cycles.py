@@ -212,6 +212,7 @@ def main():
     rig = json.loads((ROOT / "presets/rigs/studio.json").read_text())
     color = preset["points"][2]["color"]
     preset |= {"surface_strength": 0, "phase_g": 0}
+    preset.pop("gradient_opacity", None)
     preset["points"] = [{"value": p["value"], "color": color, "extinction": p["extinction"]}
                         for p in preset["points"]]
     rig["sky"] = {part: {"color": "#ffffff", "intensity": SKY} for part in rig["sky"]}

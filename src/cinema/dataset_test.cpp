@@ -290,6 +290,24 @@ TEST(Dataset, OtherLooksOfLabelsMakeItAnew) {
   EXPECT_NE(contents(folder.path()), before);
 }
 
+TEST(Dataset, OtherPhaseOrGradientOpacityMakeItAnew) {
+  Fixture f;
+  f.options.train_frames = 2;
+  f.options.test_frames = 0;
+  const TemporaryFolder folder;
+  f.make(folder.path());
+  const auto before = contents(folder.path());
+  std::vector<TransferPoint> points = f.preset.transfer.points();
+  points.back().material.phase = 0.5f;
+  f.preset.transfer = TransferFunction(points);
+  f.make(folder.path());
+  const auto with_phase = contents(folder.path());
+  EXPECT_NE(with_phase, before);
+  f.preset.gradient_opacity = GradientOpacity{0, 1, 0.5f};
+  f.make(folder.path());
+  EXPECT_NE(contents(folder.path()), with_phase);
+}
+
 TEST(SeedPoints, TakeLabelsLooks) {
   Volume ball = make_ball(48, 18, 1, 0);
   ball.label_numbers = {0, 1, 2};
@@ -303,6 +321,15 @@ TEST(SeedPoints, TakeLabelsLooks) {
     EXPECT_GT(p.position.z, -0.1f);
     EXPECT_EQ(p.color.r, 0);
     EXPECT_GT(p.color.g, 0.5f);
+  }
+}
+
+TEST(SeedPoints, LieAtBoundariesIfTheyAloneAreSeen) {
+  const Volume ball = make_ball(48, 18, 1, 0);
+  Preset preset = make_preset({point(0, 2), point(1, 2)}, test::white_sky());
+  preset.gradient_opacity = GradientOpacity{0.05f, 0.2f, 0};
+  for (const SeedPoint& p : sample_seed_points(ball, preset, 2000, 1)) {
+    EXPECT_NEAR(glm::length(p.position), 18, 3);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "cinema/majorant_grid.h"
 
 #include <array>
+#include <cmath>
 
 #include "core/parallel.h"
 
@@ -15,39 +16,83 @@ std::uint32_t rounded_up(float x) {
          static_cast<std::uint32_t>(MajorantGrid::kBoundBits);
 }
 
-// Of the labels of the voxels from … to, both included.
-float largest_opacity(const LabelGrid* labels, const IVec3& from, const IVec3& to) {
-  if (labels == nullptr) {
-    return 1;
-  }
-  float largest = 0;
+// The largest `of(x, y, z)` of the voxels from … to, both included.
+template <typename Of>
+float largest(const IVec3& from, const IVec3& to, const Of& of) {
+  float result = 0;
   for (int z = from.z; z <= to.z; ++z) {
     for (int y = from.y; y <= to.y; ++y) {
       for (int x = from.x; x <= to.x; ++x) {
-        largest = std::max(largest, labels->opacity(x, y, z));
+        result = std::max(result, of(x, y, z));
       }
     }
   }
-  return largest;
+  return result;
 }
 
 }  // namespace
 
+// What the extinction of the values is multiplied by.
+class MajorantGrid::Thinning {
+ public:
+  Thinning(const VoxelGrid& grid, const Vec3& spacing, const LabelGrid* labels,
+           const std::optional<GradientOpacity>& gradient_opacity)
+      : grid_(grid),
+        labels_(labels),
+        gradient_opacity_(gradient_opacity),
+        gradient_scale_(grid.step() / spacing) {}
+
+  // At most, between the voxels from … to, both included; indices in [0, dims].
+  float most(const IVec3& from, const IVec3& to) const {
+    float factor = 1;
+    if (labels_ != nullptr) {
+      factor *= largest(from, to, [&](int x, int y, int z) { return labels_->opacity(x, y, z); });
+    }
+    if (gradient_opacity_) {
+      const float squared =
+          largest(from, to, [&](int x, int y, int z) { return squared_steepness({x, y, z}); });
+      // One code of margin for the rounding of interpolation.
+      factor *= gradient_opacity_->factor(std::sqrt(squared) + glm::length(gradient_scale_));
+    }
+    return factor;
+  }
+
+ private:
+  // Between voxels, central differences are interpolated from theirs: never steeper.
+  float squared_steepness(IVec3 at) const {
+    at = glm::min(at, grid_.dims() - 1);  // beyond, the edge goes on
+    const auto code = [&](int dx, int dy, int dz) {
+      return static_cast<float>(grid_.code(at.x + dx, at.y + dy, at.z + dz));
+    };
+    const Vec3 gradient = 0.5f * gradient_scale_ *
+                          Vec3(code(1, 0, 0) - code(-1, 0, 0), code(0, 1, 0) - code(0, -1, 0),
+                               code(0, 0, 1) - code(0, 0, -1));
+    return glm::dot(gradient, gradient);
+  }
+
+  const VoxelGrid& grid_;
+  const LabelGrid* labels_;
+  const std::optional<GradientOpacity>& gradient_opacity_;
+  Vec3 gradient_scale_;  // value units per mm of a code per voxel
+};
+
 MajorantGrid::MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer,
-                           const Vec3& spacing, const LabelGrid* labels)
+                           const Vec3& spacing, const LabelGrid* labels,
+                           const std::optional<GradientOpacity>& gradient_opacity)
     : nudge_(1e-3f * std::min({spacing.x, spacing.y, spacing.z})) {
   cells_.count = (grid.dims() + kCell - 1) / kCell;
   cells_.stride_y = cells_.count.x;
   cells_.stride_z = cells_.count.x * cells_.count.y;
   const size_t count = static_cast<size_t>(cells_.stride_z) * static_cast<size_t>(cells_.count.z);
   cells_.words.assign(count, 0);
-  find_majorants(grid, transfer, labels);
-  find_matter(grid, transfer, labels);
+  const Thinning thinning(grid, spacing, labels, gradient_opacity);
+  find_majorants(grid, transfer, thinning);
+  find_matter(grid, transfer, thinning);
   find_distances();
 }
 
 void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction& transfer,
-                                  const LabelGrid* labels) {
+                                  const Thinning& thinning) {
   const IVec3 last = grid.dims() - 1;
   parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t begin, size_t) {
     const int cz = static_cast<int>(begin);
@@ -71,7 +116,7 @@ void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction&
             transfer.max_extinction(grid.value(static_cast<float>(low) - 1.0f),
                                     grid.value(static_cast<float>(high) + 1.0f));
         cells_.words[index(cx, cy, cz)] =
-            rounded_up(extinction * largest_opacity(labels, from, to));
+            extinction > 0 ? rounded_up(extinction * thinning.most(from, to)) : 0;
       }
     }
   });
@@ -120,7 +165,7 @@ void MajorantGrid::find_distances() {
 }
 
 void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& transfer,
-                               const LabelGrid* labels) {
+                               const Thinning& thinning) {
   // "Is any code of [low, high] visible": yes if the next visible one at or above low is.
   constexpr int kCodes = 1 << 16;
   std::vector<int> next_visible(kCodes + 1, kCodes);
@@ -139,7 +184,7 @@ void MajorantGrid::find_matter(const VoxelGrid& grid, const TransferFunction& tr
       low = std::min(low, code);
       high = std::max(high, code);
     }
-    return next_visible[low] <= high && largest_opacity(labels, voxel, voxel + 1) > 0;
+    return next_visible[low] <= high && thinning.most(voxel, voxel + 1) > 0;
   };
   parallel_for(static_cast<size_t>(cells_.count.z), 1, [&](size_t cz, size_t) {
     for (int cy = 0; cy < cells_.count.y; ++cy) {

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "cinema/label_grid.h"
 #include "cinema/voxel_grid.h"
+#include "volume/gradient_opacity.h"
 #include "volume/transfer_function.h"
 
 namespace clipgs {
 
 /// Macrocells of kCell³ voxels with the largest extinction that any point inside can have: the
 /// cell's range of values (its border voxels included) through the transfer function, times the
-/// largest opacity of its labels. Where there is nothing, the cells know how far the next matter
-/// is, so that a ray leaps over air in a few steps.
+/// largest opacity of its labels and the largest factor that its steepness allows. Where there is
+/// nothing, the cells know how far the next matter is, so that a ray leaps over air in a few steps.
 class MajorantGrid {
  public:
   /// Side of the macrocells, voxels. Small cells bound tightly, so that tracking wastes few
@@ -23,7 +25,8 @@ class MajorantGrid {
 
   /// `spacing` of the voxels in mm; `labels` may be null.
   MajorantGrid(const VoxelGrid& grid, const TransferFunction& transfer, const Vec3& spacing,
-               const LabelGrid* labels = nullptr);
+               const LabelGrid* labels = nullptr,
+               const std::optional<GradientOpacity>& gradient_opacity = std::nullopt);
 
   /// Walks the ray voxel = origin + t·direction for t in [t0, t1] (which must lie inside the
   /// grid; t in mm) through the cells that are not empty, in order. visit(majorant, begin, end)
@@ -88,11 +91,12 @@ class MajorantGrid {
                                 static_cast<std::uint32_t>(kBoundBits));
   }
 
+  class Thinning;
   void find_majorants(const VoxelGrid& grid, const TransferFunction& transfer,
-                      const LabelGrid* labels);
+                      const Thinning& thinning);
   void find_distances();
   void find_matter(const VoxelGrid& grid, const TransferFunction& transfer,
-                   const LabelGrid* labels);
+                   const Thinning& thinning);
 
   Cells cells_;
   float nudge_;

@@ -107,6 +107,45 @@ TEST(MajorantGrid, IsLowerWhereLabelsThin) {
   EXPECT_NEAR(labels.mean_opacity(Vec3(11.25f, 3, 3)), 0.875, 1e-6);
 }
 
+TEST(MajorantGrid, BoundsTheExtinctionThatGradientOpacityLeaves) {
+  const Fixture f(3);
+  const VoxelGrid grid(f.volume, 0, 1000);
+  const Vec3 spacing(0.7f, 1, 1.5f);
+  const GradientOpacity thinning{200, 1200, 0};
+  const MajorantGrid majorants(grid, f.transfer, spacing, nullptr, thinning);
+  const MajorantGrid without(grid, f.transfer, spacing);
+  Rng rng(6);
+  int visible = 0;
+  int lower = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const Vec3 voxel = random_point(rng, Vec3(f.volume.dims - 1));
+    const IVec3 cell = IVec3(voxel / static_cast<float>(MajorantGrid::kCell));
+    const float steepness = glm::length(grid.gradient(voxel) * grid.step() / spacing);
+    const float extinction =
+        thinning.factor(steepness) * f.transfer.at(grid.value(grid.sample(voxel))).extinction;
+    visible += extinction > 0 ? 1 : 0;
+    const float bound = majorants.majorant(cell.x, cell.y, cell.z);
+    ASSERT_LE(extinction, bound);
+    lower += bound < without.majorant(cell.x, cell.y, cell.z) ? 1 : 0;
+    const IVec3 low = IVec3(voxel);
+    ASSERT_TRUE(majorants.has_matter(low.x, low.y, low.z) || extinction == 0);
+  }
+  EXPECT_GT(visible, 200);
+  EXPECT_GT(lower, 200);
+}
+
+TEST(MajorantGrid, IsEmptyWhereGradientOpacityLeavesNothing) {
+  const Volume volume =
+      make_volume({40, 8, 8}, [](const IVec3& v) { return v.x < 20 ? 50.0f : 60.0f; });
+  const VoxelGrid grid(volume, 0, 100);
+  const MajorantGrid majorants(grid, TransferFunction({point(0, 2), point(100, 2)}), Vec3(1),
+                               nullptr, GradientOpacity{2, 4, 0});
+  EXPECT_EQ(majorants.occupied().min.x, 18);
+  EXPECT_EQ(majorants.occupied().max.x, 22);
+  EXPECT_TRUE(majorants.has_matter(18, 3, 3));
+  EXPECT_FALSE(majorants.has_matter(21, 3, 3));
+}
+
 // The optical depth of the majorants along random rays, by the walk and by small steps.
 TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
   Rng rng(9);

@@ -97,9 +97,14 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
     f.add(point.material.extinction);
     f.add(point.material.specular);
     f.add(point.material.roughness);
+    f.add(point.material.phase);
   }
   f.add(preset.surface_strength);
-  f.add(preset.phase_g);
+  if (preset.gradient_opacity) {
+    f.add(preset.gradient_opacity->from);
+    f.add(preset.gradient_opacity->to);
+    f.add(preset.gradient_opacity->floor);
+  }
   f.add(preset.exposure);
   f.add(preset.rig.sky_top);
   f.add(preset.rig.sky_horizon);

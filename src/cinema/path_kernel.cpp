@@ -174,6 +174,7 @@ class Kernel {
         scene_(*view.scene),
         grid_(scene_.grid()),
         labels_(scene_.labels()),
+        thinning_(scene_.preset().gradient_opacity ? &*scene_.preset().gradient_opacity : nullptr),
         majorants_(scene_.majorants()),
         lights_(scene_.lights()),
         batch_(batch),
@@ -246,6 +247,14 @@ class Kernel {
     return difference * Float3(0.5f * scene_.gradient_scale());
   }
 
+  /// Of the extinction, for the steepness of the values.
+  HWY_NOINLINE Float gradient_factor(Float3 p) const {
+    const GradientOpacity& g = *thinning_;
+    const Float3 slope = gradient(p);
+    const Float rise = (sqrt(dot(slope, slope)) - Float(g.from)) * Float(1 / (g.to - g.from));
+    return Float(g.floor) + Float(1 - g.floor) * min(max(rise, Float(0)), Float(1));
+  }
+
   HWY_INLINE Int entry(Float code) const {
     const Float t = code * Float(scene_.entry_scale()) + Float(scene_.entry_offset());
     return truncate(min(max(t, Float(0)), Float(TransferFunction::kTableSize - 1)));
@@ -260,7 +269,7 @@ class Kernel {
                 lanes::gather(tables.albedo[2].data(), at)};
     m.specular = lanes::gather(tables.specular.data(), at);
     m.roughness = lanes::gather(tables.roughness.data(), at);
-    m.phase = Float(scene_.preset().phase_g);
+    m.phase = lanes::gather(tables.phase.data(), at);
     if (scene_.has_photo()) {
       m.albedo = m.albedo * photo(voxel);
     }
@@ -456,7 +465,11 @@ class Kernel {
         c.label = select(matter, draw_label(or_zero(matter, voxel), c.rng, matter), c.label);
         extinction = extinction * lanes::gather(labels_->looks().opacity.data(), c.label);
       }
-      const Mask real = matter & (next_random(c.rng, matter) * c.majorant < extinction);
+      const Float level = next_random(c.rng, matter) * c.majorant;
+      Mask real = matter & (level < extinction);
+      if (thinning_ != nullptr && any(real)) {  // its six samples only where they may matter
+        real = real & (level < extinction * gradient_factor(or_zero(real, voxel)));
+      }
       c.code = select(real, value, c.code);
       c.hit = c.hit | real;
       c.active = c.active & ~real;
@@ -976,7 +989,8 @@ class Kernel {
   const PathView& view_;
   const CinemaScene& scene_;
   const VoxelGrid& grid_;
-  const LabelGrid* labels_;  // null: none
+  const LabelGrid* labels_;          // null: none
+  const GradientOpacity* thinning_;  // null: none
   const MajorantGrid& majorants_;
   const Lights& lights_;
   PathBatch& batch_;

@@ -142,10 +142,7 @@ float PathTracer::first_hit(float x, float y) const {
       const float length = (end - t) / static_cast<float>(count);
       for (int i = 0; i < count; ++i) {
         const float middle = t + (static_cast<float>(i) + 0.5f) * length;
-        const Vec3 voxel = ray.origin + middle * ray.step;
-        const float opacity =
-            scene_.labels() == nullptr ? 1.0f : scene_.labels()->mean_opacity(voxel);
-        const float more = opacity * scene_.extinction(scene_.grid().sample(voxel)) * length;
+        const float more = scene_.extinction(ray.origin + middle * ray.step) * length;
         if (depth + more > stop) {
           where = middle + length * ((stop - depth) / more - 0.5f);
           return true;

@@ -4,6 +4,7 @@
 
 #include "cinema/path_draws.h"
 #include "cinema/reference_tracer.h"
+#include "cinema/scatter.h"
 #include "cinema/test_scenes.h"
 #include "volume/phantom.h"
 
@@ -13,6 +14,7 @@ namespace {
 using test::make_preset;
 using test::make_volume;
 using test::Mean;
+using test::phase_point;
 using test::point;
 
 constexpr int kManyBounces = 100000;
@@ -133,9 +135,8 @@ TEST(PathTracer, FurnaceBySky) {
   const Volume ball = make_ball(24, 9, 1, 0);
   for (const float surface_strength : {0.0f, 3.0f, 1e6f}) {
     for (const float g : {0.0f, 0.6f}) {
-      Preset preset =
-          make_preset({point(0, 0), point(1, 1.5f)}, test::white_sky(), surface_strength);
-      preset.phase_g = g;
+      const Preset preset = make_preset({phase_point(0, 0, g), phase_point(1, 1.5f, g)},
+                                        test::white_sky(), surface_strength);
       const CinemaScene scene(ball, preset);
       for (const bool cut : {false, true}) {
         const std::optional<Plane> plane =
@@ -163,8 +164,8 @@ TEST(PathTracer, FurnaceByPanorama) {
   std::ranges::fill(white.data, 1.0f);
   rig.environment = std::make_shared<const Image>(white);
   for (const float surface_strength : {0.0f, 1e6f}) {
-    Preset preset = make_preset({point(0, 0), point(1, 1.5f)}, rig, surface_strength);
-    preset.phase_g = 0.3f;
+    const Preset preset =
+        make_preset({phase_point(0, 0, 0.3f), phase_point(1, 1.5f, 0.3f)}, rig, surface_strength);
     const CinemaScene scene(ball, preset);
     const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
     Mean radiance;
@@ -182,9 +183,8 @@ TEST(PathTracer, FurnaceByPanorama) {
 TEST(PathTracer, FurnaceByKeyLights) {
   const Volume ball = make_ball(24, 9, 1, 0);
   for (const float surface_strength : {0.0f, 1e6f}) {
-    Preset preset =
-        make_preset({point(0, 0), point(1, 1.5f)}, test::white_keys(), surface_strength);
-    preset.phase_g = 0.3f;
+    const Preset preset = make_preset({phase_point(0, 0, 0.3f), phase_point(1, 1.5f, 0.3f)},
+                                      test::white_keys(), surface_strength);
     const CinemaScene scene(ball, preset);
     const PathTracer tracer(scene, camera_from({60, 20, 10}), std::nullopt, kManyBounces);
     const Means means = trace(tracer, 8000);
@@ -233,11 +233,11 @@ Everything::Everything(const LightRig& rig) {
   volume.spacing = Vec3(0.8f, 1.1f, 1.6f);
   volume.direction = Mat3(glm::angleAxis(0.7f, glm::normalize(Vec3(1, 2, 3))));
   volume.origin = -(volume.direction * (Vec3(19.5f, 14.5f, 12.5f) * volume.spacing));
-  preset = make_preset(
-      {point(-500, 0, Vec3(0.3f)), point(-100, 0.9f, Vec3(0.8f), 0.3f), point(50, 0, Vec3(0.4f)),
-       point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f), point(500, 0.2f, Vec3(0.7f))},
-      rig, 0.002f);
-  preset.phase_g = 0.2f;
+  preset = make_preset({point(-500, 0, Vec3(0.3f), 0, 0.4f, -0.5f),
+                        point(-100, 0.9f, Vec3(0.8f), 0.3f, 0.4f, 0.6f), point(50, 0, Vec3(0.4f)),
+                        point(300, 0, Vec3(0.6f)), point(350, 2.0f, Vec3(0.9f), 0.5f, 0.4f, -0.3f),
+                        point(500, 0.2f, Vec3(0.7f), 0, 0.4f, 0.8f)},
+                       rig, 0.002f);
 }
 
 void expect_agreement(const Everything& e, const CinemaScene& scene, const Cut& cut) {
@@ -279,6 +279,43 @@ TEST(PathTracer, AgreesWithTheReferenceOnLabels) {
   expect_agreement(e);
 }
 
+TEST(PathTracer, AgreesWithTheReferenceOnGradientOpacity) {
+  Everything e(two_keys());
+  e.preset.gradient_opacity = GradientOpacity{100, 500, 0.1f};
+  expect_agreement(e);
+  e.volume.label_numbers = {0, 3};
+  label_where(e.volume, [](const IVec3& v) { return (v.x / 5 + v.y / 5 + v.z / 5) % 2; });
+  e.preset.labels = {{3, {Vec3(0.9f, 0.1f, 0.2f), 0.6f}}};
+  expect_agreement(e);
+}
+
+TEST(PathTracer, EvenMatterKeepsTheFloorOfItsExtinction) {
+  const Volume slab = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
+  Preset preset = make_preset({point(0, 0), point(1, 0.13f)}, test::white_sky());
+  for (const float floor : {0.0f, 0.4f, 1.0f}) {
+    preset.gradient_opacity = GradientOpacity{1, 2, floor};
+    const CinemaScene scene(slab, preset);
+    const Means means = trace(PathTracer(scene, camera_from({80, 0, 0}), {}, 1), 40000);
+    const double depth = 0.13 * 23 * static_cast<double>(floor);
+    EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-depth), means.alpha.tolerance());
+  }
+}
+
+// Half as steep as full extinction needs: half of it. At the ends, where the values stop growing,
+// the ramp is half as steep.
+TEST(PathTracer, ExtinctionGrowsWithSteepness) {
+  Volume ramp =
+      make_volume({33, 16, 16}, [](const IVec3& v) { return 5 * static_cast<float>(v.x); });
+  ramp.spacing = Vec3(0.5f, 1, 1);
+  ramp.origin = -0.5f * Vec3(ramp.dims - 1) * ramp.spacing;
+  Preset preset = make_preset({point(0, 0.2f), point(160, 0.2f)}, test::white_sky());
+  preset.gradient_opacity = GradientOpacity{0, 20, 0};  // the values grow by 10 per mm
+  const CinemaScene scene(ramp, preset);
+  const Means means = trace(PathTracer(scene, camera_from({90, 0, 0}), {}, 1), 40000);
+  const double depth = 0.2 * (15 * 0.5 + 2 * 0.5 * 0.375);
+  EXPECT_NEAR(means.alpha.value(), 1 - std::exp(-depth), means.alpha.tolerance());
+}
+
 // Half a slab has a label; the draws between voxels make its edge soft but keep the mean.
 TEST(PathTracer, OpacityThinsMatter) {
   Volume volume = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
@@ -310,6 +347,26 @@ TEST(PathTracer, LabelsColourWhatIsFirstMet) {
     ASSERT_EQ(sample.alpha, 1);
     EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
     EXPECT_LT(glm::length(sample.radiance - red), 2e-3f);
+  }
+}
+
+// Scattered once towards a light behind it, thin matter is as bright as its own phase function
+// says.
+TEST(PathTracer, EveryValueHasItsOwnPhase) {
+  const LightRig rig{Vec3(0), Vec3(0), Vec3(0), {{Vec3(-0.8f, 0.6f, 0), Vec3(1), 0}}};
+  const Preset preset =
+      make_preset({phase_point(0, 0.01f, -0.5f), phase_point(1, 0.01f, 0.7f)}, rig);
+  const auto radiance = [&](float value) {
+    const Volume slab = make_volume({24, 20, 20}, [&](const IVec3&) { return value; });
+    const CinemaScene scene(slab, preset);
+    return trace(PathTracer(scene, camera_from({80, 0, 0}), {}, 1), 20000).radiance.value();
+  };
+  const double isotropic = radiance(0.5f / 1.2f);
+  EXPECT_GT(isotropic, 0);
+  for (const float value : {0.0f, 0.25f, 0.75f, 1.0f}) {
+    const float g = -0.5f + 1.2f * value;
+    const double expected = henyey_greenstein(0.8f, g) / henyey_greenstein(0.8f, 0);
+    EXPECT_NEAR(radiance(value) / isotropic, expected, 2e-3 * expected);
   }
 }
 
@@ -473,6 +530,14 @@ TEST(PathTracer, FirstHitIsTheSurface) {
   const CinemaScene hidden(labelled, hiding);
   const PathTracer through(hidden, camera_from({0, 100, 0}), std::nullopt, 1);
   EXPECT_NEAR(through.first_hit(32, 32), 100 - (25.5 - 19.5), 1);
+
+  // So is matter of even values: of a block with a ball in it, the ball's surface is left, which
+  // central differences see from a voxel away.
+  Preset boundaries = make_preset({point(0, 20), point(1, 20)}, test::white_sky());
+  boundaries.gradient_opacity = GradientOpacity{0.1f, 0.3f, 0};
+  const CinemaScene shell(ball, boundaries);
+  const PathTracer to_shell(shell, camera_from({0, 100, 0}), std::nullopt, 1);
+  EXPECT_NEAR(to_shell.first_hit(32, 32), 84, 1);
 }
 
 }  // namespace

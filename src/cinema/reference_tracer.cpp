@@ -54,6 +54,28 @@ double ReferenceTracer::value_at(const DVec3& voxel) const {
   return value;
 }
 
+// Central differences over one voxel to either side, value units per mm, in the grid frame.
+glm::dvec3 ReferenceTracer::gradient_at(const DVec3& voxel) const {
+  DVec3 gradient;
+  for (int k = 0; k < 3; ++k) {
+    DVec3 step(0);
+    step[k] = 1;
+    gradient[k] = (value_at(voxel + step) - value_at(voxel - step)) / (2 * spacing_[k]);
+  }
+  return gradient;
+}
+
+double ReferenceTracer::extinction_at(const DVec3& voxel, double value,
+                                      const LabelLook& label) const {
+  const double extinction =
+      label.applied_to(preset_.transfer.at(static_cast<float>(value))).extinction;
+  if (!preset_.gradient_opacity) {
+    return extinction;
+  }
+  const auto steepness = static_cast<float>(glm::length(gradient_at(voxel)));
+  return extinction * preset_.gradient_opacity->factor(steepness);
+}
+
 // Of one of the eight voxels about the position, drawn with its trilinear weight.
 LabelLook ReferenceTracer::draw_label(const DVec3& voxel, Rng& rng) const {
   if (labels_.empty()) {
@@ -107,9 +129,7 @@ bool ReferenceTracer::track(const DVec3& origin, const DVec3& direction, double 
     const DVec3 voxel = voxel_at(origin, direction, t);
     const double value = value_at(voxel);
     const LabelLook label = draw_label(voxel, rng);
-    const double extinction =
-        label.applied_to(preset_.transfer.at(static_cast<float>(value))).extinction;
-    if (static_cast<double>(rng.uniform()) * majorant_ < extinction) {
+    if (static_cast<double>(rng.uniform()) * majorant_ < extinction_at(voxel, value, label)) {
       collision = {t, value, label};
       return true;
     }
@@ -171,12 +191,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     bool surface = face != nullptr;
     Vec3 normal = surface ? *face : Vec3(0);
     if (!surface) {
-      DVec3 gradient;
-      for (int k = 0; k < 3; ++k) {
-        DVec3 step(0);
-        step[k] = 1;
-        gradient[k] = (value_at(voxel + step) - value_at(voxel - step)) / (2 * spacing_[k]);
-      }
+      const DVec3 gradient = gradient_at(voxel);
       const double steepness = glm::length(gradient);
       surface = static_cast<double>(rng.uniform()) <
                 1.0 - std::exp(-static_cast<double>(preset_.surface_strength) * steepness);
@@ -203,7 +218,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
         scattered = (1.0f - m.specular) * cosine * std::numbers::inv_pi_v<float> * m.albedo +
                     m.specular * ggx::evaluate(normal, out, towards, m.roughness);
       } else {
-        scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), preset_.phase_g);
+        scattered = m.albedo * henyey_greenstein(glm::dot(direction, towards), m.phase);
       }
       if (scattered != Vec3(0)) {
         sample.radiance += throughput * scattered * irradiance * light_from(towards);
@@ -213,7 +228,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     const float u = rng.uniform();
     const float v = rng.uniform();
     if (!surface) {
-      direction = sample_henyey_greenstein(direction, preset_.phase_g, u, v);
+      direction = sample_henyey_greenstein(direction, m.phase, u, v);
       throughput *= m.albedo;
     } else if (rng.uniform() < m.specular) {
       float weight = 0;

@@ -30,6 +30,8 @@ class ReferenceTracer {
   };
 
   double value_at(const DVec3& voxel) const;
+  DVec3 gradient_at(const DVec3& voxel) const;
+  double extinction_at(const DVec3& voxel, double value, const LabelLook& label) const;
   LabelLook draw_label(const DVec3& voxel, Rng& rng) const;
   DVec3 voxel_at(const DVec3& origin, const DVec3& direction, double t) const {
     return origin + t * direction / spacing_;

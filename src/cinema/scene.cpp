@@ -11,8 +11,10 @@ namespace {
 
 // The interval of values that 16-bit codes cover: the volume's own, but not further beyond the
 // transfer function's than twice its width, so that a few extreme values (metal, padding) do not
-// coarsen all others. Values beyond only shape the interpolation towards such voxels.
-Vec2 coded_interval(const Volume& volume, const TransferFunction& transfer) {
+// coarsen all others. Values beyond only shape the interpolation towards such voxels, and
+// gradients: one that is cut off there still is as steep as gradient opacity asks for.
+Vec2 coded_interval(const Volume& volume, const Preset& preset) {
+  const TransferFunction& transfer = preset.transfer;
   constexpr size_t kPiece = size_t{1} << 20;
   std::vector<Vec2> pieces((volume.voxels() + kPiece - 1) / kPiece);
   parallel_for(volume.voxels(), kPiece, [&](size_t begin, size_t end) {
@@ -23,13 +25,16 @@ Vec2 coded_interval(const Volume& volume, const TransferFunction& transfer) {
   for (const Vec2& piece : pieces) {
     all = {std::min(all.x, piece.x), std::max(all.y, piece.y)};
   }
-  const float margin = std::max(2.0f * (transfer.max_value() - transfer.min_value()), 1.0f);
+  const float steepest = preset.gradient_opacity ? preset.gradient_opacity->to : 0.0f;
+  const Vec3& s = volume.spacing;
+  const float margin = std::max({2.0f * (transfer.max_value() - transfer.min_value()), 1.0f,
+                                 2.0f * steepest * std::max({s.x, s.y, s.z})});
   return {std::max(all.x, transfer.min_value() - margin),
           std::min(all.y, transfer.max_value() + margin)};
 }
 
-VoxelGrid make_grid(const Volume& volume, const TransferFunction& transfer) {
-  const Vec2 interval = coded_interval(volume, transfer);
+VoxelGrid make_grid(const Volume& volume, const Preset& preset) {
+  const Vec2 interval = coded_interval(volume, preset);
   return {volume, interval.x, interval.y};
 }
 
@@ -46,9 +51,9 @@ std::array<float, 256> linear_table() {
 CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
     : volume_(&volume),
       preset_(preset),
-      grid_(make_grid(volume, preset.transfer)),
+      grid_(make_grid(volume, preset)),
       labels_(volume.labels.empty() ? nullptr : std::make_unique<LabelGrid>(volume, preset.labels)),
-      majorants_(grid_, preset.transfer, volume.spacing, labels_.get()),
+      majorants_(grid_, preset.transfer, volume.spacing, labels_.get(), preset.gradient_opacity),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       inverse_spacing_(1.0f / volume.spacing),
       gradient_scale_(grid_.step() / volume.spacing),
@@ -69,7 +74,20 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
     }
     tables_->specular[entry] = material.specular;
     tables_->roughness[entry] = material.roughness;
+    tables_->phase[entry] = material.phase;
   }
+}
+
+float CinemaScene::extinction(const Vec3& voxel) const {
+  float extinction = tables_->extinction[static_cast<size_t>(entry(grid_.sample(voxel)))];
+  if (labels_ != nullptr) {
+    extinction *= labels_->mean_opacity(voxel);
+  }
+  if (preset_.gradient_opacity && extinction > 0) {
+    const float steepness = glm::length(grid_.gradient(voxel) * gradient_scale_);
+    extinction *= preset_.gradient_opacity->factor(steepness);
+  }
+  return extinction;
 }
 
 Vec3 CinemaScene::photo(const Vec3& voxel) const {

@@ -17,7 +17,7 @@ struct MaterialTables {
   using Table = std::array<float, TransferFunction::kTableSize>;
   Table extinction;
   std::array<Table, 3> albedo;
-  Table specular, roughness;
+  Table specular, roughness, phase;
 };
 
 /// A volume made ready for path tracing under a preset, with its labels if it has any. Tracing
@@ -36,10 +36,9 @@ class CinemaScene {
 
   const Vec3& inverse_spacing() const { return inverse_spacing_; }
 
-  /// Extinction at an interpolated code, 1/mm.
-  float extinction(float code) const {
-    return tables_->extinction[static_cast<size_t>(entry(code))];
-  }
+  /// Mean extinction at a voxel position, 1/mm: that of the value, thinned by labels and where the
+  /// values are even.
+  float extinction(const Vec3& voxel) const;
   const MaterialTables& materials() const { return *tables_; }
   /// Entry of the tables at an interpolated code: its integer part after scale and offset, clamped.
   float entry_scale() const { return entry_scale_; }

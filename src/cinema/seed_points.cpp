@@ -44,13 +44,15 @@ class Looks {
       : volume_(volume),
         transfer_(preset.transfer),
         labels_(looks_of_labels(volume, preset.labels)),
+        gradient_opacity_(preset.gradient_opacity),
         thickness_(std::cbrt(volume.spacing.x * volume.spacing.y * volume.spacing.z)) {}
 
   // Colour times opacity, opacity; photographs' colours do not count.
   Vec4 at(int x, int y, int z) const {
     const size_t voxel = volume_.offset(x, y, z);
     const Material m = labelled(transfer_.at(volume_.values[voxel]), voxel);
-    const float opacity = 1.0f - std::exp(-m.extinction * thickness_);
+    const float factor = gradient_opacity_ ? gradient_opacity_->factor(steepness(x, y, z)) : 1.0f;
+    const float opacity = 1.0f - std::exp(-factor * m.extinction * thickness_);
     return {m.albedo * opacity, opacity};
   }
 
@@ -67,6 +69,20 @@ class Looks {
   }
 
  private:
+  // ‖∇v‖ by central differences, value units per mm.
+  float steepness(int x, int y, int z) const {
+    const IVec3 at(x, y, z);
+    Vec3 gradient;
+    for (int k = 0; k < 3; ++k) {
+      IVec3 low = at;
+      IVec3 high = at;
+      low[k] = std::max(at[k] - 1, 0);
+      high[k] = std::min(at[k] + 1, volume_.dims[k] - 1);
+      gradient[k] = (volume_.at(high.x, high.y, high.z) - volume_.at(low.x, low.y, low.z)) /
+                    (2 * volume_.spacing[k]);
+    }
+    return glm::length(gradient);
+  }
   Material labelled(const Material& material, size_t voxel) const {
     return labels_.empty() ? material : labels_[volume_.labels[voxel]].applied_to(material);
   }
@@ -74,6 +90,7 @@ class Looks {
   const Volume& volume_;
   const TransferFunction& transfer_;
   std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
+  std::optional<GradientOpacity> gradient_opacity_;
   float thickness_;
 };
 

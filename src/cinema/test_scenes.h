@@ -26,8 +26,13 @@ inline Volume make_volume(const IVec3& dims, const std::function<float(const IVe
 }
 
 inline TransferPoint point(float value, float extinction, const Vec3& albedo = Vec3(1),
-                           float specular = 0, float roughness = 0.4f) {
-  return {value, {albedo, extinction, specular, roughness}};
+                           float specular = 0, float roughness = 0.4f, float phase = 0) {
+  return {value, {albedo, extinction, specular, roughness, phase}};
+}
+
+/// Isotropic scattering but for this phase.
+inline TransferPoint phase_point(float value, float extinction, float phase) {
+  return point(value, extinction, Vec3(1), 0, 0.4f, phase);
 }
 
 /// White sky, no keys.

@@ -7,7 +7,8 @@
 namespace clipgs {
 
 /// Where the matter is that a transfer function and labels show, in world space (RAS mm). Specks
-/// far from the rest do not count.
+/// far from the rest do not count. Gradient opacity is not asked: what it leaves of matter is
+/// mostly its boundary, so that the hull is much the same, or a little too large.
 struct VisibleMatter {
   Box bounds;
   Sphere sphere;           ///< what cameras frame

@@ -60,6 +60,16 @@ View parse_view(const std::string& text) {
   return view;
 }
 
+GradientOpacity parse_gradient_opacity(const std::string& text) {
+  const std::vector<float> n = parse_numbers(text, 2, 3, "--gradient-opacity");
+  const GradientOpacity result{n[0], n[1], n.size() > 2 ? n[2] : 0.0f};
+  if (!result.valid()) {
+    throw CLI::ValidationError("--gradient-opacity",
+                               "FROM must be at least 0 and below TO, FLOOR 0 to 1");
+  }
+  return result;
+}
+
 namespace {
 
 /// The plane of the first four numbers.

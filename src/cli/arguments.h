@@ -6,6 +6,7 @@
 #include "core/camera.h"
 #include "core/cut.h"
 #include "section/faces.h"
+#include "volume/gradient_opacity.h"
 
 namespace clipgs {
 
@@ -16,6 +17,9 @@ IVec3 parse_size(const std::string& text);  // x, y; z is 0
 
 /// "azimuth,elevation[,zoom]" in degrees.
 View parse_view(const std::string& text);
+
+/// "from,to[,floor]" of --gradient-opacity, volume's units per mm.
+GradientOpacity parse_gradient_opacity(const std::string& text);
 
 /// --plane and --slab, as often as they were given.
 struct CutArguments {

@@ -126,6 +126,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"preset", arguments.look.preset},
           {"rig", arguments.look.rig},
           {"exposure", arguments.look.exposure},
+          {"gradient_opacity", arguments.look.gradient_opacity},
           {"labels", fingerprint(arguments.loading.labels)},
           {"label", arguments.look.labels.looks},
           {"label_table", fingerprint(arguments.look.labels.table)},
@@ -177,7 +178,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   }
   const Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_look(arguments.look, volume);
-  require_light_for_section(preset, arguments.section);
+  require_look_for_section(preset, arguments.section);
   // Only now, so that an input that cannot be used leaves nothing behind.
   create_folder(work);
   write_text(work / kClaimFile, claim.dump(1));

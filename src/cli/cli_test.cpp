@@ -281,6 +281,34 @@ TEST_F(CliTest, FloorShowsShadowsAlone) {
   EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--floor", "below"}).status, 2);
 }
 
+TEST_F(CliTest, GradientOpacityThinsPicturesButNotSections) {
+  const auto picture = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"cinema", phantom(), "-o",    at(name),
+                                          "--size", "32",      "--spp", "8"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_clipgs(arguments).status, 0);
+    double alpha = 0;
+    const Image image = read_png(at(name));
+    for (size_t i = 3; i < image.data.size(); i += 4) {
+      alpha += image.data[i];
+    }
+    return alpha;
+  };
+  const double solid = picture("solid.png", {});
+  const double thin = picture("thin.png", {"--gradient-opacity", "200,2000,0.001"});
+  EXPECT_GT(thin, 0);
+  EXPECT_LT(thin, 0.9 * solid);
+  for (const char* const wrong : {"100", "100,50", "0,10,2", "0,10,a"}) {
+    EXPECT_EQ(
+        run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--gradient-opacity", wrong}).status,
+        2);
+  }
+  expect_failure({"dataset", phantom(), "-o", at("thin"), "--gradient-opacity", "0,100"},
+                 "--no-section", at("thin"));
+  expect_failure({"build", phantom(), "-o", at("thin.sog"), "--gradient-opacity", "0,100"},
+                 "--no-section", at("thin.clipgs-work"));
+}
+
 TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   const Finished built = run_clipgs(small_build("case.sog"));
   ASSERT_EQ(built.status, 0) << built.err;

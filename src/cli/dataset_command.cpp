@@ -43,7 +43,7 @@ void run_dataset(const DatasetArguments& arguments) {
   options.axis = glm::normalize(options.axis);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
-  require_light_for_section(preset, arguments.section);
+  require_look_for_section(preset, arguments.section);
   const Dataset dataset = make_dataset(volume, preset, arguments.folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
 

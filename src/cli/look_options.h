@@ -11,16 +11,17 @@
 
 namespace clipgs {
 
-/// --preset, --rig, --exposure and what label_options.h adds.
+/// --preset, --rig, --exposure, --gradient-opacity and what label_options.h adds.
 struct LookArguments {
   std::string preset = "auto";
-  std::string rig;       ///< empty: the preset's own
-  std::string exposure;  ///< a factor or "auto"; empty: the preset's own
+  std::string rig;               ///< empty: the preset's own
+  std::string exposure;          ///< a factor or "auto"; empty: the preset's own
+  std::string gradient_opacity;  ///< empty: the preset's own
   LabelArguments labels;
 };
 
-/// Adds --preset, --rig and --exposure, which every command that path-traces understands. `look`
-/// must outlive the parsing.
+/// Adds --preset, --rig, --exposure and --gradient-opacity, which every command that path-traces
+/// understands. `look` must outlive the parsing.
 inline void add_look_options(CLI::App& command, LookArguments& look) {
   command.add_option("--preset", look.preset, "Look: a preset's name, a JSON file, or auto")
       ->capture_default_str();
@@ -32,6 +33,11 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       "--exposure", look.exposure,
       "Brightness: a factor, or auto: what is bright is shown bright under any light "
       "(default: the preset's own, or auto where --rig is a panorama)");
+  command.add_option(
+      "--gradient-opacity", look.gradient_opacity,
+      "FROM,TO[,FLOOR]: matter keeps the share FLOOR (default 0) of its extinction where values "
+      "change by FROM or less per mm (HU for CT), all of it from TO on: boundaries stay, even "
+      "interiors become transparent (default: the preset's own)");
 }
 
 /// The preset under these lights, with the looks of the volume's labels, ready to use on `volume`.
@@ -40,6 +46,9 @@ inline Preset load_look(const LookArguments& look, const Volume& volume) {
   Preset preset = load_preset(look.preset, volume);
   if (!look.rig.empty()) {
     preset.rig = load_rig(look.rig);
+  }
+  if (!look.gradient_opacity.empty()) {
+    preset.gradient_opacity = parse_gradient_opacity(look.gradient_opacity);
   }
   preset.labels = load_label_looks(look.labels, volume);
   const bool automatic =

@@ -28,7 +28,7 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
                    "No section: splats fill the cut faces (always so with --labels)");
 }
 
-void require_light_for_section(const Preset& preset, const SectionChoice& choice) {
+void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
   if (choice.none) {
     return;
   }
@@ -42,6 +42,11 @@ void require_light_for_section(const Preset& preset, const SectionChoice& choice
         "{} cannot light cut faces that are drawn from the volume: choose another --rig, or add "
         "--no-section",
         light);
+  }
+  if (preset.gradient_opacity) {
+    throw Error(
+        "gradient opacity does not reach cut faces that are drawn from the volume: do without it, "
+        "or add --no-section");
   }
 }
 

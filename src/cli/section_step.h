@@ -19,8 +19,8 @@ struct SectionChoice {
 
 void add_section_options(CLI::App& command, SectionChoice& choice);
 
-/// Throws Error if cut faces drawn from the volume cannot have the preset's light.
-void require_light_for_section(const Preset& preset, const SectionChoice& choice);
+/// Throws Error if cut faces drawn from the volume cannot look as the preset says.
+void require_look_for_section(const Preset& preset, const SectionChoice& choice);
 
 /// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them.
 /// `choice.none`: removes the one that is there.

@@ -157,7 +157,8 @@ ValueUnits parse_units(const std::string& text, const std::string& where) {
   throw Error("{}: units \"{}\" are none of hu, stored, percentile", where, text);
 }
 
-TransferPoint parse_point(const json& object, const std::string& where) {
+/// `phase`: of a point that has none of its own.
+TransferPoint parse_point(const json& object, const std::string& where, float phase) {
   Reader reader(object, where);
   TransferPoint point;
   point.value = reader.number("value");
@@ -165,8 +166,20 @@ TransferPoint parse_point(const json& object, const std::string& where) {
   point.material.extinction = reader.number("extinction");
   point.material.specular = reader.number("specular", 0);
   point.material.roughness = reader.number("roughness", 0.5f);
+  point.material.phase = reader.number("phase", phase);
   reader.refuse_unknown_keys();
   return point;
+}
+
+GradientOpacity parse_gradient_opacity(const json& object, const std::string& where) {
+  Reader reader(object, where);
+  const GradientOpacity result{reader.number("from"), reader.number("to"),
+                               reader.number("floor", 0)};
+  if (!result.valid()) {
+    throw Error("{}: needs 0 <= from < to, and floor in 0..1", where);
+  }
+  reader.refuse_unknown_keys();
+  return result;
 }
 
 /// {"color": ..., "intensity": ...} as linear radiance.
@@ -294,16 +307,19 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   preset.modality = parse_modality(reader.text("modality", "any"), where);
   preset.units = parse_units(reader.text("units", "hu"), where);
   preset.surface_strength = reader.number("surface_strength");
-  preset.phase_g = reader.number("phase_g", 0);
+  const float phase = reader.number("phase_g", 0);
+  if (const json* const found = reader.find("gradient_opacity")) {
+    preset.gradient_opacity = parse_gradient_opacity(*found, where + ": gradient_opacity");
+  }
   preset.exposure = reader.number("exposure", 1);
-  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(preset.phase_g) >= 1) {
+  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(phase) >= 1) {
     throw Error("{}: surface_strength must be >= 0, exposure > 0 and |phase_g| < 1", where);
   }
 
   std::vector<TransferPoint> points;
   const json& list = reader.list("points");
   for (size_t i = 0; i < list.size(); ++i) {
-    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1)));
+    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1), phase));
     const float value = points.back().value;
     if (preset.units == ValueUnits::kPercentile && (value < 0 || value > 100)) {
       throw Error("{}: point {}: a percentile must lie in 0..100", where, i + 1);
@@ -469,6 +485,10 @@ void resolve_percentiles(Preset& preset, const Volume& volume) {
   preset.transfer = TransferFunction(std::move(points));
   const float range = h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold);
   preset.surface_strength /= std::max(range, 1e-6f);
+  if (preset.gradient_opacity) {
+    preset.gradient_opacity->from *= std::max(range, 1e-6f);
+    preset.gradient_opacity->to *= std::max(range, 1e-6f);
+  }
   preset.units = ValueUnits::kStored;
 }
 

@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/image.h"
+#include "volume/gradient_opacity.h"
 #include "volume/label_looks.h"
 #include "volume/transfer_function.h"
 #include "volume/volume.h"
@@ -49,7 +51,7 @@ struct Preset {
   ValueUnits units = ValueUnits::kStored;
   TransferFunction transfer;
   float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
-  float phase_g = 0;           ///< Henyey–Greenstein asymmetry of volume scattering
+  std::optional<GradientOpacity> gradient_opacity;  ///< nothing: a factor of 1 everywhere
   LightRig rig;
   float exposure = 1;  ///< linear factor before the sRGB curve
   LabelLooks labels;   ///< of a volume with labels; no part of a preset's file
@@ -73,8 +75,8 @@ std::vector<std::string> preset_names();
 Preset load_preset(const std::string& name_or_path);
 
 /// Turns percentiles of the foreground (values above Otsu's threshold) into the volume's values,
-/// and surface_strength from "per p1–p99 range and mm" into "per value unit and mm". Other presets
-/// are left as they are.
+/// and surface_strength and gradient_opacity from "per p1–p99 range" into "per value unit". Other
+/// presets are left as they are.
 void resolve_percentiles(Preset& preset, const Volume& volume);
 
 /// The preset that suits the volume's modality and histogram, ready to use on it.

@@ -16,8 +16,10 @@ using testing::HasSubstr;
 
 constexpr const char* kSmall = R"({
   "title": "Small", "modality": "ct", "units": "hu", "surface_strength": 0.5, "exposure": 2,
+  "phase_g": 0.6,
   "points": [{"value": 0, "color": "#000000", "extinction": 0},
-             {"value": 100, "color": [1, 0.5, 0], "extinction": 2, "specular": 0.2, "roughness": 0.3}],
+             {"value": 100, "color": [1, 0.5, 0], "extinction": 2, "specular": 0.2, "roughness": 0.3,
+              "phase": -0.2}],
   "lights": {"sky": {"top": {"color": "#ffffff", "intensity": 0.5},
                      "horizon": {"color": "#ffffff"}, "bottom": {"color": "#000000"}},
              "keys": [{"direction": [0, 2, 0], "color": "#ffffff", "intensity": 3,
@@ -46,12 +48,35 @@ TEST(Preset, ReadsEveryKey) {
   EXPECT_EQ(m.extinction, 2);
   EXPECT_EQ(m.specular, 0.2f);
   EXPECT_EQ(m.roughness, 0.3f);
+  EXPECT_EQ(m.phase, -0.2f);
+  EXPECT_EQ(preset.transfer.at(0).phase, 0.6f);  // the preset's
   EXPECT_EQ(preset.rig.sky_top, Vec3(0.5f));
   EXPECT_EQ(preset.rig.sky_horizon, Vec3(1));
   ASSERT_EQ(preset.rig.keys.size(), 1);
   EXPECT_EQ(preset.rig.keys[0].direction, Vec3(0, 1, 0));
   EXPECT_EQ(preset.rig.keys[0].radiance, Vec3(3));
   EXPECT_NEAR(preset.rig.keys[0].angular_radius, 0.174533f, 1e-5f);
+}
+
+TEST(Preset, ReadsGradientOpacity) {
+  EXPECT_FALSE(parse_preset(kSmall, "small", "here").gradient_opacity);
+  const auto text = [](const std::string& value) {
+    return with("\"exposure\": 2", "\"exposure\": 2, \"gradient_opacity\": " + value);
+  };
+  const Preset preset = parse_preset(text(R"({"from": 20, "to": 60, "floor": 0.2})"), "s", "here");
+  const GradientOpacity g = preset.gradient_opacity.value();
+  EXPECT_FLOAT_EQ(g.factor(0), 0.2f);
+  EXPECT_FLOAT_EQ(g.factor(20), 0.2f);
+  EXPECT_FLOAT_EQ(g.factor(40), 0.6f);
+  EXPECT_FLOAT_EQ(g.factor(1000), 1);
+  EXPECT_EQ(parse_preset(text(R"({"from": 0, "to": 1})"), "s", "s").gradient_opacity->floor, 0);
+  for (const char* const wrong : {R"({"from": 60, "to": 60})", R"({"from": -1, "to": 60})",
+                                  R"({"from": 0, "to": 60, "floor": 1.1})"}) {
+    EXPECT_THAT(parse_error(text(wrong)), HasSubstr("gradient_opacity: needs 0 <= from < to"));
+  }
+  EXPECT_THAT(parse_error(text(R"({"from": 20})")), HasSubstr("\"to\" is missing"));
+  EXPECT_THAT(parse_error(text("[20, 60]")), HasSubstr("gradient_opacity: expected an object"));
+  EXPECT_THAT(parse_error(text(R"({"from": 0, "to": 1, "flor": 0})")), HasSubstr("\"flor\""));
 }
 
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
@@ -97,6 +122,9 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(parse_error(with("\"ct\"", "\"pet\"")), HasSubstr("modality"));
   EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
   EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
+  EXPECT_THAT(parse_error(with("\"phase\": -0.2", "\"phase\": -1")),
+              HasSubstr("phase at value 100"));
+  EXPECT_THAT(parse_error(with("\"phase_g\": 0.6", "\"phase_g\": 1")), HasSubstr("phase_g"));
 }
 
 TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {
@@ -161,6 +189,18 @@ TEST(Preset, PercentilesFollowTheScanner) {
   EXPECT_NEAR(a.surface_strength * 200, b.surface_strength * 20000, 0.1f);
   EXPECT_EQ(a.transfer.at(0).extinction, 0);
   EXPECT_EQ(b.transfer.at(300).extinction, 0);
+}
+
+TEST(Preset, GradientOpacityFollowsTheScanner) {
+  Preset preset = load_preset("mr");
+  preset.gradient_opacity = GradientOpacity{0.1f, 0.4f, 0.3f};
+  Preset tenfold = preset;
+  resolve_percentiles(preset, with_values(200, 0, Modality::kMr));
+  resolve_percentiles(tenfold, with_values(2000, 300, Modality::kMr));
+  EXPECT_GT(preset.gradient_opacity->from, 1);
+  EXPECT_FLOAT_EQ(preset.gradient_opacity->to, 4 * preset.gradient_opacity->from);
+  EXPECT_EQ(preset.gradient_opacity->floor, 0.3f);
+  EXPECT_NEAR(tenfold.gradient_opacity->to, 10 * preset.gradient_opacity->to, 0.5f);
 }
 
 }  // namespace

@@ -27,11 +27,15 @@ void check(const TransferPoint& point) {
         "transfer function: specular at value {} must lie in 0..1 and roughness above 0 up to 1",
         point.value);
   }
+  if (!(std::abs(m.phase) < 1)) {
+    throw Error("transfer function: phase at value {} must lie between -1 and 1", point.value);
+  }
 }
 
 Material mix(const Material& a, const Material& b, float t) {
   return {glm::mix(a.albedo, b.albedo, t), glm::mix(a.extinction, b.extinction, t),
-          glm::mix(a.specular, b.specular, t), glm::mix(a.roughness, b.roughness, t)};
+          glm::mix(a.specular, b.specular, t), glm::mix(a.roughness, b.roughness, t),
+          glm::mix(a.phase, b.phase, t)};
 }
 
 // Level k of the result holds pick over the 2^k entries that start at each index.

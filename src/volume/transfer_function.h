@@ -12,6 +12,7 @@ struct Material {
   float extinction = 0;    ///< σ_t, 1/mm
   float specular = 0;      ///< weight of the GGX lobe of surface scattering, 0…1
   float roughness = 0.5f;  ///< GGX α of that lobe, (0, 1]
+  float phase = 0;         ///< Henyey–Greenstein g of volume scattering, (−1, 1): the mean cosine
 };
 
 /// One control point; between points materials are interpolated linearly, beyond the ends they are
