@@ -6,7 +6,7 @@
 #                                  already are not built again
 #
 # QUALITY (default standard, draft for the phantom) and SPP (default 512, of the path tracer) trade time for looks.
-# Needs ImageMagick besides what scripts/setup.sh installs.
+# CLIPGS_MR may name an MR scan for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -92,31 +92,41 @@ shot() {
   convert "$file" -gravity south -fill '#c8ccd4' -pointsize 15 -annotate +0+8 "$label" "$file"
 }
 
-# look PRESET VOLUME VIEW PLANE [LOADING...]: a column of the sheet of presets, uncut and cut.
+# look NAME PRESET VOLUME VIEW PLANE [LOADING...]: a column of a sheet of presets, uncut and cut.
 look() {
-  local preset="$1" volume="$CLIPGS_DATA/$2" view="$3" plane="$4"
-  shift 4
-  echo "gallery: preset $preset"
-  shot "$folder/preset-$preset-1.png" "$preset" "$volume" --preset "$preset" --view "$view" "$@"
-  shot "$folder/preset-$preset-2.png" "" "$volume" --preset "$preset" --view "$view" --plane "$plane" "$@"
-  convert "$folder/preset-$preset-"{1,2}.png -append "$folder/preset-$preset.png"
+  local name="$1" preset="$2" volume="$3" view="$4" plane="$5"
+  shift 5
+  echo "gallery: $name, preset $preset"
+  shot "$folder/look-$name-1.png" "$name: $preset" "$volume" --preset "$preset" --view "$view" "$@"
+  shot "$folder/look-$name-2.png" "" "$volume" --preset "$preset" --view "$view" --plane "$plane" "$@"
+  convert "$folder/look-$name-"{1,2}.png -append "$folder/look-$name.png"
 }
 
 # sheets: all presets that the real volumes can show, and the rigs.
 sheets() {
-  look soft-tissue chest.nrrd 30,30 0,0.3,-1,500
-  look muscle head.nrrd 35,15 1,0,0,-260 --hu 16,-1024
-  look bone head.nrrd 30,15 1,0,0,-260 --hu 16,-1024
-  look teeth head.nrrd 15,10 0,0,-1,-80 --hu 16,-1024
-  look skin-and-bone head.nrrd 30,20 1,0,0,-260 --hu 16,-1024
-  look glass chest.nrrd 30,15 0,0,-1,540
-  look lung chest.nrrd 0,15 0,-1,0,140
-  look vessels stent.nrrd 30,15 0,-1,0,63 --hu 1,0
-  look stent stent.nrrd 30,15 0,-1,0,63 --hu 1,0
-  look generic head.nrrd 30,20 0,0,-1,-110
-  convert "$folder"/preset-{soft-tissue,muscle,bone,teeth,skin-and-bone}.png +append "$folder/presets-1.png"
-  convert "$folder"/preset-{glass,lung,vessels,stent,generic}.png +append "$folder/presets-2.png"
-  convert "$folder"/presets-{1,2}.png -append -quality 80 "$out/presets.webp"
+  local head="$CLIPGS_DATA/head.nrrd" chest="$CLIPGS_DATA/chest.nrrd" stent="$CLIPGS_DATA/stent.nrrd"
+  local abdomen="$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz"
+  look skin soft-tissue "$chest" 30,40 0,0.3,-1,500
+  look organs soft-tissue "$abdomen" 20,20 0,-1,0,-130
+  look muscles muscle "$chest" 25,40 0,0,-1,540
+  look head skin-and-bone "$head" 30,20 1,0,0,-260 --hu 16,-1024
+  look skull bone "$head" 30,15 1,0,0,-260 --hu 16,-1024
+  look pelvis bone "$abdomen" 25,20 0,0,-1,-190
+  look jaw teeth "$head" 15,10 0,0,-1,-80 --hu 16,-1024
+  look lungs lung "$chest" 0,15 0,-1,0,140
+  look aorta vessels "$stent" 30,15 0,-1,0,63 --hu 1,0
+  look stent stent "$stent" 30,15 0,-1,0,63 --hu 1,0
+  look thorax glass "$chest" 30,15 0,0,-1,540
+  look body crystal "$head" 30,12 1,0,0,-260 --hu 16,-1024
+  look unknown generic "$head" 30,20 0,0,-1,-110
+  local columns=(skin organs muscles head skull pelvis jaw lungs aorta stent thorax body unknown)
+  if [ -n "${CLIPGS_MR:-}" ]; then
+    look brain mr "$CLIPGS_MR" 30,25 0,0,-1,-20
+    columns+=(brain)
+  fi
+  local files=("${columns[@]/#/$folder/look-}")
+  montage "${files[@]/%/.png}" -tile 7x -geometry +0+0 -background 'rgb(18,20,26)' "$folder/presets.png"
+  convert "$folder/presets.png" -quality 80 "$out/presets.webp"
   local rig
   for rig in studio theatre softbox rim dome ambient; do
     shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset soft-tissue --rig "$rig" \
