@@ -20,6 +20,7 @@ struct DatasetArguments {
   LoadOptions load;
   LookArguments look;
   std::string axis = "0,0,1";
+  std::string views = "need";
   DatasetOptions options;
   SectionChoice section;
   bool json = false;
@@ -41,6 +42,7 @@ void run_dataset(const DatasetArguments& arguments) {
     throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
   }
   options.axis = glm::normalize(options.axis);
+  options.choose_views = arguments.views == "need";
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   require_light_for_section(preset, arguments.section);
@@ -106,6 +108,11 @@ void add_dataset_command(CLI::App& app) {
       ->check(CLI::Range(1, 10000000))
       ->capture_default_str();
   command->add_option("--axis", arguments->axis, "Normal of the axis planes, RAS")
+      ->capture_default_str();
+  command
+      ->add_option("--views", arguments->views,
+                   "Training views and planes: need (by what they show) or spiral (evenly spread)")
+      ->check(CLI::IsMember({"need", "spiral"}))
       ->capture_default_str();
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
