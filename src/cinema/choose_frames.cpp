@@ -14,8 +14,7 @@ constexpr int kCells = 32;      // across the sphere: of surfaces …
 constexpr int kFine = 96;       // … and of the matter that these pictures show
 constexpr int kSides = 6;       // that a surface is looked at from
 constexpr float kBelow = 0.1f;  // of the sphere's radius: matter this near to a face is lit by it
-// A section draws the faces, and splats are left with their rims. Without one they are a matter of
-// luck in any plan: no two frames share a plane.
+// A section draws the faces: splats are left with their rims.
 constexpr float kFaceWeight = 0.1f;
 // Share of a picture that shows a cell once. Pictures count by shares, or large ones, which cost as
 // many more paths, would be preferred.

@@ -23,7 +23,7 @@ struct DatasetOptions {
   size_t seed_points = 150000;
   std::uint64_t seed = 1;
   Vec3 axis{0, 0, 1};        ///< unit RAS direction of the axis planes
-  bool choose_views = true;  ///< training frames by what they show, or else evenly spread
+  bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at

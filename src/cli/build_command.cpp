@@ -191,6 +191,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.train_spp = quality.train_spp;
   options.seed_points = std::max(options.seed_points, quality.budget);
   options.seed = arguments.seed;
+  options.choose_views = !arguments.section.none;
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
   return dataset;

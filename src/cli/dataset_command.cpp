@@ -20,7 +20,7 @@ struct DatasetArguments {
   LoadOptions load;
   LookArguments look;
   std::string axis = "0,0,1";
-  std::string views = "need";
+  std::string views;  // empty: need with a section, spiral without
   DatasetOptions options;
   SectionChoice section;
   bool json = false;
@@ -42,7 +42,8 @@ void run_dataset(const DatasetArguments& arguments) {
     throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
   }
   options.axis = glm::normalize(options.axis);
-  options.choose_views = arguments.views == "need";
+  options.choose_views =
+      arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   require_light_for_section(preset, arguments.section);
@@ -111,9 +112,9 @@ void add_dataset_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--views", arguments->views,
-                   "Training views and planes: need (by what they show) or spiral (evenly spread)")
-      ->check(CLI::IsMember({"need", "spiral"}))
-      ->capture_default_str();
+                   "Training views and planes: need (by what they show; the default) or spiral "
+                   "(evenly spread; the default with --no-section)")
+      ->check(CLI::IsMember({"need", "spiral"}));
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
