@@ -7,11 +7,13 @@
 #include <set>
 #include <unistd.h>
 
+#include "cinema/choose_frames.h"
 #include "cinema/make_dataset.h"
 #include "cinema/seed_points.h"
 #include "cinema/test_scenes.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/parallel.h"
 #include "volume/phantom.h"
 
 namespace clipgs {
@@ -149,6 +151,107 @@ TEST(PlanFrames, TestPlanesStayInTheMatterHoweverManyTrainingHas) {
   }
 }
 
+// Frames by kind: uncut, axis or oblique.
+std::array<int, 3> count_kinds(const std::vector<Frame>& frames) {
+  std::array<int, 3> counts{};
+  for (const Frame& frame : frames) {
+    if (frame.split == Split::kTrain) {
+      ++counts[!frame.plane ? 0 : std::abs(frame.plane->normal.z) > 0.9999f ? 1 : 2];
+    }
+  }
+  return counts;
+}
+
+bool same_view(const Frame& a, const Frame& b) {
+  return a.camera.position == b.camera.position && a.plane.has_value() == b.plane.has_value() &&
+         (!a.plane || (a.plane->normal == b.plane->normal && a.plane->offset == b.plane->offset));
+}
+
+TEST(PlanFrames, ChosenFramesAreOfTheSameKindsAndLeaveTheTestAlone) {
+  const Fixture f;
+  const CinemaScene scene(f.volume, f.preset);
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  DatasetOptions options;
+  for (const int count : {1, 7, 60}) {
+    options.train_frames = count;
+    const std::vector<Frame> spread = plan_frames(matter, options);
+    const std::vector<Frame> chosen = plan_frames(scene, matter, options);
+    ASSERT_EQ(chosen.size(), spread.size());
+    EXPECT_EQ(count_kinds(chosen), count_kinds(spread));
+    double distances = 0;
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      EXPECT_EQ(chosen[i].file, spread[i].file);
+      distances += glm::length(chosen[i].camera.position - matter.sphere.center) -
+                   glm::length(spread[i].camera.position - matter.sphere.center);
+      if (chosen[i].split != Split::kTrain) {
+        EXPECT_TRUE(same_view(chosen[i], spread[i]));
+      }
+    }
+    EXPECT_NEAR(distances, 0, 1e-3 * count);
+    for (const Frame& test : chosen) {
+      for (const Frame& frame : chosen) {
+        if (test.split == Split::kTestAxis && frame.split == Split::kTrain && frame.plane &&
+            std::abs(frame.plane->normal.z) > 0.9999f) {
+          EXPECT_GT(std::abs(offset_along_axis(test) - offset_along_axis(frame)), 1e-3f);
+        }
+      }
+    }
+  }
+}
+
+TEST(PlanFrames, ChoosesTheSameOnAnyNumberOfThreads) {
+  const Fixture f;
+  const CinemaScene scene(f.volume, f.preset);
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  DatasetOptions options;
+  options.train_frames = 50;
+  const std::vector<Frame> many = plan_frames(scene, matter, options);
+  set_thread_count(1);
+  const std::vector<Frame> one = plan_frames(scene, matter, options);
+  set_thread_count(0);
+  for (size_t i = 0; i < many.size(); ++i) {
+    EXPECT_TRUE(same_view(one[i], many[i]));
+  }
+}
+
+Frame frame_from(const Sphere& sphere, const Vec3& direction, std::optional<Plane> plane = {}) {
+  Frame frame;
+  frame.camera = frame_sphere(sphere, direction, 1, 64, 64);
+  frame.plane = plane;
+  return frame;
+}
+
+TEST(ChooseFrames, TakesWhatOthersDoNotShow) {
+  const Fixture f;
+  const CinemaScene scene(f.volume, f.preset);
+  const Sphere sphere = visible_matter(f.volume, f.preset.transfer).sphere;
+  FramePool pool;
+  pool.frames.assign(2, frame_from(sphere, Vec3(1, 0, 0)));
+  pool.frames.push_back(frame_from(sphere, Vec3(-1, 0, 0)));
+  pool.groups.assign(pool.frames.size(), 0);
+  pool.quotas = {2};
+  EXPECT_EQ(choose_frames(scene, sphere, pool), (std::vector<size_t>{0, 2}));
+  // Of a group of its own each frame has its turn.
+  pool.groups[1] = 1;
+  pool.quotas = {2, 1};
+  EXPECT_EQ(choose_frames(scene, sphere, pool), (std::vector<size_t>{0, 1, 2}));
+}
+
+TEST(ChooseFrames, PrefersSurfacesToFaces) {
+  const Volume ball = make_ball(32, 12, 1, 0);
+  const Preset preset = make_preset({point(0.2f, 0), point(0.8f, 20)}, test::white_sky());
+  const CinemaScene scene(ball, preset);
+  const Sphere sphere = visible_matter(ball, preset.transfer).sphere;
+  // Half a ball, seen on its face and from the other side.
+  const Plane plane{Vec3(-1, 0, 0), 0};
+  FramePool pool;
+  pool.frames = {frame_from(sphere, Vec3(1, 0, 0), plane),
+                 frame_from(sphere, Vec3(-1, 0, 0), plane)};
+  pool.groups = {0, 0};
+  pool.quotas = {1};
+  EXPECT_EQ(choose_frames(scene, sphere, pool), (std::vector<size_t>{1}));
+}
+
 TEST(Dataset, ComesBackFromDisk) {
   const Fixture f;
   const TemporaryFolder folder;
@@ -159,8 +262,8 @@ TEST(Dataset, ComesBackFromDisk) {
   EXPECT_EQ(dataset.preset, "ball");
   EXPECT_NEAR(dataset.sphere.radius, 12, 1.5);
   EXPECT_FLOAT_EQ(dataset.voxel_mm, 1);
-  const std::vector<Frame> planned =
-      plan_frames(visible_matter(f.volume, f.preset.transfer), f.options);
+  const std::vector<Frame> planned = plan_frames(
+      CinemaScene(f.volume, f.preset), visible_matter(f.volume, f.preset.transfer), f.options);
   for (size_t i = 0; i < planned.size(); ++i) {
     const Frame& frame = dataset.frames[i];
     EXPECT_EQ(frame.file, planned[i].file);

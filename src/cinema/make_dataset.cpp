@@ -129,6 +129,7 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
   f.add(static_cast<std::uint64_t>(options.seed_points));
   f.add(options.seed);
   f.add(options.axis);
+  f.add(options.choose_views ? 1 : 0);
   return f.text();
 }
 
@@ -243,6 +244,7 @@ class Maker {
   }
 
   float depth_scale() const { return depth_scale_; }
+  const CinemaScene& scene() const { return scene_; }
 
   // Rough cost of a frame, in training frames: for the time left.
   static size_t cost(const Frame& frame) { return frame.split == Split::kTrain ? 1 : 16; }
@@ -293,8 +295,9 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
     create_folder(folder / name);
   }
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
-  std::vector<Frame> frames = plan_frames(matter, options);
   const Maker maker(volume, preset, folder, options, matter);
+  std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
+                                                   : plan_frames(matter, options);
   save_seed_points(folder / "points.ply",
                    sample_seed_points(volume, preset, options.seed_points, options.seed));
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cinema/dataset.h"
+#include "cinema/scene.h"
 #include "cinema/visible_matter.h"
 #include "volume/preset.h"
 #include "volume/volume.h"
@@ -21,7 +22,8 @@ struct DatasetOptions {
   int max_bounces = 6;       ///< vertices of a path
   size_t seed_points = 150000;
   std::uint64_t seed = 1;
-  Vec3 axis{0, 0, 1};  ///< unit RAS direction of the axis planes
+  Vec3 axis{0, 0, 1};        ///< unit RAS direction of the axis planes
+  bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at
@@ -29,6 +31,11 @@ struct DatasetOptions {
 /// three times in four leave the side that the camera does not stand on, so that it sees the face.
 /// No test plane or test camera is one of training.
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options);
+
+/// The same with other training frames of the same kinds, chosen by what they show out of five
+/// times as many. Test frames stay as they are.
+std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& matter,
+                               const DatasetOptions& options);
 
 /// Makes the dataset in `folder`: pictures, seed points and, last, transforms.json. Pictures that
 /// an interrupted call with the same inputs left are kept, and a whole dataset of the same inputs

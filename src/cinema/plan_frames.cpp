@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <numeric>
 
+#include "cinema/choose_frames.h"
 #include "cinema/make_dataset.h"
 #include "core/random.h"
 
@@ -22,7 +23,13 @@ constexpr std::array<float, 4> kDistances{1.0f, 0.8f, 1.0f, 1.2f};
 // Distance of test planes from training's, in mean distances of training's axis planes.
 constexpr float kHeldOut = 0.2f;
 
-enum class Kind { kAxis, kOblique, kUncut };
+// Frames that are planned besides to choose from, as a multiple of the training frames.
+constexpr int kOthers = 4;
+
+enum Kind : size_t { kAxis, kOblique, kUncut, kKinds };
+
+// Independent random streams of a plan.
+enum Stream : std::uint64_t { kTraining = 1, kTestAxis, kTestOblique, kOtherTraining };
 
 float lerp(const Vec2& range, float t) { return range.x + (range.y - range.x) * t; }
 
@@ -58,16 +65,69 @@ class Planner {
       : matter_(matter), options_(options) {}
 
   std::vector<Frame> plan() {
-    plan_training();
+    Rng rng(options_.seed, kTraining);
+    frames_ = training_frames(options_.train_frames, rng);
+    for (const Frame& frame : frames_) {
+      if (kind_of(frame) == kAxis) {
+        axis_offsets_.push_back(axis_offset(frame));
+      }
+    }
     plan_test(Split::kTestAxis);
     plan_test(Split::kTestOblique);
     return std::move(frames_);
   }
 
+  /// The training frames of a plan and others, to choose as many of each kind and distance from.
+  FramePool pool(const std::vector<Frame>& plan) const {
+    FramePool pool;
+    pool.quotas.assign(kKinds * kDistances.size(), 0);
+    std::vector<float> test_offsets;
+    for (const Frame& frame : plan) {
+      if (frame.split == Split::kTrain) {
+        pool.frames.push_back(frame);
+        ++pool.quotas[group_of(frame)];
+      } else if (frame.split == Split::kTestAxis) {
+        test_offsets.push_back(axis_offset(frame));
+      }
+    }
+    Rng rng(options_.seed, kOtherTraining);
+    const int others = kOthers * options_.train_frames;
+    for (Frame& frame : training_frames(others, rng)) {
+      if (kind_of(frame) != kAxis || !near_any(test_offsets, axis_offset(frame))) {
+        pool.frames.push_back(std::move(frame));
+      }
+    }
+    for (const Frame& frame : pool.frames) {
+      pool.groups.push_back(group_of(frame));
+    }
+    return pool;
+  }
+
  private:
-  void plan_training() {
-    Rng rng(options_.seed, 1);
-    const int count = options_.train_frames;
+  Kind kind_of(const Frame& frame) const {
+    if (!frame.plane) {
+      return kUncut;
+    }
+    // A random direction is never this near to the axis.
+    return std::abs(glm::dot(frame.plane->normal, options_.axis)) > 0.999999f ? kAxis : kOblique;
+  }
+
+  /// Frames of a group are alike in kind and distance: nearer pictures show more, and cost more.
+  size_t group_of(const Frame& frame) const {
+    const float distance = glm::length(frame.camera.position - matter_.sphere.center) /
+                           framing_distance(matter_.sphere.radius);
+    const auto* const nearest = std::ranges::min_element(
+        kDistances, {}, [&](float candidate) { return std::abs(candidate - distance); });
+    return kind_of(frame) * kDistances.size() + static_cast<size_t>(nearest - kDistances.begin());
+  }
+
+  /// Along +axis, of a frame with an axis plane.
+  float axis_offset(const Frame& frame) const {
+    return glm::dot(frame.plane->normal, options_.axis) * frame.plane->offset;
+  }
+
+  std::vector<Frame> training_frames(int count, Rng& rng) const {
+    std::vector<Frame> frames;
     const Mat3 rotation = random_rotation(rng);
     // Kinds in turn along the spiral of cameras, so that each kind sees all sides. √2 is unrelated
     // to the spiral's golden angle.
@@ -75,10 +135,10 @@ class Planner {
     int axis_count = 0;
     for (int i = 0; i < count; ++i) {
       const auto turn = static_cast<float>(std::fmod(i * 0.41421356 + 0.5, 1.0));
-      kinds.push_back(turn < kAxisShare                   ? Kind::kAxis
-                      : turn < kAxisShare + kObliqueShare ? Kind::kOblique
-                                                          : Kind::kUncut);
-      axis_count += kinds.back() == Kind::kAxis ? 1 : 0;
+      kinds.push_back(turn < kAxisShare                   ? kAxis
+                      : turn < kAxisShare + kObliqueShare ? kOblique
+                                                          : kUncut);
+      axis_count += kinds.back() == kAxis ? 1 : 0;
     }
     // One axis plane in each of as many equal steps.
     std::vector<float> heights;
@@ -90,22 +150,22 @@ class Planner {
     for (int i = 0; i < count; ++i) {
       const float distance = kDistances[rng.below(kDistances.size())];
       Frame frame = make_frame(Split::kTrain, i, rotation * fibonacci_sphere(i, count), distance);
-      if (kinds[static_cast<size_t>(i)] == Kind::kAxis) {
+      if (kinds[static_cast<size_t>(i)] == kAxis) {
         const float height = lerp(kTrainRange, heights.back());
         heights.pop_back();
         frame.plane = make_plane(options_.axis, height, frame.camera, rng);
-        axis_offsets_.push_back(glm::dot(frame.plane->normal, options_.axis) * frame.plane->offset);
-      } else if (kinds[static_cast<size_t>(i)] == Kind::kOblique) {
+      } else if (kinds[static_cast<size_t>(i)] == kOblique) {
         const Vec3 normal = random_direction(rng);
         frame.plane = make_plane(normal, lerp(kTrainRange, rng.uniform()), frame.camera, rng);
       }
-      frames_.push_back(frame);
+      frames.push_back(frame);
     }
+    return frames;
   }
 
   void plan_test(Split split) {
     const bool axis = split == Split::kTestAxis;
-    Rng rng(options_.seed, axis ? 2 : 3);
+    Rng rng(options_.seed, axis ? kTestAxis : kTestOblique);
     const Mat3 rotation = random_rotation(rng);
     const int count = options_.test_frames;
     std::vector<int> cameras(static_cast<size_t>(count));
@@ -151,18 +211,24 @@ class Planner {
     return kept < kLeastKept ? plane.flipped() : plane;
   }
 
+  // Height, as a share of the extent along the axis, that two planes differ by at least.
+  float least_step() const {
+    return kHeldOut / static_cast<float>(std::max<size_t>(1, axis_offsets_.size()));
+  }
+
+  // Whether an axis plane at `offset` would be as good as one of the others.
+  bool near_any(const std::vector<float>& others, float offset) const {
+    const Vec2 extent = matter_.extent(options_.axis);
+    const float least = least_step() * (extent.y - extent.x);
+    return std::ranges::any_of(others,
+                               [&](float other) { return std::abs(other - offset) < least; });
+  }
+
   // The height moved, if need be, so that its plane is none of training's.
   float held_out(float height) const {
     const Vec2 extent = matter_.extent(options_.axis);
-    const float step = kHeldOut / static_cast<float>(std::max<size_t>(1, axis_offsets_.size()));
-    const float least = step * (extent.y - extent.x);
-    const auto taken = [&](float h) {
-      const float offset = lerp(extent, h);
-      return std::ranges::any_of(axis_offsets_,
-                                 [&](float used) { return std::abs(used - offset) < least; });
-    };
-    while (taken(height)) {
-      height += 0.7f * step;
+    while (near_any(axis_offsets_, lerp(extent, height))) {
+      height += 0.7f * least_step();
     }
     return height;
   }
@@ -177,6 +243,20 @@ class Planner {
 
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options) {
   return Planner(matter, options).plan();
+}
+
+std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& matter,
+                               const DatasetOptions& options) {
+  Planner planner(matter, options);
+  std::vector<Frame> frames = planner.plan();
+  const FramePool pool = planner.pool(frames);
+  const std::vector<size_t> chosen = choose_frames(scene, matter.sphere, pool);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    std::string file = std::move(frames[i].file);
+    frames[i] = pool.frames[chosen[i]];
+    frames[i].file = std::move(file);
+  }
+  return frames;
 }
 
 }  // namespace clipgs

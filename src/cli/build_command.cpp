@@ -41,9 +41,10 @@ struct Quality {
 };
 
 // Many pictures of few samples teach more than few clean ones: every picture shows other planes,
-// and noise averages out over them.
+// and noise averages out over them. What limits their number is the memory that training holds them
+// in.
 constexpr std::array kQualities = {
-    Quality{"draft", 192, 300, 8, 8, 40000, 4000, 1},
+    Quality{"draft", 192, 600, 8, 4, 40000, 4000, 1},
     Quality{"standard", 256, 2000, 20, 10, 60000, 8000, 2},
     Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
 };
@@ -191,6 +192,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.train_spp = quality.train_spp;
   options.seed_points = std::max(options.seed_points, quality.budget);
   options.seed = arguments.seed;
+  options.choose_views = !arguments.section.none;
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
   return dataset;

@@ -20,6 +20,7 @@ struct DatasetArguments {
   LoadOptions load;
   LookArguments look;
   std::string axis = "0,0,1";
+  std::string views;  // empty: need with a section, spiral without
   DatasetOptions options;
   SectionChoice section;
   bool json = false;
@@ -41,6 +42,8 @@ void run_dataset(const DatasetArguments& arguments) {
     throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
   }
   options.axis = glm::normalize(options.axis);
+  options.choose_views =
+      arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   require_look_for_section(preset, arguments.section);
@@ -107,6 +110,11 @@ void add_dataset_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--axis", arguments->axis, "Normal of the axis planes, RAS")
       ->capture_default_str();
+  command
+      ->add_option("--views", arguments->views,
+                   "Training views and planes: need (by what they show; the default) or spiral "
+                   "(evenly spread; the default with --no-section)")
+      ->check(CLI::IsMember({"need", "spiral"}));
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
