@@ -97,9 +97,7 @@ class CoarseMatter {
       const Box& occupied = scene.majorants().occupied();
       if (glm::all(glm::greaterThanEqual(voxel, occupied.min)) &&
           glm::all(glm::lessThanEqual(voxel, occupied.max))) {
-        const float opacity =
-            scene.labels() == nullptr ? 1.0f : scene.labels()->mean_opacity(voxel);
-        sum += opacity * scene.extinction(scene.grid().sample(voxel));
+        sum += scene.extinction(voxel);
       }
     }
     return sum / 8;
