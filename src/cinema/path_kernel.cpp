@@ -501,10 +501,20 @@ class Kernel {
       store(Uint(hn::Iota(UintTag(), static_cast<std::uint32_t>(i))), &rays_.path[i]);
       store(Float3(Vec3(1)), rays_.weight, i);
       store(Float3(Vec3(0)), batch_.radiance, i);
-      store(Float3(Vec3(0)), batch_.albedo, i);
       store(Float(0), &batch_.hit[i]);
     }
+    if (view_.features) {
+      clear_features();
+    }
     rays_.count = batch_.count;
+  }
+
+  void clear_features() {
+    for (size_t i = 0; i < batch_.count; i += lanes::count()) {
+      store(Float3(Vec3(0)), batch_.albedo, i);
+      store(Float3(Vec3(0)), batch_.normal, i);
+      store(Float(0), &batch_.depth[i]);
+    }
   }
 
   /// Lists the rays that met matter; those that left it meet the sky (which the camera does not
@@ -638,7 +648,11 @@ class Kernel {
             label_albedo(as_int(lanes::gather(rays_.label.data(), at)), material.albedo);
       }
       if (bounce == 0) {
-        scatter(material.albedo, batch_.albedo, path);
+        if (view_.features) {
+          scatter(material.albedo, batch_.albedo, path);
+          hn::ScatterIndex(lanes::gather(rays_.t.data(), at).v, FloatTag(), batch_.depth.data(),
+                           path.v);
+        }
         hn::ScatterIndex(Float(1).v, FloatTag(), batch_.hit.data(), path.v);
         valid = valid & ~shade_faces(voxel, direction, material, draws, path);
         if (!any(valid)) {
@@ -646,6 +660,9 @@ class Kernel {
         }
       }
       const Vertex vertex = vertex_at(voxel, direction, material, draws, valid);
+      if (bounce == 0 && view_.features) {
+        scatter(vertex.normal, batch_.normal, select(valid, path, Int(PathBatch::kCapacity)));
+      }
       light(vertex, throughput, path, draws, valid);
       const Float3 onwards = turn(vertex, draws, valid, throughput);
       if (bounce > 0) {
@@ -694,6 +711,10 @@ class Kernel {
     if (!any(met)) {
       return met;
     }
+    const Int met_path = select(met, path, Int(PathBatch::kCapacity));
+    if (view_.features) {
+      scatter(normal, batch_.normal, met_path);
+    }
     Float3 radiance = (Float(1) - material.specular) * (material.albedo * white);
     if (any(met & (material.specular > Float(0)))) {
       Float weight;
@@ -710,7 +731,7 @@ class Kernel {
       }
       radiance = radiance + or_zero(material.specular > Float(0), material.specular * highlight);
     }
-    add(radiance, select(met, path, Int(PathBatch::kCapacity)));
+    add(radiance, met_path);
     return met;
   }
 

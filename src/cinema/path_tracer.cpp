@@ -10,10 +10,14 @@ constexpr float kFar = 1e30f;
 
 float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
+Vec3 vector_at(const std::array<std::array<float, PathBatch::kPadded>, 3>& channels, size_t i) {
+  return {channels[0][i], channels[1][i], channels[2][i]};
+}
+
 }  // namespace
 
 PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut,
-                       int max_bounces, const Lens& lens)
+                       int max_bounces, const Lens& lens, bool features)
     : scene_(scene), camera_(camera) {
   const Box& occupied = scene.majorants().occupied();
   empty_ = occupied.empty();
@@ -30,6 +34,7 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
   view_.center = {camera.cx, camera.cy};
   view_.lens_radius = lens.radius;
   view_.lens_focus = lens.focus;
+  view_.features = features;
   view_.box_min = occupied.min;
   view_.box_max = occupied.max;
   const Vec3 spacing = scene.volume().spacing;
@@ -78,9 +83,11 @@ std::vector<PathSample> PathTracer::trace(std::span<const PathStart> starts) con
     for (size_t i = 0; i < batch->count; ++i) {
       PathSample& sample = samples[begin + i];
       sample.hit = batch->hit[i] > 0;
-      for (size_t c = 0; c < 3; ++c) {
-        sample.radiance[static_cast<int>(c)] = batch->radiance[c][i];
-        sample.albedo[static_cast<int>(c)] = batch->albedo[c][i];
+      sample.radiance = vector_at(batch->radiance, i);
+      if (view_.features) {
+        sample.albedo = vector_at(batch->albedo, i);
+        sample.normal = vector_at(batch->normal, i);
+        sample.depth = batch->depth[i];
       }
     }
   }

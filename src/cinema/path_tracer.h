@@ -23,7 +23,10 @@ struct PathStart {
 struct PathSample {
   Vec3 radiance{0};
   bool hit = false;  ///< the camera ray met matter; its mean is the alpha
-  Vec3 albedo{0};    ///< of the matter that the camera ray met
+  // Of the matter that the camera ray met, if the tracer returns features:
+  Vec3 albedo{0};
+  Vec3 normal{0};   ///< unit, outward, in the grid's frame; 0: scattered within a medium
+  float depth = 0;  ///< mm from the camera
 };
 
 /// A thin lens. What is not at its focus is blurred.
@@ -38,9 +41,9 @@ struct Lens {
 /// following the paths.
 class PathTracer {
  public:
-  /// The scene must outlive the tracer.
+  /// The scene must outlive the tracer. `features`: samples tell what the camera ray met.
   PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces,
-             const Lens& lens = {});
+             const Lens& lens = {}, bool features = false);
 
   /// Traces any number of paths; each sample depends on its start alone. Safe on many threads at
   /// once.

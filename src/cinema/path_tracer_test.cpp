@@ -277,6 +277,41 @@ TEST(PathTracer, OpacityThinsMatter) {
   }
 }
 
+TEST(PathTracer, TellsNormalAndDepthOfWhatIsFirstMet) {
+  // Depths and normals of a ball's surface, and of the face where it is cut.
+  const Volume ball = make_ball(48, 18, 1, 0);
+  const Preset preset =
+      make_preset({point(0.3f, 0), point(0.7f, 60)}, test::white_sky(), /*surface_strength=*/100);
+  const CinemaScene scene(ball, preset);
+  const float distance = 60;
+  const PathTracer whole(scene, camera_from({0, 0, distance}), {}, 1, {}, true);
+  const Plane plane{Vec3(0, 0, -1), -10};
+  const PathTracer cut(scene, camera_from({0, 0, distance}), plane, 1, {}, true);
+  for (const PathSample& sample : whole.trace(starts(200))) {
+    ASSERT_TRUE(sample.hit);
+    EXPECT_NEAR(sample.depth, distance - 18, 1);
+    EXPECT_GT(sample.normal.z, 0.95f);
+    EXPECT_NEAR(glm::length(sample.normal), 1, 1e-4);
+  }
+  for (const PathSample& sample : cut.trace(starts(200))) {
+    ASSERT_TRUE(sample.hit);
+    EXPECT_NEAR(sample.depth, distance - 10, 0.5);
+    EXPECT_LT(glm::length(sample.normal - Vec3(0, 0, 1)), 1e-5f);
+  }
+}
+
+TEST(PathTracer, ScatteringWithinAMediumHasNoNormal) {
+  const Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
+  const Preset preset = make_preset({point(0, 0.1f), point(1, 0.1f)}, test::white_sky(), 100);
+  const CinemaScene scene(block, preset);
+  const PathTracer tracer(scene, camera_from({0, 0, 60}), {}, 1, {}, true);
+  for (const PathSample& sample : tracer.trace(starts(200))) {
+    if (sample.hit && sample.depth > 60 - 7) {  // deeper than the box's face
+      EXPECT_EQ(glm::length(sample.normal), 0);
+    }
+  }
+}
+
 TEST(PathTracer, LabelsColourWhatIsFirstMet) {
   Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
   block.label_numbers = {0, 2};
@@ -285,7 +320,7 @@ TEST(PathTracer, LabelsColourWhatIsFirstMet) {
   const Vec3 red(0.8f, 0.2f, 0.1f);
   preset.labels[2].albedo = red;
   const CinemaScene scene(block, preset);
-  const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1);
+  const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1, {}, true);
   for (const PathSample& sample : tracer.trace(starts(20))) {
     ASSERT_TRUE(sample.hit);
     EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
