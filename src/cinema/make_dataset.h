@@ -21,7 +21,8 @@ struct DatasetOptions {
   int max_bounces = 6;       ///< vertices of a path
   size_t seed_points = 150000;
   std::uint64_t seed = 1;
-  Vec3 axis{0, 0, 1};  ///< unit RAS direction of the axis planes
+  Vec3 axis{0, 0, 1};    ///< unit RAS direction of the axis planes
+  bool denoise = false;  ///< training pictures only: what tests are measured by is never filtered
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at

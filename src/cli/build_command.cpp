@@ -78,6 +78,7 @@ struct BuildArguments {
   std::uint64_t seed = 1;
   LoadOptions loading;
   SectionChoice section;
+  bool denoise = false;
   Overrides overrides;
 };
 
@@ -122,25 +123,29 @@ std::uint64_t fingerprint(const fs::path& path) {
 /// All that a build's results depend on, for its work folder.
 nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality) {
   const std::optional<Rescale>& hu = arguments.loading.hu;
-  return {{"input", fingerprint(arguments.volume)},
-          {"preset", arguments.look.preset},
-          {"rig", arguments.look.rig},
-          {"exposure", arguments.look.exposure},
-          {"labels", fingerprint(arguments.loading.labels)},
-          {"label", arguments.look.labels.looks},
-          {"label_table", fingerprint(arguments.look.labels.table)},
-          {"size", quality.size},
-          {"train_frames", quality.train_frames},
-          {"test_frames", quality.test_frames},
-          {"train_spp", quality.train_spp},
-          {"budget", quality.budget},
-          {"steps", quality.steps},
-          {"sh_degree", quality.sh_degree},
-          {"seed", arguments.seed},
-          {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
-          {"series", arguments.loading.series},
-          {"keep_table", arguments.loading.keep_table},
-          {"section", arguments.section.none ? 0 : arguments.section.size}};
+  nlohmann::json claim = {{"input", fingerprint(arguments.volume)},
+                          {"preset", arguments.look.preset},
+                          {"rig", arguments.look.rig},
+                          {"exposure", arguments.look.exposure},
+                          {"labels", fingerprint(arguments.loading.labels)},
+                          {"label", arguments.look.labels.looks},
+                          {"label_table", fingerprint(arguments.look.labels.table)},
+                          {"size", quality.size},
+                          {"train_frames", quality.train_frames},
+                          {"test_frames", quality.test_frames},
+                          {"train_spp", quality.train_spp},
+                          {"budget", quality.budget},
+                          {"steps", quality.steps},
+                          {"sh_degree", quality.sh_degree},
+                          {"seed", arguments.seed},
+                          {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
+                          {"series", arguments.loading.series},
+                          {"keep_table", arguments.loading.keep_table},
+                          {"section", arguments.section.none ? 0 : arguments.section.size}};
+  if (arguments.denoise) {  // else as before there was a choice: old work stays valid
+    claim["denoise"] = true;
+  }
+  return claim;
 }
 
 constexpr const char* kClaimFile = "build.json";
@@ -190,6 +195,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.train_spp = quality.train_spp;
   options.seed_points = std::max(options.seed_points, quality.budget);
   options.seed = arguments.seed;
+  options.denoise = arguments.denoise;
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
   return dataset;
@@ -273,6 +279,8 @@ void add_build_command(CLI::App& app) {
   command->add_option("--test-frames", overrides.test_frames, "Test pictures of each split")
       ->check(CLI::Range(1, 10000))
       ->group("Instead of what the quality says");
+  command->add_flag("--denoise", arguments->denoise,
+                    "Smooth noise of training pictures away; test pictures stay as traced");
   command->add_option("--budget", overrides.budget, "Gaussians at most")
       ->check(CLI::Range(100, 5000000))
       ->group("Instead of what the quality says");
