@@ -9,12 +9,13 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 if [ -z "${CLIPGS_DATA:-}" ]; then
-  echo "cinema: set CLIPGS_DATA to the folder with head.nrrd and chest.nrrd" >&2
+  echo "cinema: set CLIPGS_DATA to the folder with head.nrrd, chest.nrrd and abdomen_pelvis_3mm.nii.gz" >&2
   exit 2
 fi
 bash scripts/build.sh >&2
-cmake --build --preset release --target cinema_bench >&2
+cmake --build --preset release --target cinema_bench denoise_bench >&2
 readonly bench=build/release/src/cinema/cinema_bench
+readonly denoise=build/release/src/cinema/denoise_bench
 
 cat <<EOF2
 # The path tracer
@@ -34,6 +35,22 @@ EOF2
 "$bench" "$CLIPGS_DATA/head.nrrd" bone 16,-1024
 "$bench" "$CLIPGS_DATA/head.nrrd" bone 16,-1024 0,0,-1,-117
 "$bench" "$CLIPGS_DATA/chest.nrrd" muscle
+
+cat <<EOF2
+
+## The denoiser
+
+Pictures of 256 × 256 pixels, mean squared errors over black as PSNR, means of 8 seeds, against a converged
+picture of the same view whose own noise is taken off. The bias is the error of the mean of denoised pictures
+over ever more seeds: with the noise that 8 leave in theirs taken off.
+
+| preset | samples a pixel | as traced, dB | denoised, dB | gain, dB | bias alone, dB | its share of the error |
+|---|---|---|---|---|---|---|
+EOF2
+"$denoise" "$CLIPGS_DATA/head.nrrd" bone 16,-1024
+"$denoise" "$CLIPGS_DATA/head.nrrd" bone 16,-1024 0,0,-1,-117
+"$denoise" "$CLIPGS_DATA/chest.nrrd" muscle
+"$denoise" "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" soft-tissue
 
 printf '\n## Beside Cycles\n\n'
 if ! command -v blender >/dev/null; then

@@ -3,49 +3,30 @@
 //
 //   cinema_bench VOLUME PRESET [SCALE,OFFSET] [NX,NY,NZ,OFFSET]     stored → HU; the cut; "-": none
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <span>
-#include <string_view>
 
+#include "cinema/bench_subject.h"
 #include "cinema/denoise.h"
 #include "cinema/path_tracer.h"
 #include "cinema/picture.h"
 #include "cinema/reference_tracer.h"
-#include "cinema/visible_matter.h"
-#include "core/error.h"
 #include "core/parallel.h"
 #include "core/random.h"
-#include "volume/load.h"
 
 namespace clipgs {
 namespace {
+
+using bench::Subject;
 
 constexpr int kSize = 512;
 constexpr int kBounces = 4;
 constexpr double kTarget = 35;  // dB
 // The plain tracer is slow: it draws one row in so many, and its times are multiplied.
 constexpr int kPlainEvery = 16;
-
-struct Subject {
-  Volume volume;
-  Preset preset;
-  VisibleMatter matter;
-  CinemaScene scene;
-  Camera camera;
-  Cut cut;
-
-  Subject(Volume v, const std::string& preset_name, const Cut& kept)
-      : volume(std::move(v)),
-        preset(load_preset(preset_name, volume)),
-        matter(visible_matter(volume, preset.transfer)),
-        scene(volume, preset),
-        camera(frame_sphere(matter.sphere, View{30, 15, 1}, kSize, kSize)),
-        cut(kept) {}
-};
 
 double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
@@ -85,8 +66,8 @@ void uniform_picture(const Subject& s, int spp) {
       for (int x = 0; x < kSize; ++x) {
         Rng rng(3, y * kSize + static_cast<size_t>(x));
         for (int i = 0; i < spp; ++i) {
-          starts.push_back({static_cast<float>(x) + rng.uniform(),
-                            static_cast<float>(y) + rng.uniform(), rng.next(), 0});
+          starts.push_back(
+              {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, rng.next(), 0});
         }
       }
       tracer.trace(starts);
@@ -135,32 +116,8 @@ double time_to_target(const Subject& s, const Truth& truth, int every,
   throw Error("no picture of {} dB within 4096 samples a pixel", kTarget);
 }
 
-std::vector<float> numbers(std::string_view text) {
-  std::vector<float> result;
-  while (!text.empty()) {
-    float value = 0;
-    const char* const end = std::from_chars(text.data(), text.data() + text.size(), value).ptr;
-    text.remove_prefix(std::min(text.size(), static_cast<size_t>(end - text.data()) + 1));
-    result.push_back(value);
-  }
-  return result;
-}
-
 void run(std::span<char*> arguments) {
-  if (arguments.size() < 3) {
-    throw Error("usage: cinema_bench VOLUME PRESET [SCALE,OFFSET|-] [NX,NY,NZ,OFFSET]");
-  }
-  LoadOptions load;
-  if (arguments.size() > 3 && std::string_view(arguments[3]) != "-") {
-    const std::vector<float> hu = numbers(arguments[3]);
-    load.hu = Rescale{hu.at(0), hu.at(1)};
-  }
-  Cut cut;
-  if (arguments.size() > 4) {
-    const std::vector<float> n = numbers(arguments[4]);
-    cut = Cut(Plane{glm::normalize(Vec3(n.at(0), n.at(1), n.at(2))), n.at(3)});
-  }
-  const Subject s(load_volume(arguments[1], load), arguments[2], cut);
+  const Subject s = bench::subject_of(arguments, kSize);
 
   // Medians of turns taken one after the other, so that both meet the same machine.
   constexpr int kTurns = 3;
@@ -193,26 +150,27 @@ void run(std::span<char*> arguments) {
   const Picture picture = render_picture(s.scene, s.camera, s.cut, converged);
   const Truth truth{composite(display(picture.mean(), s.preset.exposure), 0, 0, 0),
                     std::pow(10.0, -0.1 * noise_floor(picture, s.preset.exposure))};
-  const auto ours = [&](int spp) {
+  const auto ours = [&](int spp, bool features) {
     PictureOptions options;
     options.spp = spp;
+    options.features = features;
     options.max_bounces = kBounces;
     return render_picture(s.scene, s.camera, s.cut, options);
   };
   const double to_plain =
       time_to_target(s, truth, kPlainEvery, [&](int spp) { return plain_picture(s, spp); });
-  const double to_ours = time_to_target(s, truth, 1, [&](int spp) { return ours(spp).mean(); });
+  const double to_ours =
+      time_to_target(s, truth, 1, [&](int spp) { return ours(spp, false).mean(); });
   const double to_denoised = time_to_target(
-      s, truth, 1, [&](int spp) { return denoise(ours(spp), s.preset.exposure).mean(); });
+      s, truth, 1, [&](int spp) { return denoise(ours(spp, true), s.preset.exposure).mean(); });
 
   const double uniform = median_ns(fast, kPaths);
   const double reference = median_ns(plain, kPaths);
   fmt::print(
-      "| {}{} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.2f} ({:.0f} ×) | {:.2f} ({:.0f} ×) "
+      "| {} | {:.0f} | {:.0f} | {:.0f} | {:.1f} | {:.1f} | {:.2f} ({:.0f} ×) | {:.2f} ({:.0f} ×) "
       "|\n",
-      s.preset.name, cut.planes().empty() ? "" : ", cut", reference, uniform,
-      median_ns(adaptive, 1), reference / uniform, to_plain, to_ours, to_plain / to_ours,
-      to_denoised, to_plain / to_denoised);
+      s.name(), reference, uniform, median_ns(adaptive, 1), reference / uniform, to_plain, to_ours,
+      to_plain / to_ours, to_denoised, to_plain / to_denoised);
 }
 
 }  // namespace

@@ -338,6 +338,32 @@ TEST(Dataset, GoesOnAfterAKill) {
   EXPECT_NE(fs::last_write_time(last), old);
 }
 
+TEST(Dataset, DenoisesTrainingPicturesAndNoOthers) {
+  Fixture f;
+  const TemporaryFolder plain_folder;
+  const TemporaryFolder denoised_folder;
+  const Dataset plain = f.make(plain_folder.path());
+  f.options.denoise = true;
+  const Dataset denoised = f.make(denoised_folder.path());
+  ASSERT_EQ(plain.frames.size(), denoised.frames.size());
+  for (size_t i = 0; i < plain.frames.size(); ++i) {
+    const Frame& frame = plain.frames[i];
+    const bool training = frame.split == Split::kTrain;
+    const auto same = [&](const std::string& file) {
+      return read_file(plain_folder.path() / file) == read_file(denoised_folder.path() / file);
+    };
+    EXPECT_EQ(same(frame.file), !training) << frame.file;
+    EXPECT_TRUE(training || same(frame.uncut_file));
+    EXPECT_TRUE(training || same(frame.depth_file));
+    EXPECT_EQ(frame.noise_db, denoised.frames[i].noise_db);  // that before denoising
+  }
+  const Json a = Json::parse(read_text(plain_folder.path() / "transforms.json"));
+  const Json b = Json::parse(read_text(denoised_folder.path() / "transforms.json"));
+  EXPECT_FALSE(a["train_denoised"]);
+  EXPECT_TRUE(b["train_denoised"]);
+  EXPECT_NE(a["fingerprint"], b["fingerprint"]);
+}
+
 TEST(Dataset, RefusesWhatItCannotTrust) {
   const Fixture f;
   const TemporaryFolder folder;

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cinema/denoise.h"
 #include "cinema/picture.h"
 #include "cinema/seed_points.h"
 #include "core/error.h"
@@ -130,6 +131,7 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
   f.add(options.seed);
   f.add(options.axis);
   f.add(options.choose_views ? 1 : 0);
+  f.add(options.denoise ? 1 : 0);
   return f.text();
 }
 
@@ -249,7 +251,8 @@ class Maker {
   // Rough cost of a frame, in training frames: for the time left.
   static size_t cost(const Frame& frame) { return frame.split == Split::kTrain ? 1 : 16; }
 
-  /// Writes the frame's pictures, the one that State counts last, and returns its noise floor.
+  /// Writes the frame's pictures, the one that State counts last, and returns its noise floor:
+  /// before denoising, since the halves of a denoised picture would claim too high a one.
   float make(const Frame& frame, std::uint64_t number) const {
     const bool training = frame.split == Split::kTrain;
     PictureOptions options;
@@ -263,8 +266,10 @@ class Maker {
       options.noise_db = options_.test_noise_db + kNoiseMargin;
     }
     options.spp = training ? options_.train_spp : options_.test_spp;
+    options.features = training && options_.denoise;
     const Picture picture = render_picture(scene_, frame.camera, frame.plane, options);
-    write_picture(frame.file, picture);
+    write_picture(frame.file,
+                  options.features ? denoise(picture, scene_.preset().exposure) : picture);
     return noise_floor(picture, scene_.preset().exposure);
   }
 
@@ -326,6 +331,7 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
       {"ply_file_path", "points.ply"},
       {"fingerprint", fingerprint},
       {"preset", preset.name},
+      {"train_denoised", options.denoise},
       {"axis", list_of(options.axis)},
       {"extent", {extent.x, extent.y}},
       {"sphere", {{"center", list_of(matter.sphere.center)}, {"radius", matter.sphere.radius}}},

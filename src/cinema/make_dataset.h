@@ -24,6 +24,7 @@ struct DatasetOptions {
   std::uint64_t seed = 1;
   Vec3 axis{0, 0, 1};        ///< unit RAS direction of the axis planes
   bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
+  bool denoise = false;  ///< training pictures only: what tests are measured by is never filtered
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at

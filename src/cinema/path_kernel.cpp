@@ -83,6 +83,10 @@ HWY_INLINE Float next_random(Uint& state, Mask where) {
   return to_unit(shift_right<22>(word) ^ word);
 }
 
+struct Float2 {
+  Float u, v;
+};
+
 /// The random numbers of a vertex of paths.
 struct Draws {
   Uint key, index, rng;
@@ -90,15 +94,38 @@ struct Draws {
 
   /// A dimension of the even sequence.
   HWY_INLINE Float even(path_draws::Dimension dimension) const {
-    const Uint pair = hash(key + Uint((dimension / 2 + 1) * path_draws::kGolden));
-    const Uint shuffled = reverse_bits(permute(reverse_bits(index), pair));
-    const Uint at = dimension % 2 == 0 ? shuffled : sobol2(shuffled);
-    return to_unit(reverse_bits(permute(at, hash(pair + Uint(dimension % 2 + 1)))));
+    const Uint seed = seed_of(dimension);
+    const Uint at = shuffled_index(seed);
+    return dimension % 2 == 0 ? scrambled(at, seed, 1) : scrambled(sobol2(at), seed, 2);
+  }
+  /// This dimension and the other one of its pair.
+  HWY_INLINE Float2 even_pair(path_draws::Dimension first_of_pair) const {
+    const Uint seed = seed_of(first_of_pair);
+    const Uint at = shuffled_index(seed);
+    return {scrambled(at, seed, 1), scrambled(sobol2(at), seed, 2)};
   }
   HWY_INLINE Float next(Mask where) { return next_random(rng, where); }
   /// Even at the first vertex, any number later.
   HWY_INLINE Float first(path_draws::Dimension dimension, Mask where) {
     return bounce == 0 ? even(dimension) : next(where);
+  }
+  HWY_INLINE Float2 pair(path_draws::Dimension first_of_pair, Mask where) {
+    if (bounce == 0) {
+      return even_pair(first_of_pair);
+    }
+    const Float u = next(where);
+    return {u, next(where)};
+  }
+
+ private:
+  HWY_INLINE Uint seed_of(path_draws::Dimension dimension) const {
+    return hash(key + Uint((dimension / 2 + 1) * path_draws::kGolden));
+  }
+  HWY_INLINE Uint shuffled_index(Uint seed) const {
+    return reverse_bits(permute(reverse_bits(index), seed));
+  }
+  static HWY_INLINE Float scrambled(Uint at, Uint seed, std::uint32_t salt) {
+    return to_unit(reverse_bits(permute(at, hash(seed + Uint(salt)))));
   }
 };
 
@@ -523,15 +550,19 @@ class Kernel {
       const Uint key = lanes::load(&batch_.key[i]);
       const Uint index = lanes::load(&batch_.index[i]);
       const Draws draws{key, index, Uint(0U), 0};
-      const Float x = (lanes::load(&batch_.x[i]) - Float(view_.center.x)) / Float(view_.focal.x);
-      const Float y = (lanes::load(&batch_.y[i]) - Float(view_.center.y)) / Float(view_.focal.y);
+      const Float2 within = draws.even_pair(path_draws::kPixelX);
+      const Float column = lanes::load(&batch_.x[i]) + within.u;
+      const Float row = lanes::load(&batch_.y[i]) + within.v;
+      const Float x = (column - Float(view_.center.x + 0.5f)) / Float(view_.focal.x);
+      const Float y = (row - Float(view_.center.y + 0.5f)) / Float(view_.focal.y);
       Float3 origin(view_.camera_voxel);
       Float3 through = x * Float3(view_.right) + y * Float3(view_.down) + Float3(view_.forward);
       if (view_.lens_radius > 0) {
         // Every ray of a pixel meets the others where the pinhole's meets the plane of the focus.
-        const Float r = Float(view_.lens_radius) * sqrt(draws.even(path_draws::kLensU));
-        const Float3 offset = cylinder(r, draws.even(path_draws::kLensV), Float(0), view_.right,
-                                       view_.down, view_.forward);
+        const Float2 on_lens = draws.even_pair(path_draws::kLensU);
+        const Float r = Float(view_.lens_radius) * sqrt(on_lens.u);
+        const Float3 offset =
+            cylinder(r, on_lens.v, Float(0), view_.right, view_.down, view_.forward);
         origin = origin + offset * Float3(scene_.inverse_spacing());
         through = Float(view_.lens_focus) * through - offset;
       }
@@ -542,10 +573,20 @@ class Kernel {
       store(Uint(hn::Iota(UintTag(), static_cast<std::uint32_t>(i))), &rays_.path[i]);
       store(Float3(Vec3(1)), rays_.weight, i);
       store(Float3(Vec3(0)), batch_.radiance, i);
-      store(Float3(Vec3(0)), batch_.albedo, i);
       store(Float(0), &batch_.alpha[i]);
     }
+    if (view_.features) {
+      clear_features();
+    }
     rays_.count = batch_.count;
+  }
+
+  void clear_features() {
+    for (size_t i = 0; i < batch_.count; i += lanes::count()) {
+      store(Float3(Vec3(0)), batch_.albedo, i);
+      store(Float3(Vec3(0)), batch_.normal, i);
+      store(Float(0), &batch_.depth[i]);
+    }
   }
 
   /// Lists the rays that met matter; those that left it meet the sky (which the camera does not
@@ -608,8 +649,8 @@ class Kernel {
       if (which == FloorLight::kKeys) {
         light(vertex, throughput, path, draws, met);
       } else {
-        const Float3 towards = sample_cosine(vertex.normal, draws.even(path_draws::kAngle),
-                                             draws.even(path_draws::kTurn));
+        const Float2 turn = draws.even_pair(path_draws::kAngle);
+        const Float3 towards = sample_cosine(vertex.normal, turn.u, turn.v);
         const Float3 light = sky_of_path(towards, density(vertex, towards, true));
         cast_shadow(vertex.voxel, towards, throughput * light, path, draws, met);
       }
@@ -651,7 +692,7 @@ class Kernel {
     Float light(view_.floor_light);
     for (const Lights::Key& key : lights_.keys()) {
       if (key.near) {
-        const LightSample lamp = illuminate(key, voxel, Float(0), Float(0));
+        const LightSample lamp = illuminate(key, voxel, {Float(0), Float(0)});
         const Float cosine = max(Float(0), dot(Float3(view_.floor_up), lamp.towards));
         light = light + cosine * Float(1 / kPi) * dot(Float3(kLuminance), lamp.irradiance);
       }
@@ -753,7 +794,11 @@ class Kernel {
             label_albedo(as_int(lanes::gather(rays_.label.data(), at)), material.albedo);
       }
       if (bounce == 0) {
-        scatter(material.albedo, batch_.albedo, path);
+        if (view_.features) {
+          scatter(material.albedo, batch_.albedo, path);
+          hn::ScatterIndex(lanes::gather(rays_.t.data(), at).v, FloatTag(), batch_.depth.data(),
+                           path.v);
+        }
         hn::ScatterIndex(Float(1).v, FloatTag(), batch_.alpha.data(), path.v);
         valid = valid & ~shade_faces(voxel, direction, material, draws, path);
         if (!any(valid)) {
@@ -761,6 +806,9 @@ class Kernel {
         }
       }
       const Vertex vertex = vertex_at(voxel, direction, material, draws, valid);
+      if (bounce == 0 && view_.features) {
+        scatter(vertex.normal, batch_.normal, select(valid, path, Int(PathBatch::kCapacity)));
+      }
       light(vertex, throughput, path, draws, valid);
       const Float3 onwards = turn(vertex, draws, valid, throughput);
       if (bounce > 0) {
@@ -809,11 +857,13 @@ class Kernel {
     if (!any(met)) {
       return met;
     }
-    const Float u = draws.even(path_draws::kDiscU);
-    const Float v = draws.even(path_draws::kDiscV);
+    const Int met_path = select(met, path, Int(PathBatch::kCapacity));
+    if (view_.features) {
+      scatter(normal, batch_.normal, met_path);
+    }
     for (const Lights::Key& key : lights_.keys()) {
       if (key.near) {
-        const LightSample light = illuminate(key, voxel, u, v);
+        const LightSample light = illuminate(key, voxel, draws.even_pair(path_draws::kDiscU));
         const Float cosine = max(Float(0), dot(normal, light.towards));
         white = white + cosine * Float(1 / kPi) * light.irradiance;
       }
@@ -821,24 +871,25 @@ class Kernel {
     Float3 radiance = (Float(1) - material.specular) * (material.albedo * white);
     if (any(met & (material.specular > Float(0)))) {
       Float weight;
-      const Float3 in =
-          ggx::sample(normal, -direction, material.roughness, draws.even(path_draws::kAngle),
-                      draws.even(path_draws::kTurn), weight);
+      const Float2 turn = draws.even_pair(path_draws::kAngle);
+      const Float3 in = ggx::sample(normal, -direction, material.roughness, turn.u, turn.v, weight);
       Float3 highlight = weight * sky(in);
+      const Float2 on_disc = draws.even_pair(path_draws::kDiscU);
       for (const Lights::Key& key : lights_.keys()) {
-        const LightSample light = illuminate(key, voxel, u, v);
+        const LightSample light = illuminate(key, voxel, on_disc);
         highlight =
             highlight +
             ggx::evaluate(normal, -direction, light.towards, material.roughness) * light.irradiance;
       }
       radiance = radiance + or_zero(material.specular > Float(0), material.specular * highlight);
     }
-    add(radiance, select(met, path, Int(PathBatch::kCapacity)));
+    add(radiance, met_path);
     return met;
   }
 
   /// Lights::Key::sample.
-  HWY_INLINE LightSample illuminate(const Lights::Key& key, Float3 voxel, Float u, Float v) const {
+  HWY_INLINE LightSample illuminate(const Lights::Key& key, Float3 voxel, Float2 on_disc) const {
+    const auto [u, v] = on_disc;
     if (key.near) {
       const Float3 point = Float3(key.position) + cylinder(Float(key.radius) * sqrt(u), v, Float(0),
                                                            key.tangent, key.bitangent, Vec3(0));
@@ -915,11 +966,10 @@ class Kernel {
       return;
     }
     const bool first = draws.bounce == 0;
-    const Float u = draws.first(path_draws::kDiscU, valid);
-    const Float v = draws.first(path_draws::kDiscV, valid);
+    const Float2 on_disc = draws.pair(path_draws::kDiscU, valid);
     Reservoir reservoir(draws.first(path_draws::kKey, valid));
     for (const Lights::Key& key : lights_.keys()) {
-      const LightSample sample = illuminate(key, vertex.voxel, u, v);
+      const LightSample sample = illuminate(key, vertex.voxel, on_disc);
       reservoir.offer(sample.towards, scattered(vertex, sample.towards, first) * sample.irradiance);
     }
     if (map != nullptr) {
@@ -930,7 +980,7 @@ class Kernel {
       for (int i = 0; i < kOffers; ++i) {
         Int at;
         const Float part = (texel + Float(static_cast<float>(i))) * Float(1.0f / kOffers);
-        const Float3 there = sample_environment(*map, part, u, v, at);
+        const Float3 there = sample_environment(*map, part, on_disc.u, on_disc.v, at);
         // 1/density, times the balance heuristic's density / (density + the path's own).
         const Float weight = Float(1.0f / kOffers) /
                              (texel_density(*map, at, there) + density(vertex, there, first));
@@ -960,15 +1010,8 @@ class Kernel {
   /// A new direction; `throughput` is multiplied by what the vertex lets through that way.
   HWY_INLINE Float3 turn(const Vertex& vertex, Draws& draws, Mask valid, Float3& throughput) const {
     const Material& m = vertex.material;
-    Float u;
-    Float v;
-    if (draws.bounce < 2) {
-      u = draws.even(draws.bounce == 0 ? path_draws::kAngle : path_draws::kAngle2);
-      v = draws.even(draws.bounce == 0 ? path_draws::kTurn : path_draws::kTurn2);
-    } else {
-      u = draws.next(valid);
-      v = draws.next(valid);
-    }
+    const auto [u, v] = draws.bounce == 1 ? draws.even_pair(path_draws::kAngle2)
+                                          : draws.pair(path_draws::kAngle, valid);
     Float3 direction = select(vertex.surface, sample_cosine(vertex.normal, u, v),
                               sample_henyey_greenstein(vertex.before, m.phase, u, v));
     Float3 factor = m.albedo;

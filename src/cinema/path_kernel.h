@@ -27,6 +27,7 @@ struct PathView {
   Vec2 focal, center;         // px
   float lens_radius = 0;      // mm
   float lens_focus = 0;       // mm
+  bool features = false;      // what the camera rays met is wanted, not its light alone
   // What is kept.
   Vec3 box_min, box_max;  // occupied, voxel space
   size_t plane_count = 0;
@@ -47,12 +48,15 @@ struct PathBatch {
 
   size_t count = 0;
   // In:
-  std::array<float, kPadded> x, y;  ///< image coordinates, px
+  std::array<float, kPadded> x, y;  ///< image coordinates of the middle of a pixel, px
   std::array<std::uint32_t, kPadded> key, index;
   // Out:
   std::array<std::array<float, kPadded>, 3> radiance;  ///< linear RGB
-  std::array<std::array<float, kPadded>, 3> albedo;    ///< of the matter that the camera ray met
   std::array<float, kPadded> alpha;                    ///< see PathSample
+  // Out, of the matter that the camera ray met, if the view wants features:
+  std::array<std::array<float, kPadded>, 3> albedo;
+  std::array<std::array<float, kPadded>, 3> normal;  ///< grid frame, outward; 0 within a medium
+  std::array<float, kPadded> depth;                  ///< mm from the camera
 };
 
 /// Traces the batch: many paths side by side in the lanes of vectors, on the best instruction set

@@ -10,10 +10,14 @@ constexpr float kFar = 1e30f;
 
 float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
+Vec3 vector_at(const std::array<std::array<float, PathBatch::kPadded>, 3>& channels, size_t i) {
+  return {channels[0][i], channels[1][i], channels[2][i]};
+}
+
 }  // namespace
 
 PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut,
-                       int max_bounces, const Lens& lens, const std::optional<Floor>& floor)
+                       int max_bounces, const PathOptions& options)
     : scene_(scene), camera_(camera) {
   const Box& occupied = scene.majorants().occupied();
   empty_ = occupied.empty();
@@ -28,8 +32,9 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
   view_.forward = axis(Vec3(0, 0, 1));
   view_.focal = {camera.fx, camera.fy};
   view_.center = {camera.cx, camera.cy};
-  view_.lens_radius = lens.radius;
-  view_.lens_focus = lens.focus;
+  view_.lens_radius = options.lens.radius;
+  view_.lens_focus = options.lens.focus;
+  view_.features = options.features;
   view_.box_min = occupied.min;
   view_.box_max = occupied.max;
   const Vec3 spacing = scene.volume().spacing;
@@ -46,11 +51,12 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
              static_cast<float>(scene.volume().dims[k] - 1) * spacing[k]);
     add_face(-outward, -outward * spacing, 0);
   }
-  if (floor) {
+  if (options.floor) {
+    const Floor& floor = *options.floor;
     view_.has_floor = true;
-    view_.floor_up = scene.frame_from_world(floor->up);
-    view_.floor_middle = scene.voxel_from_world(floor->middle) * spacing;
-    view_.floor_radius = floor->radius;
+    view_.floor_up = scene.frame_from_world(floor.up);
+    view_.floor_middle = scene.voxel_from_world(floor.middle) * spacing;
+    view_.floor_radius = floor.radius;
     view_.floor_light =
         glm::dot(scene.lights().face_radiance(view_.floor_up, Lights::Keys::kDistant), kLuminance);
   }
@@ -86,9 +92,11 @@ std::vector<PathSample> PathTracer::trace(std::span<const PathStart> starts) con
     for (size_t i = 0; i < batch->count; ++i) {
       PathSample& sample = samples[begin + i];
       sample.alpha = batch->alpha[i];
-      for (size_t c = 0; c < 3; ++c) {
-        sample.radiance[static_cast<int>(c)] = batch->radiance[c][i];
-        sample.albedo[static_cast<int>(c)] = batch->albedo[c][i];
+      sample.radiance = vector_at(batch->radiance, i);
+      if (view_.features) {
+        sample.albedo = vector_at(batch->albedo, i);
+        sample.normal = vector_at(batch->normal, i);
+        sample.depth = batch->depth[i];
       }
     }
   }

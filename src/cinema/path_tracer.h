@@ -12,7 +12,8 @@
 
 namespace clipgs {
 
-/// One path to trace: image coordinates in px, and the name of its random numbers (path_draws.h).
+/// One path to trace, through a random point of the pixel about image coordinates x, y (px), and
+/// the name of its random numbers (path_draws.h).
 struct PathStart {
   float x = 0;
   float y = 0;
@@ -26,7 +27,10 @@ struct PathSample {
   /// Its mean is the picture's alpha: 1 if the camera ray met matter; on a floor the share of light
   /// that is found missing there.
   float alpha = 0;
-  Vec3 albedo{0};  ///< of the matter that the camera ray met
+  // Of the matter that the camera ray met, if the tracer returns features:
+  Vec3 albedo{0};
+  Vec3 normal{0};   ///< unit, outward, in the grid's frame; 0: scattered within a medium
+  float depth = 0;  ///< mm from the camera
 };
 
 /// A thin lens. What is not at its focus is blurred.
@@ -42,6 +46,13 @@ struct Floor {
   float radius = 0;  ///< mm; shadows fade out towards it
 };
 
+/// What a tracer does besides.
+struct PathOptions {
+  Lens lens = {};
+  std::optional<Floor> floor = std::nullopt;
+  bool features = false;  ///< samples tell what the camera ray met
+};
+
 /// Unbiased volumetric path tracing (up to `max_bounces`) of one camera's view of what a cut keeps
 /// of a scene: delta tracking against macrocell majorants, hybrid surface/phase scattering
 /// after Exposure Render (Kroes 2012), next-event estimation of the key lights, the sky by
@@ -50,7 +61,7 @@ class PathTracer {
  public:
   /// The scene must outlive the tracer.
   PathTracer(const CinemaScene& scene, const Camera& camera, const Cut& cut, int max_bounces,
-             const Lens& lens = {}, const std::optional<Floor>& floor = std::nullopt);
+             const PathOptions& options = {});
 
   /// Traces any number of paths; each sample depends on its start alone. Safe on many threads at
   /// once.

@@ -53,8 +53,9 @@ Means trace(const ReferenceTracer& tracer, int count, float spread = 0, std::uin
   Rng rng(seed);
   Means means;
   for (int i = 0; i < count; ++i) {
-    const float x = 32 + spread * (2 * rng.uniform() - 1);
-    const float y = 32 + spread * (2 * rng.uniform() - 1);
+    // A point of the square, then one of the pixel about it.
+    const float x = 31.5f + spread * (2 * rng.uniform() - 1) + rng.uniform();
+    const float y = 31.5f + spread * (2 * rng.uniform() - 1) + rng.uniform();
     const PathSample sample = tracer.trace(x, y, rng);
     means.radiance.add(sample.radiance.y);
     means.alpha.add(sample.alpha);
@@ -334,6 +335,41 @@ TEST(PathTracer, OpacityThinsMatter) {
   }
 }
 
+TEST(PathTracer, TellsNormalAndDepthOfWhatIsFirstMet) {
+  // Depths and normals of a ball's surface, and of the face where it is cut.
+  const Volume ball = make_ball(48, 18, 1, 0);
+  const Preset preset =
+      make_preset({point(0.3f, 0), point(0.7f, 60)}, test::white_sky(), /*surface_strength=*/100);
+  const CinemaScene scene(ball, preset);
+  const float distance = 60;
+  const PathTracer whole(scene, camera_from({0, 0, distance}), {}, 1, {.features = true});
+  const Plane plane{Vec3(0, 0, -1), -10};
+  const PathTracer cut(scene, camera_from({0, 0, distance}), plane, 1, {.features = true});
+  for (const PathSample& sample : whole.trace(starts(200))) {
+    ASSERT_EQ(sample.alpha, 1);
+    EXPECT_NEAR(sample.depth, distance - 18, 1);
+    EXPECT_GT(sample.normal.z, 0.95f);
+    EXPECT_NEAR(glm::length(sample.normal), 1, 1e-4);
+  }
+  for (const PathSample& sample : cut.trace(starts(200))) {
+    ASSERT_EQ(sample.alpha, 1);
+    EXPECT_NEAR(sample.depth, distance - 10, 0.5);
+    EXPECT_LT(glm::length(sample.normal - Vec3(0, 0, 1)), 1e-5f);
+  }
+}
+
+TEST(PathTracer, ScatteringWithinAMediumHasNoNormal) {
+  const Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
+  const Preset preset = make_preset({point(0, 0.1f), point(1, 0.1f)}, test::white_sky(), 100);
+  const CinemaScene scene(block, preset);
+  const PathTracer tracer(scene, camera_from({0, 0, 60}), {}, 1, {.features = true});
+  for (const PathSample& sample : tracer.trace(starts(200))) {
+    if (sample.alpha > 0 && sample.depth > 60 - 7) {  // deeper than the box's face
+      EXPECT_EQ(glm::length(sample.normal), 0);
+    }
+  }
+}
+
 TEST(PathTracer, LabelsColourWhatIsFirstMet) {
   Volume block = make_volume({17, 17, 17}, [](const IVec3&) { return 1.0f; });
   block.label_numbers = {0, 2};
@@ -342,7 +378,8 @@ TEST(PathTracer, LabelsColourWhatIsFirstMet) {
   const Vec3 red(0.8f, 0.2f, 0.1f);
   preset.labels[2].albedo = red;
   const CinemaScene scene(block, preset);
-  const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1);
+  const PathTracer tracer(scene, camera_from({0, 0, 60}), Plane{Vec3(0, 0, -1), -1}, 1,
+                          {.features = true});
   for (const PathSample& sample : tracer.trace(starts(20))) {
     ASSERT_EQ(sample.alpha, 1);
     EXPECT_LT(glm::length(sample.albedo - red), 1e-6f);
@@ -453,7 +490,7 @@ TEST(PathTracer, FloorCatchesTheShadowOfABall) {
     const CinemaScene scene(ball, preset);
     const Floor floor{Vec3(0, 0, 1), {0, 0, -16}, 1000};
     const Camera camera = look_at({60, 0, 10}, target, Vec3(0, 0, 1), 64, 64);
-    return trace(PathTracer(scene, camera, {}, 2, {}, floor), 20000);
+    return trace(PathTracer(scene, camera, {}, 2, {.floor = floor}), 20000);
   };
   const Vec3 below(0, 0, -16);
   const Means sky = shadow(test::white_sky(), below);
@@ -478,7 +515,7 @@ TEST(PathTracer, FloorLosesAllLightBelowASlab) {
   const CinemaScene scene(slab, preset);
   const Floor floor{Vec3(0, 0, 1), {0, 0, -4}, 1000};
   const Camera camera = look_at({60, 0, -3}, {0, 0, -4}, Vec3(0, 0, 1), 64, 64);
-  const Means means = trace(PathTracer(scene, camera, {}, 2, {}, floor), 20000);
+  const Means means = trace(PathTracer(scene, camera, {}, 2, {.floor = floor}), 20000);
   EXPECT_NEAR(means.alpha.value(), 1, 0.02);
 }
 
@@ -487,7 +524,7 @@ TEST(PathTracer, LensBlursWhatIsNotAtItsFocus) {
   const CinemaScene scene(ball, make_preset({point(0.4f, 0), point(0.6f, 50)}, test::white_sky()));
   const Camera camera = camera_from({0, 100, 0});
   const auto alpha_at = [&](const Lens& lens, float offset) {
-    const PathTracer tracer(scene, camera, {}, 1, lens);
+    const PathTracer tracer(scene, camera, {}, 1, {.lens = lens});
     std::vector<PathStart> paths = starts(4000);
     for (PathStart& path : paths) {
       path.x += offset;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <memory>
 
-#include "cinema/path_draws.h"
 #include "cinema/path_tracer.h"
 #include "core/parallel.h"
 #include "core/progress.h"
@@ -20,8 +19,13 @@ constexpr int kNoiseRadius = 2;  // px: squared differences of halves are smooth
 
 struct PixelSums {
   std::array<Vec4, 2> halves{Vec4(0), Vec4(0)};  // radiance, hits
-  std::array<Vec3, 2> albedos{Vec3(0), Vec3(0)};
-  int samples = 0;  // in each half
+  int samples = 0;                               // in each half
+};
+
+struct FeatureSums {
+  Vec3 albedo{0};
+  Vec3 normal{0};
+  float depth = 0;
 };
 
 // One picture in the making.
@@ -29,13 +33,15 @@ class Rendering {
  public:
   Rendering(const CinemaScene& scene, const Camera& camera, const Cut& cut,
             const PictureOptions& options)
-      : tracer_(scene, camera, cut, options.max_bounces, options.lens, options.floor),
+      : tracer_(scene, camera, cut, options.max_bounces,
+                {options.lens, options.floor, options.features}),
         exposure_(scene.preset().exposure),
         background_(options.floor ? 1.0f : 0.0f),  // shadows are black
         options_(options),
         width_(camera.width),
         height_(camera.height),
         sums_(static_cast<size_t>(width_) * static_cast<size_t>(height_)),
+        features_(options.features ? sums_.size() : 0),
         wanted_(sums_.size(), 0) {}
 
   // Brings every pixel to wanted_ samples in each half.
@@ -123,24 +129,36 @@ class Rendering {
     Picture picture;
     picture.half_a = Image(width_, height_, 4);
     picture.half_b = Image(width_, height_, 4);
-    picture.albedo_a = Image(width_, height_, 3);
-    picture.albedo_b = Image(width_, height_, 3);
     for (size_t i = 0; i < sums_.size(); ++i) {
       const float scale = 1.0f / static_cast<float>(std::max(1, sums_[i].samples));
       for (int c = 0; c < 4; ++c) {
         picture.half_a.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[0][c] * scale;
         picture.half_b.data[4 * i + static_cast<size_t>(c)] = sums_[i].halves[1][c] * scale;
       }
-      for (int c = 0; c < 3; ++c) {
-        picture.albedo_a.data[3 * i + static_cast<size_t>(c)] = sums_[i].albedos[0][c] * scale;
-        picture.albedo_b.data[3 * i + static_cast<size_t>(c)] = sums_[i].albedos[1][c] * scale;
-      }
       picture.samples += 2.0 * sums_[i].samples;
+    }
+    if (options_.features) {
+      picture.features_a = features(0);
+      picture.features_b = features(1);
     }
     return picture;
   }
 
  private:
+  Features features(size_t half) const {
+    Features means{Image(width_, height_, 3), Image(width_, height_, 3), Image(width_, height_, 1)};
+    for (size_t i = 0; i < sums_.size(); ++i) {
+      const FeatureSums& sums = features_[i][half];
+      const float scale = 1.0f / static_cast<float>(std::max(1, sums_[i].samples));
+      for (int c = 0; c < 3; ++c) {
+        means.albedo.data[3 * i + static_cast<size_t>(c)] = sums.albedo[c] * scale;
+        means.normal.data[3 * i + static_cast<size_t>(c)] = sums.normal[c] * scale;
+      }
+      means.depth.data[i] = sums.depth / std::max(1.0f, sums_[i].halves[half].w);
+    }
+    return means;
+  }
+
   // Neighbouring pixels together: the tracer works on many paths at once.
   void trace_tile(int x0, int y0) {
     struct Run {
@@ -156,7 +174,12 @@ class Rendering {
       for (const Run& run : runs) {
         for (int i = 0; i < run.count; ++i, ++sample) {
           sums_[run.pixel].halves[run.half] += Vec4(sample->radiance, sample->alpha);
-          sums_[run.pixel].albedos[run.half] += sample->albedo;
+          if (options_.features) {
+            FeatureSums& features = features_[run.pixel][run.half];
+            features.albedo += sample->albedo;
+            features.normal += sample->normal;
+            features.depth += sample->depth;
+          }
         }
       }
       runs.clear();
@@ -178,9 +201,7 @@ class Rendering {
           for (int s = 0; s < more; ++s) {
             const auto index = static_cast<std::uint32_t>(done + s);
             starts.push_back(
-                {static_cast<float>(x) + path_draws::draw(path_draws::kPixelX, key, index),
-                 static_cast<float>(y) + path_draws::draw(path_draws::kPixelY, key, index), key,
-                 index});
+                {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, key, index});
           }
         }
         sums_[i].samples = wanted_[i];
@@ -256,6 +277,7 @@ class Rendering {
   int width_;
   int height_;
   std::vector<PixelSums> sums_;
+  std::vector<std::array<FeatureSums, 2>> features_;  // empty unless wanted
   std::vector<int> wanted_;
 };
 

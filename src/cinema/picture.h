@@ -18,8 +18,16 @@ struct PictureOptions {
   int max_bounces = 6;  ///< vertices of a path
   Lens lens;
   std::optional<Floor> floor;
+  bool features = false;  ///< draw what denoise() needs
   std::uint64_t seed = 1;
   std::string progress;  ///< label of a progress line; empty: silent
+};
+
+/// What camera rays met first, as means over a half's samples.
+struct Features {
+  Image albedo;  ///< [height, width, 3]: linear, times alpha
+  Image normal;  ///< [height, width, 3]: outward, in the grid's frame, times the share of surfaces
+  Image depth;   ///< [height, width, 1]: mm from the camera, over the samples that met matter
 };
 
 /// A path-traced picture as two independent halves, each [height, width, 4]: linear radiance before
@@ -28,8 +36,8 @@ struct PictureOptions {
 struct Picture {
   Image half_a;
   Image half_b;
-  Image albedo_a, albedo_b;  ///< [height, width, 3]: linear albedo first met, times alpha
-  double samples = 0;        ///< paths traced in all
+  Features features_a, features_b;  ///< empty unless asked for
+  double samples = 0;               ///< paths traced in all
 
   /// Mean of the halves: linear premultiplied RGBA.
   Image mean() const;

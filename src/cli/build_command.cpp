@@ -79,6 +79,7 @@ struct BuildArguments {
   std::uint64_t seed = 1;
   LoadOptions loading;
   SectionChoice section;
+  bool denoise = false;
   Overrides overrides;
 };
 
@@ -142,6 +143,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
           {"series", arguments.loading.series},
           {"keep_table", arguments.loading.keep_table},
+          {"denoise", arguments.denoise},
           {"section", arguments.section.none ? 0 : arguments.section.size}};
 }
 
@@ -193,6 +195,7 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.seed_points = std::max(options.seed_points, quality.budget);
   options.seed = arguments.seed;
   options.choose_views = !arguments.section.none;
+  options.denoise = arguments.denoise;
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
   return dataset;
@@ -276,6 +279,8 @@ void add_build_command(CLI::App& app) {
   command->add_option("--test-frames", overrides.test_frames, "Test pictures of each split")
       ->check(CLI::Range(1, 10000))
       ->group("Instead of what the quality says");
+  command->add_flag("--denoise", arguments->denoise,
+                    "Smooth noise of training pictures away; test pictures stay as traced");
   command->add_option("--budget", overrides.budget, "Gaussians at most")
       ->check(CLI::Range(100, 5000000))
       ->group("Instead of what the quality says");

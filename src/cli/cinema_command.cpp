@@ -66,6 +66,7 @@ void run_cinema(const CinemaArguments& arguments) {
   warn_if_plane_misses(cut, matter.bounds);
   const CinemaScene scene(volume, preset);
   PictureOptions options = arguments.picture;
+  options.features = arguments.denoise;
   if (!arguments.animation.any()) {
     options.progress = "cinema";
   }

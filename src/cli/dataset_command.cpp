@@ -116,6 +116,8 @@ void add_dataset_command(CLI::App& app) {
                    "(evenly spread; the default with --no-section)")
       ->check(CLI::IsMember({"need", "spiral"}));
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
+  command->add_flag("--denoise", options.denoise,
+                    "Smooth noise of training pictures away; test pictures stay as traced");
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
