@@ -45,7 +45,8 @@ console.log(`### ${name}\n\n\`${command.replaceAll(prefix, name)}\`\n`);
 console.log(
   `${(time.seconds / 60).toFixed(1)} min, peak memory ${(time.kilobytes / 1048576).toFixed(2)} GiB; ` +
     `${figures.splats} Gaussians, ${(figures.bytes / 1e6).toFixed(2)} MB. Noise floor of the truth: ` +
-    Object.entries(figures.noise_floor_db).map(([split, db]) => `${split} ${db.toFixed(1)} dB`).join(", ") + ".\n");
+    Object.entries(figures.noise_floor_db).map(([split, db]) =>
+      `${split} ${db.toFixed(1)} dB (masked ${figures.masked_noise_floor_db[split].toFixed(1)} dB)`).join(", ") + ".\n");
 console.log("| split | section | clip | masked PSNR, dB | PSNR, dB | SSIM | band SSIM | leak, 10⁻² | pictures |");
 console.log("|---|---|---|---|---|---|---|---|---|");
 for (const row of figures.rows) {

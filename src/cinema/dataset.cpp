@@ -178,6 +178,7 @@ Frame read_frame(const Reader& reader) {
     frame.depth_file = reader.file("depth_file_path");
   }
   frame.noise_db = reader.number("noise_db");
+  frame.masked_noise_db = reader.number("masked_noise_db");
   return frame;
 }
 

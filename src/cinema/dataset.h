@@ -24,6 +24,7 @@ struct Frame {
   std::string
       depth_file;      ///< test frames: first-hit depth, 16-bit grey PNG: mm = value·depth_scale
   float noise_db = 0;  ///< noise floor of the picture over black, dB
+  float masked_noise_db = 0;  ///< … of its pixels that show matter, dB
 };
 
 /// A cinematic dataset on disk: transforms.json (NeRF/Nerfstudio convention plus our keys), PNGs,

@@ -55,6 +55,7 @@ struct Fixture {
     options.test_frames = 2;
     options.train_spp = 8;
     options.test_noise_db = 36;
+    options.test_masked_noise_db = 34;
     options.seed_points = 2000;
   }
   Dataset make(const fs::path& folder) const {
@@ -273,6 +274,8 @@ TEST(Dataset, ComesBackFromDisk) {
     EXPECT_EQ(dataset.load(frame).channels, 4);
     if (frame.split != Split::kTrain) {
       EXPECT_GE(frame.noise_db, f.options.test_noise_db);
+      EXPECT_GE(frame.masked_noise_db, f.options.test_masked_noise_db);
+      EXPECT_LT(frame.masked_noise_db, frame.noise_db);
       const Image depth = read_png(folder.path() / frame.depth_file);
       const float nearest = glm::length(frame.camera.position) - 13;
       for (size_t p = 0; p < depth.pixels(); ++p) {
@@ -310,8 +313,8 @@ TEST(Dataset, GoesOnAfterAKill) {
   const Json index = Json::parse(read_text(folder.path() / "transforms.json"));
   Json state = {{"fingerprint", index["fingerprint"]}, {"frames", Json::object()}};
   for (int i = 0; i < 3; ++i) {
-    state["frames"][index["frames"][i]["file_path"].get<std::string>()] =
-        index["frames"][i]["noise_db"];
+    state["frames"][index["frames"][i]["file_path"].get<std::string>()] = {
+        index["frames"][i]["noise_db"], index["frames"][i]["masked_noise_db"]};
   }
   fs::remove(folder.path() / "transforms.json");
   for (size_t i = 3; i < index["frames"].size(); ++i) {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 // Raised whenever the tracer's pictures change, so that old ones are not taken for new.
-constexpr std::uint64_t kTracerVersion = 2;
+constexpr std::uint64_t kTracerVersion = 3;
 constexpr const char* kStateFile = "progress.json";
 constexpr const char* kIndexFile = "transforms.json";
 // The uncut pictures only tell where matter would be.
@@ -125,6 +125,7 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
   f.add(options.test_frames);
   f.add(options.train_spp);
   f.add(options.test_noise_db);
+  f.add(options.test_masked_noise_db);
   f.add(options.test_spp);
   f.add(options.max_bounces);
   f.add(static_cast<std::uint64_t>(options.seed_points));
@@ -145,6 +146,9 @@ std::string fingerprint_in(const fs::path& path) {
   return known ? json["fingerprint"].get<std::string>() : "";
 }
 
+/// Noise floors of a picture, over all and masked, dB.
+using Noise = std::array<float, 2>;
+
 /// Which pictures are finished, and their noise floors; on disk, so that a killed run goes on.
 class State {
  public:
@@ -156,16 +160,18 @@ class State {
     const Json json = Json::parse(read_text(path_), nullptr, false);
     const Json frames = json.value("frames", Json::object());
     for (const auto& [file, noise] : frames.items()) {
-      if (noise.is_number() && fs::exists(folder / file)) {
-        noise_[file] = noise.get<float>();
+      const bool pair =
+          noise.is_array() && noise.size() == 2 && noise[0].is_number() && noise[1].is_number();
+      if (pair && fs::exists(folder / file)) {
+        noise_[file] = noise.get<Noise>();
       }
     }
   }
 
   bool has(const Frame& frame) const { return noise_.contains(frame.file); }
-  float noise(const Frame& frame) const { return noise_.at(frame.file); }
+  const Noise& noise(const Frame& frame) const { return noise_.at(frame.file); }
 
-  void finish(const Frame& frame, float noise) {
+  void finish(const Frame& frame, const Noise& noise) {
     noise_[frame.file] = noise;
     write_text(path_, Json{{"fingerprint", fingerprint_}, {"frames", noise_}}.dump());
   }
@@ -175,7 +181,7 @@ class State {
  private:
   fs::path path_;
   std::string fingerprint_;
-  std::map<std::string, float> noise_;
+  std::map<std::string, Noise> noise_;
 };
 
 Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -200,7 +206,8 @@ Json frame_json(const Frame& frame) {
                {"transform_matrix", matrix_of(c.opengl_camera_to_world())},
                {"clip_plane", nullptr},
                {"split", split_name(frame.split)},
-               {"noise_db", frame.noise_db}};
+               {"noise_db", frame.noise_db},
+               {"masked_noise_db", frame.masked_noise_db}};
   if (frame.plane) {
     const Plane& p = *frame.plane;
     json["clip_plane"] = {p.normal.x, p.normal.y, p.normal.z, p.offset};
@@ -253,7 +260,7 @@ class Maker {
 
   /// Writes the frame's pictures, the one that State counts last, and returns its noise floor:
   /// before denoising, since the halves of a denoised picture would claim too high a one.
-  float make(const Frame& frame, std::uint64_t number) const {
+  Noise make(const Frame& frame, std::uint64_t number) const {
     const bool training = frame.split == Split::kTrain;
     PictureOptions options;
     options.max_bounces = options_.max_bounces;
@@ -264,13 +271,15 @@ class Maker {
       write_depth(folder_ / frame.depth_file, render_depth(scene_, frame.camera, frame.plane),
                   depth_scale_);
       options.noise_db = options_.test_noise_db + kNoiseMargin;
+      options.masked_noise_db = options_.test_masked_noise_db + kNoiseMargin;
     }
     options.spp = training ? options_.train_spp : options_.test_spp;
     options.features = training && options_.denoise;
     const Picture picture = render_picture(scene_, frame.camera, frame.plane, options);
     write_picture(frame.file,
                   options.features ? denoise(picture, scene_.preset().exposure) : picture);
-    return noise_floor(picture, scene_.preset().exposure);
+    return {noise_floor(picture, scene_.preset().exposure),
+            masked_noise_floor(picture, scene_.preset().exposure)};
   }
 
  private:
@@ -322,7 +331,8 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
       done += Maker::cost(frame);
       progress.update(done);
     }
-    frame.noise_db = state.noise(frame);
+    frame.noise_db = state.noise(frame)[0];
+    frame.masked_noise_db = state.noise(frame)[1];
   }
 
   const Vec2 extent = matter.extent(options.axis);

@@ -13,13 +13,14 @@
 namespace clipgs {
 
 struct DatasetOptions {
-  int size = 256;            ///< pictures are size × size px
-  int train_frames = 600;    ///< about 40 % axis planes, 45 % oblique, 15 % uncut
-  int test_frames = 30;      ///< of each test split
-  int train_spp = 32;        ///< samples a pixel of a training picture, mean over matter
-  float test_noise_db = 45;  ///< noise floor that every test picture reaches …
-  int test_spp = 4096;       ///< … unless this many samples a pixel are not enough
-  int max_bounces = 6;       ///< vertices of a path
+  int size = 256;                   ///< pictures are size × size px
+  int train_frames = 600;           ///< about 40 % axis planes, 45 % oblique, 15 % uncut
+  int test_frames = 30;             ///< of each test split
+  int train_spp = 32;               ///< samples a pixel of a training picture, mean over matter
+  float test_noise_db = 46;         ///< noise floor that every test picture reaches …
+  float test_masked_noise_db = 40;  ///< … and that of its pixels that show matter …
+  int test_spp = 4096;              ///< … unless this many samples a pixel are not enough
+  int max_bounces = 6;              ///< vertices of a path
   size_t seed_points = 150000;
   std::uint64_t seed = 1;
   Vec3 axis{0, 0, 1};        ///< unit RAS direction of the axis planes

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cinema/path_tracer.h"
+#include "core/mask.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
@@ -78,7 +79,8 @@ class Rendering {
     double density = budget / sum;
     if (options_.noise_db > 0) {
       const double now = error();
-      const double target = std::pow(10.0, -0.1 * (options_.noise_db + 0.05));
+      const double target =
+          std::min(mse_of(options_.noise_db), mask_share() * mse_of(options_.masked_noise_db));
       if (now <= target) {
         return false;
       }
@@ -102,6 +104,20 @@ class Rendering {
       }
     }
     return true;
+  }
+
+  // A little below that of the noise floor.
+  static double mse_of(float noise_db) {
+    return std::pow(10.0, -0.1 * (static_cast<double>(noise_db) + 0.05));
+  }
+
+  // Of the pixels; all of the error lies in these.
+  double mask_share() const {
+    const auto masked = std::ranges::count_if(sums_, [](const PixelSums& pixel) {
+      return pixel.halves[0].w + pixel.halves[1].w >
+             2 * kMaskAlpha * static_cast<float>(pixel.samples);
+    });
+    return static_cast<double>(masked) / static_cast<double>(sums_.size());
   }
 
   // Mean squared error of the displayed mean, over pixels and channels.
@@ -341,16 +357,35 @@ Image display(const Image& premultiplied, float exposure) {
   return image;
 }
 
-float noise_floor(const Picture& picture, float exposure, float background) {
+namespace {
+
+// Of the pixels whose alpha exceeds `least_alpha`.
+float noise_floor(const Picture& picture, float exposure, float background, float least_alpha) {
   const Image a = composite(display(picture.half_a, exposure), background, background, background);
   const Image b = composite(display(picture.half_b, exposure), background, background, background);
   double sum = 0;
-  for (size_t i = 0; i < a.data.size(); ++i) {
-    const double difference = a.data[i] - b.data[i];
-    sum += difference * difference;
+  double count = 0;
+  for (size_t i = 0; i < a.pixels(); ++i) {
+    if (0.5f * (picture.half_a.data[4 * i + 3] + picture.half_b.data[4 * i + 3]) > least_alpha) {
+      for (size_t c = 3 * i; c < 3 * i + 3; ++c) {
+        const double difference = a.data[c] - b.data[c];
+        sum += difference * difference;
+      }
+      count += 3;
+    }
   }
-  const double mse = 0.25 * sum / static_cast<double>(a.data.size());
+  const double mse = 0.25 * sum / std::max(count, 1.0);
   return mse > 0 ? std::min(kNoNoise, static_cast<float>(-10.0 * std::log10(mse))) : kNoNoise;
+}
+
+}  // namespace
+
+float noise_floor(const Picture& picture, float exposure, float background) {
+  return noise_floor(picture, exposure, background, -1);
+}
+
+float masked_noise_floor(const Picture& picture, float exposure) {
+  return noise_floor(picture, exposure, 0, kMaskAlpha);
 }
 
 }  // namespace clipgs

@@ -13,9 +13,10 @@
 namespace clipgs {
 
 struct PictureOptions {
-  int spp = 64;         ///< most samples a pixel, as a mean over the pixels that show matter
-  float noise_db = 0;   ///< stop as soon as the noise floor is this high; 0: spend all samples
-  int max_bounces = 6;  ///< vertices of a path
+  int spp = 64;        ///< most samples a pixel, as a mean over the pixels that show matter
+  float noise_db = 0;  ///< stop as soon as the noise floor is this high; 0: spend all samples
+  float masked_noise_db = 0;  ///< and that of the pixels that show matter this high; 0: any
+  int max_bounces = 6;        ///< vertices of a path
   Lens lens;
   std::optional<Floor> floor;
   bool features = false;  ///< draw what denoise() needs
@@ -62,6 +63,9 @@ Image display(const Image& premultiplied, float exposure);
 /// B)/4), for the error of the mean of two halves with independent errors is a quarter of their
 /// mean squared difference. No PSNR against the picture can be trusted above it. At most kNoNoise.
 float noise_floor(const Picture& picture, float exposure, float background = 0);
+
+/// The same over black, of the pixels alone that a masked PSNR counts: alpha above kMaskAlpha.
+float masked_noise_floor(const Picture& picture, float exposure);
 
 constexpr float kNoNoise = 99;
 

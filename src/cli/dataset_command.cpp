@@ -26,12 +26,8 @@ struct DatasetArguments {
   bool json = false;
 };
 
-float lowest_noise_floor(const std::vector<const Frame*>& frames) {
-  float lowest = std::numeric_limits<float>::max();
-  for (const Frame* frame : frames) {
-    lowest = std::min(lowest, frame->noise_db);
-  }
-  return lowest;
+float lowest(const std::vector<const Frame*>& frames, float Frame::* noise) {
+  return (*std::ranges::min_element(frames, {}, noise))->*noise;
 }
 
 void run_dataset(const DatasetArguments& arguments) {
@@ -57,10 +53,12 @@ void run_dataset(const DatasetArguments& arguments) {
   for (const Split split : {Split::kTrain, Split::kTestAxis, Split::kTestOblique}) {
     const std::vector<const Frame*> frames = dataset.split(split);
     if (!frames.empty()) {
-      const float noise = lowest_noise_floor(frames);
+      const float noise = lowest(frames, &Frame::noise_db);
+      const float masked = lowest(frames, &Frame::masked_noise_db);
       json["lowest_noise_db"][split_name(split)] = noise;
-      text += fmt::format(", {} {} (noise floor >= {:.1f} dB)", frames.size(), split_name(split),
-                          noise);
+      json["lowest_masked_noise_db"][split_name(split)] = masked;
+      text += fmt::format(", {} {} (noise floor >= {:.1f} dB, masked {:.1f} dB)", frames.size(),
+                          split_name(split), noise, masked);
     }
   }
   fmt::print("{}\n", arguments.json ? json.dump(2) : text);
@@ -96,6 +94,11 @@ void add_dataset_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--test-noise-db", options.test_noise_db, "Noise floor of test pictures, dB")
       ->check(CLI::Range(10.0, 80.0))
+      ->capture_default_str();
+  command
+      ->add_option("--test-masked-noise-db", options.test_masked_noise_db,
+                   "The same, of their pixels that show matter alone (0: any)")
+      ->check(CLI::Range(0.0, 80.0))
       ->capture_default_str();
   command
       ->add_option("--test-spp", options.test_spp,

@@ -40,7 +40,8 @@ class EvalCommandTest : public testing::Test {
   void make_dataset(const std::string& name, const std::string& test_frames) const {
     run({"phantom", at("phantom.nrrd"), "--size", "32"});
     run({"dataset", at("phantom.nrrd"), "-o", at(name), "--size", "32", "--train-frames", "4",
-         "--test-frames", test_frames, "--test-noise-db", "25", "--points", "2000"});
+         "--test-frames", test_frames, "--test-noise-db", "25", "--test-masked-noise-db", "0",
+         "--points", "2000"});
   }
 
   fs::path folder_ = fs::path(testing::TempDir()) / ("clipgs-eval-" + std::to_string(getpid()));

@@ -15,10 +15,13 @@ nlohmann::ordered_json describe_dataset(const std::filesystem::path& path) {
   for (const Split split : {Split::kTrain, Split::kTestAxis, Split::kTestOblique}) {
     const std::vector<const Frame*> frames = dataset.split(split);
     double noise = 0;
+    double masked = 0;
     for (const Frame* frame : frames) {
       noise += frame->noise_db / static_cast<double>(frames.size());
+      masked += frame->masked_noise_db / static_cast<double>(frames.size());
     }
-    json[split_name(split)] = {{"pictures", frames.size()}, {"noise_db", noise}};
+    json[split_name(split)] = {
+        {"pictures", frames.size()}, {"noise_db", noise}, {"masked_noise_db", masked}};
   }
   if (!dataset.frames.empty()) {
     const Camera& camera = dataset.frames.front().camera;

@@ -123,12 +123,14 @@ std::vector<size_t> frames_of(const Dataset& dataset, Split split) {
   return frames;
 }
 
-double mean_noise_floor(const Dataset& dataset, const std::vector<size_t>& frames) {
-  double sum = 0;
+NoiseFloor mean_noise_floor(const Dataset& dataset, Split split,
+                            const std::vector<size_t>& frames) {
+  NoiseFloor mean{split, 0, 0};
   for (const size_t i : frames) {
-    sum += dataset.frames[i].noise_db;
+    mean.db += dataset.frames[i].noise_db / static_cast<double>(frames.size());
+    mean.masked_db += dataset.frames[i].masked_noise_db / static_cast<double>(frames.size());
   }
-  return sum / static_cast<double>(frames.size());
+  return mean;
 }
 
 nlohmann::ordered_json number(const std::optional<double>& value) {
@@ -180,7 +182,7 @@ Evaluation evaluate(const Case& contents, const Dataset& dataset,
   for (const Split split : kTestSplits) {
     const std::vector<size_t> frames = frames_of(dataset, split);
     if (!frames.empty()) {
-      evaluation.noise_floor_db.emplace_back(split, mean_noise_floor(dataset, frames));
+      evaluation.noise_floors.push_back(mean_noise_floor(dataset, split, frames));
       tests.insert(tests.end(), frames.begin(), frames.end());
     }
   }
@@ -200,9 +202,9 @@ Evaluation evaluate(const Case& contents, const Dataset& dataset,
     }
     progress.update(i + 1);
   }
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
     for (const Drawing& drawing : drawings) {
-      evaluation.rows.push_back(make_row(dataset, evaluation.frames, split, drawing));
+      evaluation.rows.push_back(make_row(dataset, evaluation.frames, noise.split, drawing));
     }
   }
   return evaluation;
@@ -212,8 +214,9 @@ std::string evaluation_json(const Evaluation& evaluation) {
   nlohmann::ordered_json json;
   json["splats"] = evaluation.splats;
   json["bytes"] = evaluation.bytes;
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
-    json["noise_floor_db"][split_name(split)] = number(noise);
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
+    json["noise_floor_db"][split_name(noise.split)] = number(noise.db);
+    json["masked_noise_floor_db"][split_name(noise.split)] = number(noise.masked_db);
   }
   json["rows"] = nlohmann::ordered_json::array();
   for (const EvaluationRow& row : evaluation.rows) {
@@ -244,9 +247,10 @@ std::string evaluation_table(const Evaluation& evaluation) {
                         cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
                         cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
   }
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
-    text += fmt::format("noise floor of {}: {:.1f} dB (no PSNR above it can be trusted)\n",
-                        split_name(split), noise);
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
+    text += fmt::format(
+        "noise floor of {}: {:.1f} dB, masked {:.1f} dB (no PSNR above it can be trusted)\n",
+        split_name(noise.split), noise.db, noise.masked_db);
   }
   return text;
 }

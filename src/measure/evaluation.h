@@ -50,10 +50,17 @@ struct EvaluationRow {
   size_t images = 0;
 };
 
+/// Of the truth, mean over the pictures of a split.
+struct NoiseFloor {
+  Split split = Split::kTestAxis;
+  double db = 0;
+  double masked_db = 0;
+};
+
 struct Evaluation {
   size_t splats = 0;
-  std::uintmax_t bytes = 0;                              ///< size of the scene's file
-  std::vector<std::pair<Split, double>> noise_floor_db;  ///< mean over the pictures of the split
+  std::uintmax_t bytes = 0;              ///< size of the scene's file
+  std::vector<NoiseFloor> noise_floors;  ///< of the splits that have pictures
   std::vector<EvaluationRow> rows;
   std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
 };
@@ -77,9 +84,9 @@ Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawin
 Evaluation evaluate(const Case& contents, const Dataset& dataset,
                     const EvaluationOptions& options = {});
 
-/// {"splats", "bytes", "noise_floor_db": {split: dB}, "rows": [{"split", "clip", "section",
-/// "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "images"}]}; null where a metric
-/// is not defined.
+/// {"splats", "bytes", "noise_floor_db": {split: dB}, "masked_noise_floor_db": {split: dB}, "rows":
+/// [{"split", "clip", "section", "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak",
+/// "images"}]}; null where a metric is not defined.
 std::string evaluation_json(const Evaluation& evaluation);
 
 /// The same rows as a table for a terminal.

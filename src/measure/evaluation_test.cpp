@@ -81,6 +81,7 @@ class EvaluationTest : public testing::Test {
     frame.uncut_file = name + "-uncut.png";
     frame.depth_file = name + "-depth.png";
     frame.noise_db = 41.0f + static_cast<float>(dataset_.frames.size());
+    frame.masked_noise_db = frame.noise_db - 6;
     const Image truth = render(scene_.gaussians, frame.camera, plane, ClipOperator::kExact);
     write_png(folder_ / frame.file, truth, 16);
     write_png(folder_ / frame.uncut_file,
@@ -134,9 +135,11 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
     EXPECT_LT(hard.mean.ssim, exact.mean.ssim);
   }
   // Frames alternate between the splits with noise floors 41, 42, …, 46.
-  ASSERT_EQ(evaluation.noise_floor_db.size(), 2u);
-  EXPECT_EQ(evaluation.noise_floor_db[0], std::pair(Split::kTestAxis, 43.0));
-  EXPECT_EQ(evaluation.noise_floor_db[1], std::pair(Split::kTestOblique, 44.0));
+  ASSERT_EQ(evaluation.noise_floors.size(), 2u);
+  EXPECT_EQ(evaluation.noise_floors[0].split, Split::kTestAxis);
+  EXPECT_NEAR(evaluation.noise_floors[0].db, 43, 1e-9);
+  EXPECT_EQ(evaluation.noise_floors[1].split, Split::kTestOblique);
+  EXPECT_NEAR(evaluation.noise_floors[1].masked_db, 38, 1e-9);
 }
 
 TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
@@ -146,6 +149,7 @@ TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   EXPECT_EQ(json["splats"], 600);
   EXPECT_EQ(json["bytes"], 1234);
   EXPECT_EQ(json["noise_floor_db"]["test_axis"], 43.0);
+  EXPECT_EQ(json["masked_noise_floor_db"]["test_axis"], 37.0);
   ASSERT_EQ(json["rows"].size(), 2u);
   const nlohmann::ordered_json& row = json["rows"][1];
   std::vector<std::string> keys;

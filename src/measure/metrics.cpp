@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/mask.h"
 #include "core/parallel.h"
 
 namespace clipgs {

@@ -14,8 +14,6 @@ namespace clipgs {
 /// Value reported for pictures that are equal: no infinity enters a mean or a JSON file.
 constexpr double kMaxPsnr = 100.0;
 
-/// Alpha above which a pixel belongs to the masked PSNR.
-constexpr float kMaskAlpha = 0.01f;
 /// Alpha below which the clipped truth counts as empty, for `leak`.
 constexpr float kEmptyAlpha = 0.02f;
 /// Half width of the band at the plane, as a share of the extent of the visible matter.

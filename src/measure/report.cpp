@@ -136,25 +136,26 @@ std::string table_html(const Evaluation& evaluation) {
   for (const Column& column : kColumns) {
     html += fmt::format("<th>{}</th>", column.title);
   }
-  html += "<th>noise floor, dB</th><th>pictures</th></tr></thead>\n";
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
+  html += "<th>noise floor, dB</th><th>masked</th><th>pictures</th></tr></thead>\n";
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
     html += "<tbody>\n";
     for (const EvaluationRow& row : evaluation.rows) {
-      if (row.split != split) {
+      if (row.split != noise.split) {
         continue;
       }
       const char* clip = clip_operator_name(row.drawing.clip);
       const char* faces = face_source_name(row.drawing.faces);
       html +=
           fmt::format(R"(<tr><td>{}</td><td class="{}">{}</td><td class="{}">{}</td><td>{}</td>)",
-                      split_name(split), clip, clip, faces, faces, escape_html(row.against));
+                      split_name(noise.split), clip, clip, faces, faces, escape_html(row.against));
       for (const Column& column : kColumns) {
         const std::optional<double> value = column.value(row.mean);
-        const bool best = value && value == best_value(evaluation, split, column);
+        const bool best = value && value == best_value(evaluation, noise.split, column);
         html += fmt::format("<td{}>{}</td>", best ? " class=\"best\"" : "",
                             value_text(value, column.decimals));
       }
-      html += fmt::format("<td>{:.1f}</td><td>{}</td></tr>\n", noise, row.images);
+      html += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n", noise.db,
+                          noise.masked_db, row.images);
     }
     html += "</tbody>\n";
   }
@@ -431,13 +432,13 @@ std::string evaluation_report(const Case& contents, const Dataset& dataset,
   html +=
       "<p class=\"quiet\">Bold: the best of its split.</p>\n<h2>Every picture</h2>\n"
       "<div class=\"plots\">\n";
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
-    html += plot_html(dataset, evaluation, split, noise);
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
+    html += plot_html(dataset, evaluation, noise.split, noise.db);
   }
   html += "</div>\n";
-  for (const auto& [split, noise] : evaluation.noise_floor_db) {
-    html += fmt::format("<h2>{}: truth and ours</h2>\n", split_title(split));
-    for (const auto& [rank, frame] : chosen_frames(dataset, evaluation, split)) {
+  for (const NoiseFloor& noise : evaluation.noise_floors) {
+    html += fmt::format("<h2>{}: truth and ours</h2>\n", split_title(noise.split));
+    for (const auto& [rank, frame] : chosen_frames(dataset, evaluation, noise.split)) {
       html += frame_html(contents, dataset, evaluation, frame, rank);
     }
   }
