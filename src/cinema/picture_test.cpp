@@ -103,6 +103,46 @@ TEST(Picture, BudgetIsKept) {
   EXPECT_GT(picture.samples, 0.8 * 40 * matter);
 }
 
+// Light of a cut face is known, not sampled: at few samples already no pixel of it stands out, but
+// for the edges between tissues, which pixels are sampled across.
+TEST(Picture, CutFacesHaveNoSpeckle) {
+  const Volume volume = make_phantom(64);
+  const Preset preset = load_preset("soft-tissue", volume);
+  const CinemaScene scene(volume, preset);
+  const VisibleMatter matter = visible_matter(volume, preset.transfer);
+  const Plane plane{glm::normalize(Vec3(0.36f, -0.8f, -0.48f)), 0};
+  const Camera camera = look_at(-300.0f * plane.normal + matter.sphere.center, matter.sphere.center,
+                                Vec3(0, 0, 1), 64, 64);
+  const auto shown = [&](int spp) {
+    PictureOptions options;
+    options.spp = spp;
+    return composite(display(render_picture(scene, camera, plane, options).mean(), preset.exposure),
+                     0, 0, 0);
+  };
+  const Image few = shown(16);
+  const Image many = shown(150);
+  const Image depth = render_depth(scene, camera, plane);
+  int face = 0;
+  int off = 0;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const Vec3 met = camera.position + *depth.at(x, y) * camera.ray_direction(x + 0.5f, y + 0.5f);
+      if (*depth.at(x, y) == 0 || std::abs(plane.signed_distance(met)) > 0.5f * volume.spacing.x) {
+        continue;
+      }
+      ++face;
+      float difference = 0;
+      for (int c = 0; c < 3; ++c) {
+        difference = std::max(difference, std::abs(few.at(x, y)[c] - many.at(x, y)[c]));
+      }
+      off += difference > 0.05f ? 1 : 0;
+      EXPECT_LT(difference, 0.2f) << x << " " << y;
+    }
+  }
+  EXPECT_GT(face, 600);
+  EXPECT_LT(off, face / 50);
+}
+
 TEST(Picture, DisplayKeepsAlphaStraight) {
   Image hdr(2, 1, 4);
   hdr.data = {0.1f, 0.05f, 0, 0.5f, 0, 0, 0, 0};
