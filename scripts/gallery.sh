@@ -135,6 +135,20 @@ sheets() {
   convert "$folder"/rig-{studio,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
 }
 
+# stills: shadows on a floor, a lens with its focus on the near teeth, skin of glass under a soft box.
+stills() {
+  local head="$CLIPGS_DATA/head.nrrd" paper='0.82,0.82,0.84'
+  echo "gallery: stills"
+  still() {
+    "$clipgs" --quiet cinema "$head" --hu 16,-1024 -o "$folder/still-$1.png" --size "$size" --spp "${SPP:-512}" --denoise "${@:2}" >/dev/null
+  }
+  still floor --preset bone --view 30,12 --floor inferior --background "$paper"
+  still lens --preset teeth --view 35,5,2.2 --lens 14 --focus "$1" --background "$background"
+  still glass --preset crystal --view -35,10 --rig softbox --exposure auto --background "$background"
+  still cut --preset skin-and-bone --view 25,25 --plane 0,0,-1,-110 --floor inferior --rig theatre --background "$paper"
+  convert "$folder"/still-{floor,lens,glass,cut}.png +append -quality 80 "$out/stills.webp"
+}
+
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
@@ -146,4 +160,5 @@ if [ -n "${CLIPGS_DATA:-}" ]; then
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
   sheets
+  stills -262,-150,60
 fi

@@ -87,6 +87,16 @@ struct Float2 {
   Float u, v;
 };
 
+/// See path_draws::draw. A function of its own: inlined a dozen times it takes compilers minutes.
+HWY_NOINLINE Float2 sobol_pair(Uint key, Uint index, std::uint32_t pair) {
+  const Uint seed = hash(key + Uint((pair + 1) * path_draws::kGolden));
+  const Uint at = reverse_bits(permute(reverse_bits(index), seed));
+  const auto scrambled = [seed](Uint fraction, std::uint32_t salt) HWY_ATTR {
+    return to_unit(reverse_bits(permute(fraction, hash(seed + Uint(salt)))));
+  };
+  return {scrambled(at, 1), scrambled(sobol2(at), 2)};
+}
+
 /// The random numbers of a vertex of paths.
 struct Draws {
   Uint key, index, rng;
@@ -94,15 +104,12 @@ struct Draws {
 
   /// A dimension of the even sequence.
   HWY_INLINE Float even(path_draws::Dimension dimension) const {
-    const Uint seed = seed_of(dimension);
-    const Uint at = shuffled_index(seed);
-    return dimension % 2 == 0 ? scrambled(at, seed, 1) : scrambled(sobol2(at), seed, 2);
+    const Float2 both = even_pair(dimension);
+    return dimension % 2 == 0 ? both.u : both.v;
   }
   /// This dimension and the other one of its pair.
-  HWY_INLINE Float2 even_pair(path_draws::Dimension first_of_pair) const {
-    const Uint seed = seed_of(first_of_pair);
-    const Uint at = shuffled_index(seed);
-    return {scrambled(at, seed, 1), scrambled(sobol2(at), seed, 2)};
+  HWY_INLINE Float2 even_pair(path_draws::Dimension dimension) const {
+    return sobol_pair(key, index, dimension / 2);
   }
   HWY_INLINE Float next(Mask where) { return next_random(rng, where); }
   /// Even at the first vertex, any number later.
@@ -115,17 +122,6 @@ struct Draws {
     }
     const Float u = next(where);
     return {u, next(where)};
-  }
-
- private:
-  HWY_INLINE Uint seed_of(path_draws::Dimension dimension) const {
-    return hash(key + Uint((dimension / 2 + 1) * path_draws::kGolden));
-  }
-  HWY_INLINE Uint shuffled_index(Uint seed) const {
-    return reverse_bits(permute(reverse_bits(index), seed));
-  }
-  static HWY_INLINE Float scrambled(Uint at, Uint seed, std::uint32_t salt) {
-    return to_unit(reverse_bits(permute(at, hash(seed + Uint(salt)))));
   }
 };
 
@@ -959,8 +955,8 @@ class Kernel {
   }
 
   /// Next-event estimation: one key or the environment, chosen by what each would give unshadowed.
-  HWY_INLINE void light(const Vertex& vertex, Float3 throughput, Int path, Draws& draws,
-                        Mask valid) {
+  HWY_NOINLINE void light(const Vertex& vertex, Float3 throughput, Int path, Draws& draws,
+                          Mask valid) {
     const EnvironmentMap* const map = lights_.environment();
     if (lights_.keys().empty() && map == nullptr) {
       return;
