@@ -135,7 +135,7 @@ sheets() {
   convert "$folder"/rig-{studio,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
 }
 
-# stills: shadows on a floor, a lens with its focus on the near teeth, skin of glass under a soft box.
+# stills: shadows on a floor, a lens, skin of glass under a soft box.
 stills() {
   local head="$CLIPGS_DATA/head.nrrd" paper='0.82,0.82,0.84'
   echo "gallery: stills"
@@ -143,7 +143,7 @@ stills() {
     "$clipgs" --quiet cinema "$head" --hu 16,-1024 -o "$folder/still-$1.png" --size "$size" --spp "${SPP:-512}" --denoise "${@:2}" >/dev/null
   }
   still floor --preset bone --view 30,12 --floor inferior --background "$paper"
-  still lens --preset teeth --view 35,5,2.2 --lens 14 --focus "$1" --background "$background"
+  still lens --preset teeth --view 35,5,1.5 --lens 5 --focus "$1" --background "$background"
   still glass --preset crystal --view -35,10 --rig softbox --exposure auto --background "$background"
   still cut --preset skin-and-bone --view 25,25 --plane 0,0,-1,-110 --floor inferior --rig theatre --background "$paper"
   convert "$folder"/still-{floor,lens,glass,cut}.png +append -quality 80 "$out/stills.webp"
