@@ -1,12 +1,16 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
+#include <exception>
+#include <fmt/format.h>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "cinema/picture.h"
 #include "cinema/scene.h"
 #include "cinema/visible_matter.h"
 #include "core/camera.h"
@@ -65,6 +69,41 @@ inline Subject subject_of(std::span<char*> arguments, int size) {
     cut = Cut(Plane{glm::normalize(Vec3(n.at(0), n.at(1), n.at(2))), n.at(3)});
   }
   return {load_volume(arguments[1], load), arguments[2], cut, size};
+}
+
+constexpr int kBounces = 4;
+
+/// As displayed, over black.
+inline Image shown(const Image& premultiplied, const Subject& s) {
+  return composite(display(premultiplied, s.preset.exposure), 0, 0, 0);
+}
+
+struct Truth {
+  Image shown;   // over black
+  double error;  // its own mean squared error: independent of the others', it is taken off
+};
+
+/// A picture whose noise floor is this high, dB.
+inline Truth converged(const Subject& s, float noise_db) {
+  PictureOptions options;
+  options.spp = 1 << 14;
+  options.noise_db = noise_db;
+  options.max_bounces = kBounces;
+  options.seed = 99;
+  const Picture picture = render_picture(s.scene, s.camera, s.cut, options);
+  return {shown(picture.mean(), s), std::pow(10.0, -0.1 * noise_floor(picture, s.preset.exposure))};
+}
+
+/// The whole of a bench's main().
+inline int run_bench(const char* name, int count, char** arguments,
+                     void (*run)(std::span<char*> arguments)) {
+  try {
+    run({arguments, static_cast<size_t>(count)});
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 1;
+  }
+  return 0;
 }
 
 }  // namespace clipgs::bench

@@ -20,10 +20,11 @@
 namespace clipgs {
 namespace {
 
+using bench::kBounces;
 using bench::Subject;
+using bench::Truth;
 
 constexpr int kSize = 512;
-constexpr int kBounces = 4;
 constexpr double kTarget = 35;  // dB
 // The plain tracer is slow: it draws one row in so many, and its times are multiplied.
 constexpr int kPlainEvery = 16;
@@ -74,11 +75,6 @@ void uniform_picture(const Subject& s, int spp) {
     }
   });
 }
-
-struct Truth {
-  Image shown;   // over black
-  double error;  // its own mean squared error: independent of the others', it is taken off
-};
 
 // Of every `every`-th row.
 double psnr(const Truth& truth, const Image& image, int every) {
@@ -142,14 +138,7 @@ void run(std::span<char*> arguments) {
   };
   constexpr double kPaths = kSize * kSize;
 
-  PictureOptions converged;
-  converged.spp = 1 << 14;
-  converged.noise_db = kTarget + 10;
-  converged.max_bounces = kBounces;
-  converged.seed = 99;
-  const Picture picture = render_picture(s.scene, s.camera, s.cut, converged);
-  const Truth truth{composite(display(picture.mean(), s.preset.exposure), 0, 0, 0),
-                    std::pow(10.0, -0.1 * noise_floor(picture, s.preset.exposure))};
+  const Truth truth = bench::converged(s, static_cast<float>(kTarget) + 10);
   const auto ours = [&](int spp, bool features) {
     PictureOptions options;
     options.spp = spp;
@@ -177,11 +166,5 @@ void run(std::span<char*> arguments) {
 }  // namespace clipgs
 
 int main(int count, char** arguments) {
-  try {
-    clipgs::run({arguments, static_cast<size_t>(count)});
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "cinema_bench: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  return clipgs::bench::run_bench("cinema_bench", count, arguments, clipgs::run);
 }

@@ -15,28 +15,21 @@
 namespace clipgs {
 namespace {
 
+using bench::kBounces;
+using bench::shown;
 using bench::Subject;
+using bench::Truth;
 
 constexpr int kSize = 256;
-constexpr int kBounces = 4;
 constexpr int kSeeds = 8;
 constexpr std::array kSpp = {4, 16, 64, 256};
 constexpr float kConverged = 54;  // dB
-
-struct Truth {
-  Image shown;   // over black
-  double error;  // its own mean squared error: independent of the others', it is taken off
-};
 
 /// Mean squared errors over pixels and channels.
 struct Errors {
   double total;  // of one picture, mean over the seeds
   double bias;   // of the mean over ever more seeds
 };
-
-Image shown(const Image& premultiplied, const Subject& s) {
-  return composite(display(premultiplied, s.preset.exposure), 0, 0, 0);
-}
 
 PictureOptions options_of(int spp, std::uint64_t seed) {
   PictureOptions options;
@@ -45,13 +38,6 @@ PictureOptions options_of(int spp, std::uint64_t seed) {
   options.seed = seed;
   options.features = true;
   return options;
-}
-
-Truth converged(const Subject& s) {
-  PictureOptions options = options_of(1 << 14, 99);
-  options.noise_db = kConverged;
-  const Picture picture = render_picture(s.scene, s.camera, s.cut, options);
-  return {shown(picture.mean(), s), std::pow(10.0, -0.1 * noise_floor(picture, s.preset.exposure))};
 }
 
 /// What is left of the distance between the seeds' mean and the truth when the noise of both,
@@ -80,7 +66,7 @@ double decibels(double error) { return -10 * std::log10(std::max(1e-9, error)); 
 
 void run(std::span<char*> arguments) {
   const Subject s = bench::subject_of(arguments, kSize);
-  const Truth truth = converged(s);
+  const Truth truth = bench::converged(s, kConverged);
   for (const int spp : kSpp) {
     std::vector<Image> noisy;
     std::vector<Image> denoised;
@@ -103,11 +89,5 @@ void run(std::span<char*> arguments) {
 }  // namespace clipgs
 
 int main(int count, char** arguments) {
-  try {
-    clipgs::run({arguments, static_cast<size_t>(count)});
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "denoise_bench: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+  return clipgs::bench::run_bench("denoise_bench", count, arguments, clipgs::run);
 }
