@@ -390,6 +390,7 @@ TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
   std::vector<std::string> reference = small_build("reference.sog");
   reference.insert(reference.end(), {"--threads", "1"});
   ASSERT_EQ(run_clipgs(reference).status, 0);
+  const std::string expected = read_text(at("reference.sog"));
 
   // Killed again and again, a little later each time, wherever it may be.
   const std::vector<std::string> interrupted = small_build("interrupted.sog");
@@ -399,10 +400,10 @@ TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
     ++kills;
     seconds *= 1.3;
     ASSERT_LT(kills, 60);
-    EXPECT_FALSE(fs::exists(at("interrupted.sog")));
+    // A kill may come after the case is in its place, with the report still to write.
+    EXPECT_TRUE(!fs::exists(at("interrupted.sog")) || read_text(at("interrupted.sog")) == expected);
   }
   EXPECT_GT(kills, 0);
-  const std::string expected = read_text(at("reference.sog"));
   EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);
 
   // Nothing but the packing left to do.
