@@ -137,6 +137,32 @@ TEST(PlanFrames, SharesAndHeldOutPlanes) {
   }
 }
 
+TEST(PlanFrames, OneSidedAxisPlanesKeepWhatIsBelow) {
+  const Fixture f;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  DatasetOptions options;
+  options.train_frames = 400;
+  options.one_sided = true;
+  const Vec2 extent = matter.extent(options.axis);
+  int axis = 0;
+  int seen = 0;
+  for (const Frame& frame : plan_frames(matter, options)) {
+    if (!frame.plane || std::abs(frame.plane->normal.z) < 0.9999f) {
+      continue;
+    }
+    EXPECT_EQ(frame.plane->normal, Vec3(0, 0, -1));
+    EXPECT_GT(offset_along_axis(frame), glm::mix(extent.x, extent.y, 0.149f));
+    EXPECT_NEAR(glm::length(frame.camera.to_camera(matter.sphere.center)),
+                glm::length(frame.camera.position - matter.sphere.center), 0.01);
+    if (frame.split == Split::kTrain) {
+      ++axis;
+      seen += frame.plane->signed_distance(frame.camera.position) < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_NEAR(axis, 160, 8);
+  EXPECT_NEAR(seen, 0.75 * axis, 16);
+}
+
 TEST(PlanFrames, TestPlanesStayInTheMatterHoweverManyTrainingHas) {
   const Fixture f;
   const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);

@@ -133,6 +133,9 @@ std::string fingerprint_of(const Volume& volume, const Preset& preset,
   f.add(options.axis);
   f.add(options.choose_views ? 1 : 0);
   f.add(options.denoise ? 1 : 0);
+  if (options.one_sided) {  // so that datasets made before the option was there are still known
+    f.add(1);
+  }
   return f.text();
 }
 

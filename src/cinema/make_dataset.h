@@ -24,6 +24,8 @@ struct DatasetOptions {
   size_t seed_points = 150000;
   std::uint64_t seed = 1;
   Vec3 axis{0, 0, 1};        ///< unit RAS direction of the axis planes
+  bool one_sided = false;    ///< axis planes keep what is below them, along the axis, as a neural
+                             ///< uniaxial model needs them; else the side that suits the view
   bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
   bool denoise = false;  ///< training pictures only: what tests are measured by is never filtered
 };

@@ -17,6 +17,9 @@ constexpr float kFaceSeen = 0.75f;         // of the frames with a plane show it
 constexpr float kLeastKept = 0.15f;        // of the extent along the normal
 constexpr Vec2 kTrainRange{0.04f, 0.96f};  // of the extent that training planes cover …
 constexpr Vec2 kTestRange{0.10f, 0.90f};   // … and test planes
+// The same of axis planes that keep what is below them: at least kLeastKept is left.
+constexpr Vec2 kTrainRangeBelow{kLeastKept, 0.96f};
+constexpr Vec2 kTestRangeBelow{kLeastKept + 0.02f, 0.90f};
 // Distances of training cameras, relative to the nominal one; that comes twice as often.
 constexpr std::array<float, 4> kDistances{1.0f, 0.8f, 1.0f, 1.2f};
 
@@ -151,9 +154,9 @@ class Planner {
       const float distance = kDistances[rng.below(kDistances.size())];
       Frame frame = make_frame(Split::kTrain, i, rotation * fibonacci_sphere(i, count), distance);
       if (kinds[static_cast<size_t>(i)] == kAxis) {
-        const float height = lerp(kTrainRange, heights.back());
+        const Vec2 range = options_.one_sided ? kTrainRangeBelow : kTrainRange;
+        set_axis_plane(frame, lerp(range, heights.back()), rng);
         heights.pop_back();
-        frame.plane = make_plane(options_.axis, height, frame.camera, rng);
       } else if (kinds[static_cast<size_t>(i)] == kOblique) {
         const Vec3 normal = random_direction(rng);
         frame.plane = make_plane(normal, lerp(kTrainRange, rng.uniform()), frame.camera, rng);
@@ -176,8 +179,8 @@ class Planner {
           split, i, rotation * fibonacci_sphere(cameras[static_cast<size_t>(i)], count), 1.0f);
       const float step = (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
       if (axis) {
-        frame.plane =
-            make_plane(options_.axis, held_out(lerp(kTestRange, step)), frame.camera, rng);
+        const Vec2 range = options_.one_sided ? kTestRangeBelow : kTestRange;
+        set_axis_plane(frame, held_out(lerp(range, step)), rng);
       } else {
         const Vec3 normal = random_direction(rng);
         frame.plane = make_plane(normal, lerp(kTestRange, rng.uniform()), frame.camera, rng);
@@ -196,6 +199,26 @@ class Planner {
     frame.split = split;
     frame.file = fmt::format("images/{}_{:04}.png", split_name(split), number);
     return frame;
+  }
+
+  // A plane across the axis. One that must keep what is below cannot suit the camera: the camera
+  // then moves to the other end of the axis if it stands on the wrong one.
+  void set_axis_plane(Frame& frame, float height, Rng& rng) const {
+    if (!options_.one_sided) {
+      frame.plane = make_plane(options_.axis, height, frame.camera, rng);
+      return;
+    }
+    const Vec3& axis = options_.axis;
+    const Plane plane = Plane{axis, lerp(matter_.extent(axis), height)}.flipped();
+    const bool hides_face = plane.signed_distance(frame.camera.position) >= 0;
+    const bool show_face = rng.uniform() < kFaceSeen;
+    if (hides_face == show_face) {
+      const Vec3& center = matter_.sphere.center;
+      const Vec3 arm = frame.camera.position - center;
+      frame.camera = look_at(center + arm - 2 * glm::dot(arm, axis) * axis, center, Vec3(0, 0, 1),
+                             options_.size, options_.size);
+    }
+    frame.plane = plane;
   }
 
   // A plane at `height` of the matter's extent along `normal`, keeping the side that suits.

@@ -113,6 +113,8 @@ void add_dataset_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--axis", arguments->axis, "Normal of the axis planes, RAS")
       ->capture_default_str();
+  command->add_flag("--one-sided", options.one_sided,
+                    "Axis planes keep what is below them: for clipgs train --model clipgs");
   command
       ->add_option("--views", arguments->views,
                    "Training views and planes: need (by what they show; the default) or spiral "
