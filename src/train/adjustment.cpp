@@ -1,0 +1,274 @@
+#include "train/adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "train/adjustment_kernel.h"
+
+namespace clipgs {
+
+namespace {
+
+constexpr size_t kOutputs = sizeof(Adjusted) / sizeof(float);
+constexpr size_t kPoints = 64;  // of a block: its activations stay in the first cache
+constexpr size_t kGrain = 512;  // points whose weight gradients are summed apart
+// Units of the outputs, so that one learning rate suits all: a mean moves by a hundredth of the
+// radius where a scale changes by a factor e.
+constexpr float kMeanUnit = 0.01f;
+
+size_t padded(size_t n) { return (n + kMatrixStep - 1) / kMatrixStep * kMatrixStep; }
+
+/// Inputs before padding: x, y, z, distance, then sin and cos of each at every octave.
+size_t input_count(const AdjustmentOptions& options) {
+  return 4 + 6 * static_cast<size_t>(options.position_octaves) +
+         2 * static_cast<size_t>(options.plane_octaves);
+}
+
+std::vector<size_t> layer_sizes(const AdjustmentOptions& options) {
+  std::vector<size_t> sizes(static_cast<size_t>(options.hidden_layers) + 2,
+                            static_cast<size_t>(options.width));
+  sizes.front() = input_count(options);
+  sizes.back() = kOutputs;
+  return sizes;
+}
+
+/// Writes value, then sin and cos of 2ᵒ·π·value, o < octaves, by doubling; returns what follows.
+float* encode_number(float value, int octaves, float* out) {
+  float s = std::sin(std::numbers::pi_v<float> * value);
+  float c = std::cos(std::numbers::pi_v<float> * value);
+  *out++ = value;
+  for (int o = 0; o < octaves; ++o) {
+    *out++ = s;
+    *out++ = c;
+    const float twice = 2 * s * c;
+    c = c * c - s * s;
+    s = twice;
+  }
+  return out;
+}
+
+float share_in(float window, float distance) {
+  if (window <= 0) {
+    return 1;
+  }
+  const float u = distance / window;
+  const float rest = std::max(0.0f, 1 - u * u);
+  return rest * rest;
+}
+
+}  // namespace
+
+/// Activations of one block of points, [points, neurons] of each layer.
+struct Adjustment::Scratch {
+  std::vector<std::vector<float>> values;  // inputs, hidden layers, outputs
+  std::vector<float> transposed;           // all weights, [in, out]
+  std::vector<float> gradient, next;       // ∂L/∂values, of one layer and of the one before
+};
+
+Adjustment::Adjustment(const AdjustmentOptions& options, const Sphere& sphere, float extent,
+                       std::uint64_t seed)
+    : options_(options), sphere_(sphere), extent_(extent) {
+  const std::vector<size_t> sizes = layer_sizes(options);
+  size_t total = 0;
+  for (size_t l = 0; l + 1 < sizes.size(); ++l) {
+    layers_.push_back({padded(sizes[l]), padded(sizes[l + 1]), total});
+    total += layers_.back().in * layers_.back().out + layers_.back().out;
+  }
+  weights_.assign(total, 0.0f);
+  Rng rng(seed, 0);
+  for (size_t l = 0; l + 1 < layers_.size(); ++l) {  // the last stays 0
+    // He et al. 2015: keeps the variance through rectifiers.
+    const float deviation = std::sqrt(2.0f / static_cast<float>(sizes[l]));
+    for (size_t o = 0; o < sizes[l + 1]; ++o) {
+      for (size_t i = 0; i < sizes[l]; ++i) {
+        weights_[layers_[l].begin + o * layers_[l].in + i] = deviation * rng.normal();
+      }
+    }
+  }
+}
+
+float Adjustment::share(float distance) const {
+  return share_in(options_.window * extent_, distance);
+}
+
+void Adjustment::encode(const Vec3& center, float distance, float* out) const {
+  const Vec3 unit = (center - sphere_.center) / sphere_.radius;
+  float* at = out;
+  for (int a = 0; a < 3; ++a) {
+    at = encode_number(unit[a], options_.position_octaves, at);
+  }
+  at = encode_number(distance / sphere_.radius, options_.plane_octaves, at);
+  std::fill(at, out + layers_.front().in, 0.0f);
+}
+
+std::vector<float> Adjustment::transposed_weights() const {
+  std::vector<float> result(weights_.size());
+  for (const Layer& layer : layers_) {
+    for (size_t o = 0; o < layer.out; ++o) {
+      for (size_t i = 0; i < layer.in; ++i) {
+        result[layer.begin + i * layer.out + o] = weights_[layer.begin + o * layer.in + i];
+      }
+    }
+  }
+  return result;
+}
+
+void Adjustment::run(Scratch& scratch, std::span<const Vec3> centers,
+                     std::span<const float> distances) const {
+  const size_t points = centers.size();
+  scratch.values.resize(layers_.size() + 1);
+  scratch.values[0].resize(kPoints * layers_.front().in);
+  for (size_t p = 0; p < points; ++p) {
+    encode(centers[p], distances[p], &scratch.values[0][p * layers_.front().in]);
+  }
+  for (size_t l = 0; l < layers_.size(); ++l) {
+    const Layer& layer = layers_[l];
+    std::vector<float>& out = scratch.values[l + 1];
+    out.resize(kPoints * layer.out);
+    multiply({scratch.values[l].data(), layer.in, 1}, &scratch.transposed[layer.begin], points,
+             layer.in, layer.out, false, out.data());
+    const float* bias = &weights_[layer.begin + layer.in * layer.out];
+    const bool rectified = l + 1 < layers_.size();
+    for (size_t p = 0; p < points; ++p) {
+      float* row = &out[p * layer.out];
+      for (size_t o = 0; o < layer.out; ++o) {
+        const float value = row[o] + bias[o];
+        row[o] = rectified ? std::max(0.0f, value) : value;
+      }
+    }
+  }
+}
+
+void Adjustment::forward(std::span<const Vec3> centers, std::span<const float> distances,
+                         std::span<Adjusted> added) const {
+  const std::vector<float> transposed = transposed_weights();
+  const float mean_unit = kMeanUnit * sphere_.radius;
+  parallel_for(centers.size(), kGrain, [&](size_t begin, size_t end) {
+    Scratch scratch;
+    scratch.transposed = transposed;
+    for (size_t block = begin; block < end; block += kPoints) {
+      const size_t points = std::min(kPoints, end - block);
+      run(scratch, centers.subspan(block, points), distances.subspan(block, points));
+      for (size_t p = 0; p < points; ++p) {
+        const float* row = &scratch.values.back()[p * layers_.back().out];
+        const float part = share(distances[block + p]);
+        Adjusted& to = added[block + p];
+        for (int a = 0; a < 3; ++a) {
+          to.mean[a] = part * mean_unit * row[a];
+          to.log_scale[a] = part * row[3 + a];
+        }
+        for (int a = 0; a < 4; ++a) {
+          to.rotation[a] = part * row[6 + a];
+        }
+      }
+    }
+  });
+}
+
+void Adjustment::backward(std::span<const Vec3> centers, std::span<const float> distances,
+                          std::span<const Adjusted> gradient,
+                          std::vector<float>& weight_gradient) const {
+  const std::vector<float> transposed = transposed_weights();
+  const float mean_unit = kMeanUnit * sphere_.radius;
+  const size_t pieces = (centers.size() + kGrain - 1) / kGrain;
+  // Summed piece by piece, in order: the same at any number of threads.
+  std::vector<std::vector<float>> sums(pieces);
+  parallel_for(centers.size(), kGrain, [&](size_t begin, size_t end) {
+    Scratch scratch;
+    scratch.transposed = transposed;
+    std::vector<float>& sum = sums[begin / kGrain];
+    sum.assign(weights_.size(), 0.0f);
+    for (size_t block = begin; block < end; block += kPoints) {
+      const size_t points = std::min(kPoints, end - block);
+      run(scratch, centers.subspan(block, points), distances.subspan(block, points));
+      scratch.gradient.assign(kPoints * layers_.back().out, 0.0f);
+      for (size_t p = 0; p < points; ++p) {
+        float* row = &scratch.gradient[p * layers_.back().out];
+        const float part = share(distances[block + p]);
+        const Adjusted& from = gradient[block + p];
+        for (int a = 0; a < 3; ++a) {
+          row[a] = part * mean_unit * from.mean[a];
+          row[3 + a] = part * from.log_scale[a];
+        }
+        for (int a = 0; a < 4; ++a) {
+          row[6 + a] = part * from.rotation[a];
+        }
+      }
+      for (size_t l = layers_.size(); l-- > 0;) {
+        const Layer& layer = layers_[l];
+        multiply({scratch.gradient.data(), 1, layer.out}, scratch.values[l].data(), layer.out,
+                 points, layer.in, true, &sum[layer.begin]);
+        float* bias = &sum[layer.begin + layer.in * layer.out];
+        for (size_t p = 0; p < points; ++p) {
+          for (size_t o = 0; o < layer.out; ++o) {
+            bias[o] += scratch.gradient[p * layer.out + o];
+          }
+        }
+        if (l == 0) {
+          break;
+        }
+        scratch.next.resize(kPoints * layer.in);
+        multiply({scratch.gradient.data(), layer.out, 1}, &weights_[layer.begin], points, layer.out,
+                 layer.in, false, scratch.next.data());
+        for (size_t i = 0; i < points * layer.in; ++i) {
+          if (scratch.values[l][i] <= 0) {
+            scratch.next[i] = 0;
+          }
+        }
+        std::swap(scratch.gradient, scratch.next);
+      }
+    }
+  });
+  weight_gradient.assign(weights_.size(), 0.0f);
+  for (const std::vector<float>& sum : sums) {
+    for (size_t i = 0; i < sum.size(); ++i) {
+      weight_gradient[i] += sum[i];
+    }
+  }
+}
+
+std::vector<double> reference_adjustment(const AdjustmentOptions& options, const Sphere& sphere,
+                                         float extent, std::span<const double> weights,
+                                         const Vec3& center, float distance) {
+  std::vector<double> values;
+  const auto encode = [&](double value, int octaves) {
+    values.push_back(value);
+    for (int o = 0; o < octaves; ++o) {
+      values.push_back(std::sin(std::exp2(o) * std::numbers::pi * value));
+      values.push_back(std::cos(std::exp2(o) * std::numbers::pi * value));
+    }
+  };
+  for (int a = 0; a < 3; ++a) {
+    encode((static_cast<double>(center[a]) - sphere.center[a]) / sphere.radius,
+           options.position_octaves);
+  }
+  encode(static_cast<double>(distance) / sphere.radius, options.plane_octaves);
+  const std::vector<size_t> sizes = layer_sizes(options);
+  size_t begin = 0;
+  for (size_t l = 0; l + 1 < sizes.size(); ++l) {
+    const size_t in = padded(sizes[l]);
+    const size_t out = padded(sizes[l + 1]);
+    std::vector<double> next(sizes[l + 1]);
+    for (size_t o = 0; o < next.size(); ++o) {
+      next[o] = weights[begin + in * out + o];
+      for (size_t i = 0; i < sizes[l]; ++i) {
+        next[o] += weights[begin + o * in + i] * values[i];
+      }
+      if (l + 2 < sizes.size()) {
+        next[o] = std::max(0.0, next[o]);
+      }
+    }
+    values = std::move(next);
+    begin += in * out + out;
+  }
+  const double part = share_in(options.window * extent, distance);
+  for (size_t o = 0; o < values.size(); ++o) {
+    values[o] *= o < 3 ? part * kMeanUnit * sphere.radius : part;
+  }
+  return values;
+}
+
+}  // namespace clipgs
