@@ -5,7 +5,6 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <map>
-#include <optional>
 #include <sstream>
 #include <string_view>
 #include <vector>
@@ -145,17 +144,24 @@ int degree_of(const Header& header, const std::string& name) {
               rest);
 }
 
-void require_finite(const Gaussians& gaussians, const std::vector<std::string>& properties,
+void require_finite(std::span<const float> values, const std::string& property,
                     const std::string& name) {
-  for (int p = 0; p < gaussians.planes(); ++p) {
-    const float* values = gaussians.plane(p);
-    for (size_t i = 0; i < gaussians.size(); ++i) {
-      if (!std::isfinite(values[i])) {
-        throw Error("{}: {} of splat {} is not a finite number; the file is corrupt", name,
-                    properties[p], i);
-      }
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      throw Error("{}: {} of splat {} is not a finite number; the file is corrupt", name, property,
+                  i);
     }
   }
+}
+
+/// One property of every vertex.
+void read_property(const std::uint8_t* body, const Header& header, size_t offset,
+                   std::span<float> values) {
+  parallel_for(values.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      std::memcpy(&values[i], body + i * header.stride + offset, sizeof(float));
+    }
+  });
 }
 
 /// The order in which 3DGS itself writes its properties.
@@ -173,7 +179,7 @@ std::vector<std::string> written_order(int degree) {
 
 }  // namespace
 
-Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name) {
+Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name, PlyColumns* more) {
   const Header header = parse_header(bytes, name);
   const int degree = degree_of(header, name);
   const std::vector<std::string> properties = plane_properties(degree);
@@ -192,24 +198,34 @@ Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name)
   }
   Gaussians gaussians(header.vertices, degree);
   const std::uint8_t* body = bytes.data() + header.body;
-  parallel_for(header.vertices, kGrain, [&](size_t begin, size_t end) {
-    for (size_t p = 0; p < offsets.size(); ++p) {
-      float* values = gaussians.plane(static_cast<int>(p));
-      for (size_t i = begin; i < end; ++i) {
-        std::memcpy(&values[i], body + i * header.stride + offsets[p], sizeof(float));
+  for (size_t p = 0; p < offsets.size(); ++p) {
+    const std::span<float> values(gaussians.plane(static_cast<int>(p)), header.vertices);
+    read_property(body, header, offsets[p], values);
+    require_finite(values, properties[p], name);
+  }
+  if (more != nullptr) {
+    for (auto& [property, values] : *more) {
+      const auto found = header.floats.find(property);
+      values.assign(found == header.floats.end() ? 0 : header.vertices, 0.0f);
+      if (!values.empty()) {
+        read_property(body, header, found->second, values);
+        require_finite(values, property, name);
       }
     }
-  });
-  require_finite(gaussians, properties, name);
+  }
   return gaussians;
 }
 
-Gaussians read_ply(const std::filesystem::path& path) {
-  return read_ply(read_file(path), path.string());
+Gaussians read_ply(const std::filesystem::path& path, PlyColumns* more) {
+  return read_ply(read_file(path), path.string(), more);
 }
 
-void write_ply(const std::filesystem::path& path, const Gaussians& gaussians) {
-  const std::vector<std::string> order = written_order(gaussians.sh_degree());
+void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,
+               const PlyColumns& more) {
+  std::vector<std::string> order = written_order(gaussians.sh_degree());
+  for (const auto& column : more) {
+    order.push_back(column.first);
+  }
   const std::vector<std::string> planes = plane_properties(gaussians.sh_degree());
   std::map<std::string, int> plane_of;
   for (size_t p = 0; p < planes.size(); ++p) {
@@ -217,11 +233,14 @@ void write_ply(const std::filesystem::path& path, const Gaussians& gaussians) {
   }
   std::string header =
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", gaussians.size());
-  std::vector<std::optional<int>> columns;  // the plane of each property; none: zero
+  std::vector<const float*> columns;  // of each property; null: zero
   for (const std::string& property : order) {
     header += "property float " + property + "\n";
     const auto found = plane_of.find(property);
-    columns.push_back(found == plane_of.end() ? std::nullopt : std::optional<int>(found->second));
+    const auto extra = more.find(property);
+    columns.push_back(found != plane_of.end() ? gaussians.plane(found->second)
+                      : extra != more.end()   ? extra->second.data()
+                                              : nullptr);
   }
   header += "end_header\n";
 
@@ -232,7 +251,7 @@ void write_ply(const std::filesystem::path& path, const Gaussians& gaussians) {
   parallel_for(gaussians.size(), kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t c = 0; c < columns.size(); ++c) {
-        const float value = columns[c] ? gaussians.plane(*columns[c])[i] : 0.0f;
+        const float value = columns[c] != nullptr ? columns[c][i] : 0.0f;
         std::memcpy(body + i * stride + c * sizeof(float), &value, sizeof(float));
       }
     }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 
@@ -9,16 +10,23 @@
 
 namespace clipgs {
 
+/// Float properties of a PLY beyond those of 3DGS, by name: one value a splat. Other readers skip
+/// them.
+using PlyColumns = std::map<std::string, std::vector<float>>;
+
 /// Reads a 3DGS PLY: binary little-endian, one `vertex` element of scalar properties in any order,
 /// f_rest_* absent or 9, 24 or 45 of them; other properties are skipped. Numbers are taken as they
 /// stand: the frame and unit are the file's own. Throws Error on anything else, on a truncated
-/// file and on numbers that are not finite.
-Gaussians read_ply(const std::filesystem::path& path);
+/// file and on numbers that are not finite. Columns that `more` names are filled from the file;
+/// those that it lacks stay empty.
+Gaussians read_ply(const std::filesystem::path& path, PlyColumns* more = nullptr);
 /// The same from memory; `name` is what errors call it.
-Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name);
+Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name,
+                   PlyColumns* more = nullptr);
 
 /// Writes a 3DGS PLY with all of its usual properties (62 floats a splat at degree 3), the numbers
-/// as they stand. Throws Error.
-void write_ply(const std::filesystem::path& path, const Gaussians& gaussians);
+/// as they stand, and then those of `more`. Throws Error.
+void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,
+               const PlyColumns& more = {});
 
 }  // namespace clipgs

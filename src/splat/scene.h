@@ -1,11 +1,36 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/geometry.h"
 #include "splat/gaussians.h"
 
 namespace clipgs {
+
+/// Positions that a uniaxial cut steps through (ClipGS-VR): state k's plane is axis·x = first +
+/// k·spacing, mm along Scene::axis, and keeps one side of it.
+struct PlaneStates {
+  int count = 0;  ///< 0: the scene has none
+  float first = 0;
+  float spacing = 1;        ///< > 0
+  bool keeps_below = true;  ///< what lies below the plane, against the axis, stays
+
+  float position(int k) const { return first + static_cast<float>(k) * spacing; }
+  /// The state whose plane is nearest to `position`, mm along the axis.
+  int nearest(float position) const {
+    const float k = std::round((position - first) / spacing);
+    return static_cast<int>(std::clamp(k, 0.0f, static_cast<float>(count - 1)));
+  }
+  /// The plane of a uniaxial cut at `position`, mm along `axis`.
+  Plane plane(const Vec3& axis, float position) const {
+    const Plane above{axis, position};
+    return keeps_below ? above.flipped() : above;
+  }
+};
 
 /// An explicit Gaussian scene with what is needed to show and cut it; what a case file holds.
 struct Scene {
@@ -17,6 +42,9 @@ struct Scene {
   std::string title;    ///< chosen by the user or the preset, never read from the input
   std::string preset;   ///< name of the preset
   std::string created;  ///< ISO 8601 date, or empty
+  PlaneStates states;   ///< of the uniaxial cut
+  /// The state that each Gaussian comes from, its rendering layer; empty if the scene has none.
+  std::vector<std::uint16_t> layers;
 };
 
 }  // namespace clipgs

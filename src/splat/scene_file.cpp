@@ -15,7 +15,9 @@ using nlohmann::json;
 namespace {
 
 constexpr int kVersion = 1;
-constexpr std::uintmax_t kMaxJson = 1 << 20;
+constexpr std::uintmax_t kMaxJson = std::uintmax_t{16} << 20;
+constexpr int kMaxStates = 65536;  // layers have 16 bits
+constexpr const char* kLayerColumn = "layer";
 
 std::filesystem::path sidecar_path(std::filesystem::path path) {
   if (path.extension() != ".ply") {
@@ -31,6 +33,42 @@ json to_json(const glm::dmat4& matrix) {
     rows.push_back({matrix[0][r], matrix[1][r], matrix[2][r], matrix[3][r]});
   }
   return rows;
+}
+
+json to_json(const PlaneStates& states) {
+  return {{"count", states.count},
+          {"first", json_number(states.first)},
+          {"spacing", json_number(states.spacing)},
+          {"keeps", states.keeps_below ? "below" : "above"}};
+}
+
+PlaneStates states_from_json(const JsonReader& reader) {
+  PlaneStates states;
+  states.count = reader.integer("count", 1, kMaxStates);
+  states.first = reader.number("first");
+  states.spacing = reader.number("spacing");
+  if (!(states.spacing > 0)) {
+    reader.fail("spacing");
+  }
+  const std::string keeps = reader.text("keeps");
+  if (keeps != "below" && keeps != "above") {
+    reader.fail("keeps");
+  }
+  states.keeps_below = keeps == "below";
+  return states;
+}
+
+std::vector<std::uint16_t> layers_from_column(const std::vector<float>& column,
+                                              const PlaneStates& states, const std::string& name) {
+  std::vector<std::uint16_t> layers(column.size());
+  for (size_t i = 0; i < column.size(); ++i) {
+    if (!(column[i] >= 0 && column[i] < static_cast<float>(states.count))) {
+      throw Error("{}: layer of splat {} is {}, but the scene has {} states; the file is corrupt",
+                  name, i, column[i], states.count);
+    }
+    layers[i] = static_cast<std::uint16_t>(column[i]);
+  }
+  return layers;
 }
 
 }  // namespace
@@ -49,6 +87,9 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
       {"preset", scene.preset},
       {"created", scene.created},
   };
+  if (scene.states.count > 0) {
+    result["states"] = to_json(scene.states);
+  }
   Scene checked;  // what is written can be read
   scene_from_json(result, "the scene to be written", checked);
   return result;
@@ -79,6 +120,8 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   scene.title = reader.text("title");
   scene.preset = reader.text("preset");
   scene.created = reader.text("created");
+  scene.states =
+      object.contains("states") ? states_from_json(reader.child("states")) : PlaneStates();
   const JsonReader world = reader.child("world");
   try {
     return Similarity::from_matrix(world.matrix("scene_to_ras_mm"));
@@ -87,26 +130,39 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   }
 }
 
-void write_scene(const std::filesystem::path& path, const Scene& scene) {
+void write_scene(const std::filesystem::path& path, const Scene& scene, const SceneExtras& extras) {
   const std::filesystem::path sidecar = sidecar_path(path);
   const Similarity world = scene_to_world();
-  const json metadata = scene_to_json(scene, world);
-  write_ply(path, transform(scene.gaussians, world.inverse()));
+  json metadata = scene_to_json(scene, world);
+  metadata.update(extras.keys);
+  PlyColumns columns = extras.columns;
+  if (!scene.layers.empty()) {
+    columns[kLayerColumn].assign(scene.layers.begin(), scene.layers.end());
+  }
+  write_ply(path, transform(scene.gaussians, world.inverse()), columns);
   write_text(sidecar, metadata.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
-Scene read_scene(const std::filesystem::path& path) {
+Scene read_scene(const std::filesystem::path& path, SceneExtras* extras) {
   const std::filesystem::path sidecar = sidecar_path(path);
-  const Gaussians stored = read_ply(path);
+  PlyColumns columns = extras != nullptr ? extras->columns : PlyColumns();
+  columns[kLayerColumn];
+  const Gaussians stored = read_ply(path, &columns);
   if (!std::filesystem::exists(sidecar)) {
     throw Error("{}: has no {} beside it, which says how the scene lies in the patient",
                 path.string(), sidecar.filename().string());
   }
   const std::vector<std::uint8_t> text = read_file(sidecar, kMaxJson);
-  const json metadata = json::parse(text.begin(), text.end(), nullptr, false);
+  json metadata = json::parse(text.begin(), text.end(), nullptr, false);
   Scene scene;
   const Similarity world = scene_from_json(metadata, sidecar.string(), scene);
   scene.gaussians = transform(stored, world);
+  scene.layers = layers_from_column(columns[kLayerColumn], scene.states, path.string());
+  if (extras != nullptr) {
+    columns.erase(kLayerColumn);
+    extras->columns = std::move(columns);
+    extras->keys = std::move(metadata);
+  }
   return scene;
 }
 

@@ -46,6 +46,41 @@ TEST(SceneFile, RoundTripKeepsEveryField) {
   }
 }
 
+TEST(SceneFile, KeepsStatesLayersAndExtras) {
+  Scene written = random_scene(5, 1, 5);
+  written.states = {200, -30.5f, 0.75f, false};
+  written.layers = {0, 199, 7, 7, 100};
+  const SceneExtras extras{{{"mark", {1, 2, 3, 4, 5}}}, {{"kind", "test"}}};
+  write_scene(temporary("states.ply"), written, extras);
+  SceneExtras read_extras{{{"mark", {}}, {"other", {}}}, {}};
+  const Scene read = read_scene(temporary("states.ply"), &read_extras);
+  EXPECT_EQ(read.states.count, 200);
+  EXPECT_EQ(read.states.first, -30.5f);
+  EXPECT_EQ(read.states.spacing, 0.75f);
+  EXPECT_FALSE(read.states.keeps_below);
+  EXPECT_EQ(read.layers, written.layers);
+  EXPECT_EQ(read_extras.columns["mark"], (std::vector<float>{1, 2, 3, 4, 5}));
+  EXPECT_TRUE(read_extras.columns["other"].empty());
+  EXPECT_EQ(read_extras.keys["kind"], "test");
+
+  write_scene(temporary("none.ply"), random_scene(5, 1, 5));
+  EXPECT_EQ(read_scene(temporary("none.ply")).states.count, 0);
+  EXPECT_TRUE(read_scene(temporary("none.ply")).layers.empty());
+  written.states.count = 150;  // less than a layer
+  write_scene(temporary("states.ply"), written);
+  EXPECT_THAT([] { read_scene(temporary("states.ply")); },
+              ThrowsMessage<Error>(HasSubstr("layer of splat 1 is 199")));
+}
+
+TEST(PlaneStates, NearestAndPlane) {
+  const PlaneStates states{11, -5, 1, true};
+  EXPECT_EQ(states.nearest(-100), 0);
+  EXPECT_EQ(states.nearest(0.4f), 5);
+  EXPECT_EQ(states.nearest(100), 10);
+  EXPECT_EQ(states.plane({0, 0, 1}, 3).normal, Vec3(0, 0, -1));
+  EXPECT_EQ(states.plane({0, 0, 1}, 3).offset, -3);
+}
+
 TEST(SceneFile, PlyIsInMetresWithTheHeadUp) {
   const Scene scene = random_scene(1, 0, 5);
   write_scene(temporary("b.ply"), scene);
