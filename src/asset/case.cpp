@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "splat/scene_file.h"
 #include "splat/similarity.h"
+#include "train/model_file.h"
 
 namespace clipgs {
 
@@ -54,6 +55,9 @@ std::string section_name(const std::string& name) { return name + ": clipgs.sect
 }  // namespace
 
 Bytes encode_case(const Case& contents, const Image* thumbnail, float section_quality) {
+  if (contents.model) {
+    throw Error("a case holds a scene, not a neural model; make one of it with clipgs bake");
+  }
   const Similarity world = scene_to_world();
   const Scene& scene = contents.scene;
   json block = scene_to_json(scene, world);
@@ -97,7 +101,14 @@ Case load_case(const std::filesystem::path& path) {
   if (path.extension() != ".ply") {
     return read_case(path);
   }
-  Case result{read_scene(path)};
+  Case result;
+  if (is_model(path)) {
+    UniaxialModel model = read_model(path);
+    result = Case(std::move(model.scene));
+    result.model = std::move(model.parameters);
+  } else {
+    result = Case(read_scene(path));
+  }
   const std::filesystem::path section = section_path(path);
   if (std::filesystem::exists(section)) {
     result.section = read_section(section);

@@ -11,10 +11,12 @@
 #include "asset/zip.h"
 #include "core/image.h"
 #include "splat/scene.h"
+#include "train/uniaxial_model.h"
 
 namespace clipgs {
 
-/// A scene, and the volume that the faces of a cut are drawn from, if it has one.
+/// A scene, and the volume that the faces of a cut are drawn from, if it has one. A neural model
+/// counts as one too, with what it learnt beside its Gaussians; only scenes are packed.
 struct Case {
   Case() = default;
   Case(Scene what, std::optional<Section> faces = std::nullopt)  // NOLINT: a scene is a case
@@ -22,6 +24,7 @@ struct Case {
 
   Scene scene;
   std::optional<Section> section;
+  std::optional<UniaxialParameters> model;
 };
 
 /// What a case says of itself, without decoding its images.
@@ -48,7 +51,7 @@ Case read_case(std::span<const std::uint8_t> bytes, const std::string& name);
 Case read_case(const std::filesystem::path& path);
 
 /// From either of its files: a case, or the .ply of a scene with what lies beside it: its JSON and,
-/// perhaps, its section (section_path()). Throws Error.
+/// perhaps, its section (section_path()) or its model (is_model()). Throws Error.
 Case load_case(const std::filesystem::path& path);
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name);

@@ -24,6 +24,9 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
   return draw_faces(*contents.section, camera, cut, face_options);
 }
 
+/// The planes that a model can draw have this normal to within a part of a degree.
+constexpr float kSameNormal = 0.99999f;
+
 }  // namespace
 
 FaceSource parse_face_source(const std::string& name) {
@@ -40,10 +43,29 @@ const char* face_source_name(FaceSource source) {
   return source == FaceSource::kVolume ? kVolumeName : kSplatsName;
 }
 
+bool can_draw(const Case& contents, const Cut& cut) {
+  return !contents.model || cut.empty() ||
+         (cut.planes().size() == 1 &&
+          glm::dot(cut.planes()[0].normal, contents.model->normal) > kSameNormal);
+}
+
 Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options) {
+  if (!can_draw(contents, cut)) {
+    const Vec3& n = contents.model->normal;
+    throw Error(
+        "a neural model is cut by planes of normal {:g},{:g},{:g} alone; make a scene of it with "
+        "clipgs bake to cut it at any angle",
+        n.x, n.y, n.z);
+  }
   const std::optional<Image> faces = faces_of(contents, camera, cut, options);
   const auto draw = options.reference ? render_reference : render;
+  if (contents.model) {
+    UniaxialState state;
+    make_state(contents.scene.gaussians, *contents.model,
+               cut.empty() ? std::nullopt : std::optional(cut.planes()[0].offset), state);
+    return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr);
+  }
   return draw(contents.scene.gaussians, camera, cut, options.clip, faces ? &*faces : nullptr);
 }
 

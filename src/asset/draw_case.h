@@ -22,7 +22,12 @@ struct DrawOptions {
   bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
 };
 
-/// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1].
+/// Whether a model can draw the cut: it is empty, or one plane that keeps the side that the model
+/// keeps. Scenes can draw any.
+bool can_draw(const Case& contents, const Cut& cut);
+
+/// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1]. A model truncates and
+/// adjusts as it has learnt to, whatever the operator; throws Error for a cut that it cannot draw.
 Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options = {});
 

@@ -2,8 +2,10 @@
 
 #include "cli/commands.h"
 #include "cli/section_step.h"
+#include "core/error.h"
 #include "core/file.h"
 #include "splat/scene_file.h"
+#include "train/model_file.h"
 #include "train/trainer.h"
 
 namespace clipgs {
@@ -15,6 +17,12 @@ struct TrainArguments {
   std::string output;
   std::string clip = "exact";
   bool no_section = false;
+  std::string model = "explicit";
+  std::string truncation = "learned";
+  std::string aam_sees = "shape";
+  bool no_lt = false;
+  bool no_aam = false;
+  UniaxialOptions uniaxial;
   TrainOptions options;
 };
 
@@ -28,9 +36,20 @@ void run_train(const TrainArguments& arguments) {
   const std::optional<Section> section =
       arguments.no_section ? std::nullopt : read_dataset_section(dataset);
   const Section* const faces = section ? &*section : nullptr;
-  const Scene scene = train(dataset, options, checkpoint, faces);
-  write_scene_section(arguments.output, faces);
-  write_scene(arguments.output, scene);
+  if (arguments.model == "clipgs") {
+    options.uniaxial = arguments.uniaxial;
+    options.uniaxial->truncation =
+        arguments.no_lt ? Truncation::kNone : parse_truncation(arguments.truncation);
+    options.uniaxial->adjust = !arguments.no_aam;
+    options.uniaxial->adjustment.shape = arguments.aam_sees == "shape";
+    const UniaxialModel model = train_model(dataset, options, checkpoint, faces);
+    write_scene_section(arguments.output, faces);
+    write_model(arguments.output, model);
+  } else {
+    const Scene scene = train(dataset, options, checkpoint, faces);
+    write_scene_section(arguments.output, faces);
+    write_scene(arguments.output, scene);
+  }
   std::filesystem::remove(checkpoint);
 }
 
@@ -58,11 +77,56 @@ void add_train_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--no-section", arguments->no_section,
                     "Leave the dataset's section out: splats fill the cut faces");
+  command
+      ->add_option(
+          "--model", arguments->model,
+          "explicit: Gaussians that any plane cuts; clipgs: the neural model, which planes "
+          "across the dataset's axis cut (clipgs dataset --one-sided)")
+      ->check(CLI::IsMember({"explicit", "clipgs"}))
+      ->capture_default_str();
+  UniaxialOptions& uniaxial = arguments->uniaxial;
+  const char* const group = "With --model clipgs";
+  command
+      ->add_option("--truncation", arguments->truncation,
+                   "What the plane hides: hard (centres behind it) or learned (a threshold of each "
+                   "Gaussian)")
+      ->check(CLI::IsMember({"hard", "learned"}))
+      ->capture_default_str()
+      ->group(group);
+  command->add_flag("--no-lt", arguments->no_lt, "No truncation: the adjustment alone cuts")
+      ->group(group);
+  command->add_flag("--no-aam", arguments->no_aam, "No adaptive adjustment model")->group(group);
+  command
+      ->add_option("--aam-sees", arguments->aam_sees,
+                   "Inputs of the adjustment: shape (centre, plane, and how the plane cuts the "
+                   "Gaussian) or position (centre and plane, as in the paper)")
+      ->check(CLI::IsMember({"shape", "position"}))
+      ->capture_default_str()
+      ->group(group);
+  command
+      ->add_option("--window", uniaxial.adjustment.window,
+                   "Share of the extent, to either side of the plane, in which Gaussians are "
+                   "adjusted (0: everywhere)")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str()
+      ->group(group);
   command->add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
   command->footer(
       "Resumes from OUTPUT.checkpoint after an interruption.\n"
       "Example: clipgs train dataset/ -o scene.ply --budget 100000 --steps 20000");
-  command->callback([arguments] { run_train(*arguments); });
+  command->callback([arguments, command] {
+    if (arguments->no_lt && arguments->no_aam) {
+      throw CLI::ValidationError("--no-lt", "with --no-aam nothing would cut");
+    }
+    if (arguments->model != "clipgs" &&
+        (arguments->no_lt || arguments->no_aam || command->count("--truncation") > 0 ||
+         command->count("--window") > 0 || command->count("--aam-sees") > 0)) {
+      throw CLI::ValidationError(
+          "--model",
+          "--truncation, --no-lt, --no-aam, --aam-sees and --window belong to --model clipgs");
+    }
+    run_train(*arguments);
+  });
 }
 
 }  // namespace clipgs

@@ -52,6 +52,14 @@ std::vector<float> JsonReader::numbers(const char* key, size_t count) const {
   return result;
 }
 
+bool JsonReader::boolean(const char* key) const {
+  const json& value = at(key);
+  if (!value.is_boolean()) {
+    fail(key);
+  }
+  return value.get<bool>();
+}
+
 std::string JsonReader::text(const char* key) const {
   constexpr size_t kMaxText = 256;
   const json& value = at(key);

@@ -24,6 +24,7 @@ class JsonReader {
   int integer(const char* key, int low, int high) const;
   /// Exactly `count` finite numbers.
   std::vector<float> numbers(const char* key, size_t count) const;
+  bool boolean(const char* key) const;
   std::string text(const char* key) const;  ///< at most 256 bytes
 
   template <int N>

@@ -195,6 +195,9 @@ Evaluation evaluate(const Case& contents, const Dataset& dataset,
   Progress progress("evaluating", tests.size());
   for (size_t i = 0; i < tests.size(); ++i) {
     const Frame& frame = dataset.frames[tests[i]];
+    if (!can_draw(contents, frame.plane)) {
+      continue;
+    }
     const Truth truth = load_truths(dataset, frame);
     for (const Drawing& drawing : drawings) {
       const Image picture = draw_frame(contents, frame, drawing);

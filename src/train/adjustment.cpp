@@ -15,16 +15,50 @@ namespace {
 constexpr size_t kOutputs = sizeof(Adjusted) / sizeof(float);
 constexpr size_t kPoints = 64;  // of a block: its activations stay in the first cache
 constexpr size_t kGrain = 512;  // points whose weight gradients are summed apart
-// Units of the outputs, so that one learning rate suits all: a mean moves by a hundredth of the
-// radius where a scale changes by a factor e.
+// Without shapes a mean moves by this share of the radius where a scale changes by a factor e, so
+// that one learning rate suits both.
 constexpr float kMeanUnit = 0.01f;
 
 size_t padded(size_t n) { return (n + kMatrixStep - 1) / kMatrixStep * kMatrixStep; }
 
-/// Inputs before padding: x, y, z, distance, then sin and cos of each at every octave.
+/// How a plane cuts one Gaussian: numbers that encode it beside centre and plane position.
+struct Shape {
+  static constexpr size_t kCount = 8;
+  static constexpr double kDeepest = 4;  // standard deviations; deeper makes no difference
+  double deviation;                      // s_n along the plane's normal, mm
+  double depth;                          // distance / s_n
+};
+
+Shape shape_of(const AdjustmentInput& input) {
+  double variance = 0;
+  for (int a = 0; a < 3; ++a) {
+    variance += input.along[a] * std::exp(2.0 * input.log_scale[a]);
+  }
+  const double deviation = std::sqrt(variance);
+  return {deviation, std::clamp(input.distance / deviation, -Shape::kDeepest, Shape::kDeepest)};
+}
+
+/// Calls put(number) for each of the Shape::kCount; `unit`: mm that log-scales are measured in.
+template <typename Put>
+void encode_shape(const AdjustmentInput& input, double unit, const Put& put) {
+  const Shape shape = shape_of(input);
+  put(shape.depth);
+  put(std::exp(-0.5 * shape.depth * shape.depth));
+  for (int a = 0; a < 3; ++a) {
+    put(static_cast<double>(input.along[a]));
+    put(input.log_scale[a] - std::log(unit));
+  }
+}
+
+/// Inputs before padding: x, y, z, distance, sin and cos of each at every octave, then the shape.
 size_t input_count(const AdjustmentOptions& options) {
   return 4 + 6 * static_cast<size_t>(options.position_octaves) +
-         2 * static_cast<size_t>(options.plane_octaves);
+         2 * static_cast<size_t>(options.plane_octaves) + (options.shape ? Shape::kCount : 0);
+}
+
+/// mm that an output of 1 moves a mean by.
+double mean_unit_of(const AdjustmentOptions& options, double radius, const AdjustmentInput& input) {
+  return options.shape ? shape_of(input).deviation : kMeanUnit * radius;
 }
 
 std::vector<size_t> layer_sizes(const AdjustmentOptions& options) {
@@ -94,13 +128,17 @@ float Adjustment::share(float distance) const {
   return share_in(options_.window * extent_, distance);
 }
 
-void Adjustment::encode(const Vec3& center, float distance, float* out) const {
-  const Vec3 unit = (center - sphere_.center) / sphere_.radius;
+void Adjustment::encode(const AdjustmentInput& input, float* out) const {
+  const Vec3 unit = (input.center - sphere_.center) / sphere_.radius;
   float* at = out;
   for (int a = 0; a < 3; ++a) {
     at = encode_number(unit[a], options_.position_octaves, at);
   }
-  at = encode_number(distance / sphere_.radius, options_.plane_octaves, at);
+  at = encode_number(input.distance / sphere_.radius, options_.plane_octaves, at);
+  if (options_.shape) {
+    encode_shape(input, kMeanUnit * sphere_.radius,
+                 [&](double number) { *at++ = static_cast<float>(number); });
+  }
   std::fill(at, out + layers_.front().in, 0.0f);
 }
 
@@ -116,13 +154,16 @@ std::vector<float> Adjustment::transposed_weights() const {
   return result;
 }
 
-void Adjustment::run(Scratch& scratch, std::span<const Vec3> centers,
-                     std::span<const float> distances) const {
-  const size_t points = centers.size();
+float Adjustment::mean_unit(const AdjustmentInput& input) const {
+  return static_cast<float>(mean_unit_of(options_, sphere_.radius, input));
+}
+
+void Adjustment::run(Scratch& scratch, std::span<const AdjustmentInput> inputs) const {
+  const size_t points = inputs.size();
   scratch.values.resize(layers_.size() + 1);
   scratch.values[0].resize(kPoints * layers_.front().in);
   for (size_t p = 0; p < points; ++p) {
-    encode(centers[p], distances[p], &scratch.values[0][p * layers_.front().in]);
+    encode(inputs[p], &scratch.values[0][p * layers_.front().in]);
   }
   for (size_t l = 0; l < layers_.size(); ++l) {
     const Layer& layer = layers_[l];
@@ -142,22 +183,22 @@ void Adjustment::run(Scratch& scratch, std::span<const Vec3> centers,
   }
 }
 
-void Adjustment::forward(std::span<const Vec3> centers, std::span<const float> distances,
-                         std::span<Adjusted> added) const {
+void Adjustment::forward(std::span<const AdjustmentInput> inputs, std::span<Adjusted> added) const {
   const std::vector<float> transposed = transposed_weights();
-  const float mean_unit = kMeanUnit * sphere_.radius;
-  parallel_for(centers.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(inputs.size(), kGrain, [&](size_t begin, size_t end) {
     Scratch scratch;
     scratch.transposed = transposed;
     for (size_t block = begin; block < end; block += kPoints) {
       const size_t points = std::min(kPoints, end - block);
-      run(scratch, centers.subspan(block, points), distances.subspan(block, points));
+      run(scratch, inputs.subspan(block, points));
       for (size_t p = 0; p < points; ++p) {
         const float* row = &scratch.values.back()[p * layers_.back().out];
-        const float part = share(distances[block + p]);
+        const AdjustmentInput& input = inputs[block + p];
+        const float part = share(input.distance);
+        const float unit = mean_unit(input);
         Adjusted& to = added[block + p];
         for (int a = 0; a < 3; ++a) {
-          to.mean[a] = part * mean_unit * row[a];
+          to.mean[a] = part * unit * row[a];
           to.log_scale[a] = part * row[3 + a];
         }
         for (int a = 0; a < 4; ++a) {
@@ -168,29 +209,30 @@ void Adjustment::forward(std::span<const Vec3> centers, std::span<const float> d
   });
 }
 
-void Adjustment::backward(std::span<const Vec3> centers, std::span<const float> distances,
+void Adjustment::backward(std::span<const AdjustmentInput> inputs,
                           std::span<const Adjusted> gradient,
                           std::vector<float>& weight_gradient) const {
   const std::vector<float> transposed = transposed_weights();
-  const float mean_unit = kMeanUnit * sphere_.radius;
-  const size_t pieces = (centers.size() + kGrain - 1) / kGrain;
+  const size_t pieces = (inputs.size() + kGrain - 1) / kGrain;
   // Summed piece by piece, in order: the same at any number of threads.
   std::vector<std::vector<float>> sums(pieces);
-  parallel_for(centers.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(inputs.size(), kGrain, [&](size_t begin, size_t end) {
     Scratch scratch;
     scratch.transposed = transposed;
     std::vector<float>& sum = sums[begin / kGrain];
     sum.assign(weights_.size(), 0.0f);
     for (size_t block = begin; block < end; block += kPoints) {
       const size_t points = std::min(kPoints, end - block);
-      run(scratch, centers.subspan(block, points), distances.subspan(block, points));
+      run(scratch, inputs.subspan(block, points));
       scratch.gradient.assign(kPoints * layers_.back().out, 0.0f);
       for (size_t p = 0; p < points; ++p) {
         float* row = &scratch.gradient[p * layers_.back().out];
-        const float part = share(distances[block + p]);
+        const AdjustmentInput& input = inputs[block + p];
+        const float part = share(input.distance);
+        const float unit = mean_unit(input);
         const Adjusted& from = gradient[block + p];
         for (int a = 0; a < 3; ++a) {
-          row[a] = part * mean_unit * from.mean[a];
+          row[a] = part * unit * from.mean[a];
           row[3 + a] = part * from.log_scale[a];
         }
         for (int a = 0; a < 4; ++a) {
@@ -232,7 +274,7 @@ void Adjustment::backward(std::span<const Vec3> centers, std::span<const float> 
 
 std::vector<double> reference_adjustment(const AdjustmentOptions& options, const Sphere& sphere,
                                          float extent, std::span<const double> weights,
-                                         const Vec3& center, float distance) {
+                                         const AdjustmentInput& input) {
   std::vector<double> values;
   const auto encode = [&](double value, int octaves) {
     values.push_back(value);
@@ -242,10 +284,14 @@ std::vector<double> reference_adjustment(const AdjustmentOptions& options, const
     }
   };
   for (int a = 0; a < 3; ++a) {
-    encode((static_cast<double>(center[a]) - sphere.center[a]) / sphere.radius,
+    encode((static_cast<double>(input.center[a]) - sphere.center[a]) / sphere.radius,
            options.position_octaves);
   }
-  encode(static_cast<double>(distance) / sphere.radius, options.plane_octaves);
+  encode(static_cast<double>(input.distance) / sphere.radius, options.plane_octaves);
+  if (options.shape) {
+    encode_shape(input, kMeanUnit * sphere.radius,
+                 [&](double number) { values.push_back(number); });
+  }
   const std::vector<size_t> sizes = layer_sizes(options);
   size_t begin = 0;
   for (size_t l = 0; l + 1 < sizes.size(); ++l) {
@@ -264,9 +310,10 @@ std::vector<double> reference_adjustment(const AdjustmentOptions& options, const
     values = std::move(next);
     begin += in * out + out;
   }
-  const double part = share_in(options.window * extent, distance);
+  const double part = share_in(options.window * extent, input.distance);
+  const double unit = mean_unit_of(options, sphere.radius, input);
   for (size_t o = 0; o < values.size(); ++o) {
-    values[o] *= o < 3 ? part * kMeanUnit * sphere.radius : part;
+    values[o] *= o < 3 ? part * unit : part;
   }
   return values;
 }

@@ -15,9 +15,20 @@ struct AdjustmentOptions {
   int hidden_layers = 3;
   /// Share of the extent along the axis, to either side of the plane, in which Gaussians are
   /// adjusted; 0: everywhere.
-  float window = 0.08f;
+  float window = 0.04f;
+  /// Whether the model also sees each Gaussian's shape and how deep the plane cuts it; without, it
+  /// sees what ClipGS's does, centre and plane position.
+  bool shape = true;
 
   bool operator==(const AdjustmentOptions&) const = default;
+};
+
+/// What the model sees of one Gaussian.
+struct AdjustmentInput {
+  Vec3 center;
+  float distance;  ///< of the centre from the plane, mm, positive on the kept side
+  Vec3 log_scale;  ///< of the standard deviations in mm
+  Vec3 along;      ///< squares of the plane's normal in the Gaussian's own axes; they sum to 1
 };
 
 /// What the model adds to one Gaussian: mean (mm), logarithms of the scales, quaternion (w x y z).
@@ -48,14 +59,13 @@ class Adjustment {
   /// 1 at the plane, 0 from the window's edge on, once differentiable.
   float share(float distance) const;
 
-  /// What is added to Gaussians at `centers`, each `distances` mm on the kept side of the plane.
-  void forward(std::span<const Vec3> centers, std::span<const float> distances,
-               std::span<Adjusted> added) const;
+  /// What is added to each Gaussian.
+  void forward(std::span<const AdjustmentInput> inputs, std::span<Adjusted> added) const;
 
-  /// Given ∂L/∂added, writes ∂L/∂weights. Centres and distances count as constants: means are
-  /// taught by what the splats show, not by what the model makes of them.
-  void backward(std::span<const Vec3> centers, std::span<const float> distances,
-                std::span<const Adjusted> gradient, std::vector<float>& weight_gradient) const;
+  /// Given ∂L/∂added, writes ∂L/∂weights. The inputs count as constants: Gaussians are taught by
+  /// what the splats show, not by what the model makes of them.
+  void backward(std::span<const AdjustmentInput> inputs, std::span<const Adjusted> gradient,
+                std::vector<float>& weight_gradient) const;
 
  private:
   struct Layer {
@@ -64,8 +74,9 @@ class Adjustment {
   };
   struct Scratch;
 
-  void encode(const Vec3& center, float distance, float* out) const;
-  void run(Scratch& scratch, std::span<const Vec3> centers, std::span<const float> distances) const;
+  void encode(const AdjustmentInput& input, float* out) const;
+  void run(Scratch& scratch, std::span<const AdjustmentInput> inputs) const;
+  float mean_unit(const AdjustmentInput& input) const;
   std::vector<float> transposed_weights() const;
 
   AdjustmentOptions options_;
@@ -79,6 +90,6 @@ class Adjustment {
 /// held to. `weights`: as Adjustment::weights().
 std::vector<double> reference_adjustment(const AdjustmentOptions& options, const Sphere& sphere,
                                          float extent, std::span<const double> weights,
-                                         const Vec3& center, float distance);
+                                         const AdjustmentInput& input);
 
 }  // namespace clipgs

@@ -13,13 +13,14 @@ namespace {
 const Sphere kSphere{{3, -5, 8}, 60};
 constexpr float kExtent = 100;
 
-AdjustmentOptions small_options(float window) {
+AdjustmentOptions small_options(float window, bool shape = true) {
   AdjustmentOptions options;
   options.position_octaves = 3;
   options.plane_octaves = 4;
   options.width = 32;
   options.hidden_layers = 2;
   options.window = window;
+  options.shape = shape;
   return options;
 }
 
@@ -38,18 +39,18 @@ Adjustment taught(const AdjustmentOptions& options) {
   return model;
 }
 
-struct Points {
-  std::vector<Vec3> centers;
-  std::vector<float> distances;
-
-  explicit Points(size_t count) {
-    Rng rng(11, 2);
-    for (size_t i = 0; i < count; ++i) {
-      centers.push_back(kSphere.center + 40.0f * Vec3(rng.normal(), rng.normal(), rng.normal()));
-      distances.push_back(12.0f * rng.uniform() - 2.0f);
-    }
+std::vector<AdjustmentInput> random_inputs(size_t count) {
+  Rng rng(11, 2);
+  std::vector<AdjustmentInput> inputs(count);
+  for (AdjustmentInput& input : inputs) {
+    input.center = kSphere.center + 40.0f * Vec3(rng.normal(), rng.normal(), rng.normal());
+    input.distance = 12.0f * rng.uniform() - 2.0f;
+    input.log_scale = Vec3(rng.normal(), rng.normal(), rng.normal());
+    const Vec3 normal = glm::normalize(Vec3(rng.normal(), rng.normal(), rng.normal()));
+    input.along = normal * normal;
   }
-};
+  return inputs;
+}
 
 std::vector<float> numbers_of(const std::vector<Adjusted>& list) {
   std::vector<float> numbers;
@@ -91,28 +92,28 @@ TEST(Multiply, IsTheSumOfProducts) {
 }
 
 TEST(Adjustment, StartsAsTheIdentity) {
-  const Points points(100);
+  const std::vector<AdjustmentInput> inputs = random_inputs(100);
   const Adjustment model(AdjustmentOptions{}, kSphere, kExtent, 1);
   std::vector<Adjusted> added(100);
-  model.forward(points.centers, points.distances, added);
+  model.forward(inputs, added);
   for (const float value : numbers_of(added)) {
     EXPECT_EQ(value, 0);
   }
 }
 
 TEST(Adjustment, FastIsTheReference) {
-  const Points points(150);
-  for (const float window : {0.08f, 0.0f}) {
-    const AdjustmentOptions options = small_options(window);
+  const std::vector<AdjustmentInput> inputs = random_inputs(150);
+  for (const auto& [window, shape] : {std::pair{0.08f, true}, {0.08f, false}, {0.0f, true}}) {
+    const AdjustmentOptions options = small_options(window, shape);
     const Adjustment model = taught(options);
     const std::vector<double> weights(model.weights().begin(), model.weights().end());
-    std::vector<Adjusted> added(points.centers.size());
-    model.forward(points.centers, points.distances, added);
+    std::vector<Adjusted> added(inputs.size());
+    model.forward(inputs, added);
     const std::vector<float> numbers = numbers_of(added);
     double largest = 0;
     for (size_t i = 0; i < added.size(); ++i) {
-      const std::vector<double> expected = reference_adjustment(
-          options, kSphere, kExtent, weights, points.centers[i], points.distances[i]);
+      const std::vector<double> expected =
+          reference_adjustment(options, kSphere, kExtent, weights, inputs[i]);
       for (size_t o = 0; o < expected.size(); ++o) {
         EXPECT_NEAR(numbers[i * 10 + o], expected[o], 2e-4 * (1 + std::abs(expected[o])));
         largest = std::max(largest, std::abs(expected[o]));
@@ -123,13 +124,13 @@ TEST(Adjustment, FastIsTheReference) {
 }
 
 TEST(Adjustment, GradientsOfWeightsAreFiniteDifferences) {
-  const Points points(70);  // more than one block
-  for (const float window : {0.1f, 0.0f}) {
-    const AdjustmentOptions options = small_options(window);
+  const std::vector<AdjustmentInput> inputs = random_inputs(70);  // more than one block
+  for (const auto& [window, shape] : {std::pair{0.1f, true}, {0.1f, false}, {0.0f, true}}) {
+    const AdjustmentOptions options = small_options(window, shape);
     const Adjustment model = taught(options);
     // L = Σ gᵢₒ·addedᵢₒ for some g.
     Rng rng(9, 4);
-    std::vector<Adjusted> gradient(points.centers.size());
+    std::vector<Adjusted> gradient(inputs.size());
     std::vector<double> g;
     for (Adjusted& one : gradient) {
       for (float* list : {one.mean, one.log_scale, one.rotation}) {
@@ -140,14 +141,14 @@ TEST(Adjustment, GradientsOfWeightsAreFiniteDifferences) {
       }
     }
     std::vector<float> got;
-    model.backward(points.centers, points.distances, gradient, got);
+    model.backward(inputs, gradient, got);
     ASSERT_EQ(got.size(), model.weights().size());
     std::vector<double> weights(model.weights().begin(), model.weights().end());
     const auto loss = [&] {
       double sum = 0;
       for (size_t i = 0; i < gradient.size(); ++i) {
-        const std::vector<double> added = reference_adjustment(
-            options, kSphere, kExtent, weights, points.centers[i], points.distances[i]);
+        const std::vector<double> added =
+            reference_adjustment(options, kSphere, kExtent, weights, inputs[i]);
         for (size_t o = 0; o < added.size(); ++o) {
           sum += g[i * 10 + o] * added[o];
         }
@@ -172,13 +173,13 @@ TEST(Adjustment, GradientsOfWeightsAreFiniteDifferences) {
 }
 
 TEST(Adjustment, IsTheSameAtAnyNumberOfThreads) {
-  const Points points(2000);
+  const std::vector<AdjustmentInput> inputs = random_inputs(2000);
   const Adjustment model = taught(small_options(0.08f));
-  std::vector<Adjusted> gradient(points.centers.size(), {{1, 2, 3}, {1, 0, 1}, {0, 1, 2, 1}});
+  std::vector<Adjusted> gradient(inputs.size(), {{1, 2, 3}, {1, 0, 1}, {0, 1, 2, 1}});
   std::vector<float> many, one;
-  model.backward(points.centers, points.distances, gradient, many);
+  model.backward(inputs, gradient, many);
   set_thread_count(1);
-  model.backward(points.centers, points.distances, gradient, one);
+  model.backward(inputs, gradient, one);
   set_thread_count(0);
   EXPECT_TRUE(many == one);
 }

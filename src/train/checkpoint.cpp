@@ -10,7 +10,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '2'};
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '3'};
 
 struct Header {
   char magic[8];
@@ -23,6 +23,7 @@ struct Header {
   std::int32_t clip;
   std::uint64_t views;
   std::uint64_t has_section;
+  std::uint64_t uniaxial;  // numbers of the learner at the end of the file
 };
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
@@ -44,6 +45,8 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
   header.clip = static_cast<std::int32_t>(options_.clip);
   header.views = views_.size();
   header.has_section = has_section_ ? 1 : 0;
+  const std::vector<float> uniaxial = uniaxial_ ? uniaxial_->save() : std::vector<float>();
+  header.uniaxial = uniaxial.size();
   std::vector<std::uint8_t> bytes;
   append(bytes, &header, sizeof header);
   for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
@@ -52,6 +55,7 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
   for (const std::vector<std::uint32_t>* counts : {&adam_.updates(), &last_reached_}) {
     append(bytes, counts->data(), counts->size() * sizeof(std::uint32_t));
   }
+  append(bytes, uniaxial.data(), uniaxial.size() * sizeof(float));
   write_file(path, bytes.data(), bytes.size());
 }
 
@@ -71,14 +75,28 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
   if (header.steps != options_.steps || header.seed != options_.seed ||
       header.budget != options_.budget || header.sh_degree != options_.sh_degree ||
       header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size() ||
-      header.has_section != (has_section_ ? 1U : 0U)) {
+      header.has_section != (has_section_ ? 1U : 0U) ||
+      (header.uniaxial > 0) != uniaxial_.has_value()) {
     throw Error("{}: was written with other options; delete it, or give the ones it had",
                 path.string());
   }
   const auto planes = static_cast<size_t>(Gaussians::planes(options_.sh_degree));
   const size_t per_gaussian = 3 * planes * sizeof(float) + 2 * sizeof(std::uint32_t);
-  if (header.size > options_.budget || bytes.size() != sizeof header + header.size * per_gaussian) {
-    throw Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
+  const auto corrupt = [&] {
+    return Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
+  };
+  if (header.size > options_.budget || header.uniaxial > bytes.size() ||
+      bytes.size() !=
+          sizeof header + header.size * per_gaussian + header.uniaxial * sizeof(float)) {
+    throw corrupt();
+  }
+  if (uniaxial_) {
+    std::vector<float> numbers(header.uniaxial);
+    std::memcpy(numbers.data(), bytes.data() + bytes.size() - numbers.size() * sizeof(float),
+                numbers.size() * sizeof(float));
+    if (!uniaxial_->load(numbers, header.size)) {
+      throw corrupt();
+    }
   }
   step_ = header.step;
   gaussians_ = Gaussians(header.size, options_.sh_degree);

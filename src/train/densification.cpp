@@ -57,9 +57,9 @@ std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
   return sources;
 }
 
-/// Makes targets[k] a copy of sources[k]; each source and its copies share its look.
-void copy_onto(Gaussians& gaussians, Adam& adam, const std::vector<std::uint32_t>& targets,
-               const std::vector<std::uint32_t>& sources) {
+/// Makes copies; each source and its copies share its look.
+void make_copies(Gaussians& gaussians, Adam& adam, const Copies& made) {
+  const auto& [targets, sources] = made;
   std::vector<int> copies(gaussians.size(), 1);
   for (const std::uint32_t s : sources) {
     ++copies[s];
@@ -87,7 +87,7 @@ void copy_onto(Gaussians& gaussians, Adam& adam, const std::vector<std::uint32_t
 
 }  // namespace
 
-size_t relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
+Copies relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
   std::vector<std::uint32_t> dead;
   std::vector<std::uint32_t> alive;
   for (size_t i = 0; i < gaussians.size(); ++i) {
@@ -95,31 +95,33 @@ size_t relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
     (is_dead ? dead : alive).push_back(static_cast<std::uint32_t>(i));
   }
   if (dead.empty() || alive.empty()) {
-    return 0;
+    return {};
   }
-  copy_onto(gaussians, adam, dead, draw_sources(gaussians, alive, dead.size(), rng));
-  return dead.size();
+  Copies made{std::move(dead), {}};
+  made.sources = draw_sources(gaussians, alive, made.targets.size(), rng);
+  make_copies(gaussians, adam, made);
+  return made;
 }
 
-size_t grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng) {
+Copies grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng) {
   const size_t old_size = gaussians.size();
   const size_t size = std::min(budget, old_size + old_size / Densification::kGrowthDivisor);
   if (size <= old_size) {
-    return 0;
+    return {};
   }
   std::vector<std::uint32_t> alive(old_size);
-  std::vector<std::uint32_t> added(size - old_size);
+  Copies made;
   for (size_t i = 0; i < old_size; ++i) {
     alive[i] = static_cast<std::uint32_t>(i);
   }
-  for (size_t k = 0; k < added.size(); ++k) {
-    added[k] = static_cast<std::uint32_t>(old_size + k);
+  for (size_t i = old_size; i < size; ++i) {
+    made.targets.push_back(static_cast<std::uint32_t>(i));
   }
-  const std::vector<std::uint32_t> sources = draw_sources(gaussians, alive, added.size(), rng);
+  made.sources = draw_sources(gaussians, alive, made.targets.size(), rng);
   gaussians = resized(gaussians, size);
   adam.resize(size);
-  copy_onto(gaussians, adam, added, sources);
-  return added.size();
+  make_copies(gaussians, adam, made);
+  return made;
 }
 
 void add_noise(Gaussians& gaussians, float rate, std::uint64_t seed, std::uint64_t step) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/random.h"
 #include "splat/gaussians.h"
@@ -17,12 +18,17 @@ struct Densification {
   static constexpr float kNoiseRate = 5e5f;     ///< of `add_noise`, relative to the means' rate
 };
 
-/// Moves every dead Gaussian onto a living one, drawn with probability ∝ opacity; source and copies
-/// share the opacity and shrink so that the picture stays the same. Returns how many moved.
-size_t relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng);
+/// Gaussian targets[k] became a copy of sources[k].
+struct Copies {
+  std::vector<std::uint32_t> targets, sources;
+};
 
-/// Adds copies of living Gaussians the same way, at most to `budget`. Returns how many were added.
-size_t grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng);
+/// Moves every dead Gaussian onto a living one, drawn with probability ∝ opacity; source and copies
+/// share the opacity and shrink so that the picture stays the same. Returns which moved where.
+Copies relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng);
+
+/// Adds copies of living Gaussians the same way, at most to `budget`. Returns which.
+Copies grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng);
 
 /// Adds noise shaped by each Gaussian's covariance to its mean, fading out as opacity rises.
 /// `rate` is the means' current relative learning rate divided by the scene's extent, 1/mm (a

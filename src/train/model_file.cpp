@@ -1,6 +1,7 @@
 #include "train/model_file.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/json_reader.h"
 #include "splat/scene_file.h"
 
@@ -25,6 +26,7 @@ json to_json(const Adjustment& adjustment) {
           {"width", options.width},
           {"hidden_layers", options.hidden_layers},
           {"window", json_number(options.window)},
+          {"shape", options.shape},
           {"weights", std::move(weights)}};
 }
 
@@ -35,6 +37,7 @@ Adjustment adjustment_from_json(const JsonReader& reader, const Scene& scene) {
   options.width = reader.integer("width", 16, 1024);
   options.hidden_layers = reader.integer("hidden_layers", 1, 16);
   options.window = reader.number("window");
+  options.shape = reader.boolean("shape");
   if (options.width % 16 != 0) {
     reader.fail("width");
   }
@@ -61,12 +64,12 @@ void write_model(const std::filesystem::path& path, const UniaxialModel& model) 
 }
 
 bool is_model(const std::filesystem::path& path) {
-  if (path.extension() != ".ply" || !std::filesystem::exists(path)) {
+  const std::filesystem::path sidecar = std::filesystem::path(path).replace_extension(".json");
+  if (path.extension() != ".ply" || !std::filesystem::exists(sidecar)) {
     return false;
   }
-  SceneExtras extras;
-  read_scene(path, &extras);
-  return extras.keys.contains(kModelKey);
+  const json keys = json::parse(read_text(sidecar), nullptr, false);
+  return keys.is_object() && keys.contains(kModelKey);
 }
 
 UniaxialModel read_model(const std::filesystem::path& path) {

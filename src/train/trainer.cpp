@@ -19,7 +19,14 @@ namespace clipgs {
 namespace {
 
 // Independent random streams of a training run.
-enum Stream : std::uint64_t { kEpochOrder = 1, kBackground, kRelocation, kGrowth, kNoise };
+enum Stream : std::uint64_t {
+  kEpochOrder = 1,
+  kBackground,
+  kRelocation,
+  kGrowth,
+  kNoise,
+  kAdjustment
+};
 
 Camera half_size(const Camera& camera) {
   Camera half = camera;
@@ -83,14 +90,60 @@ void from_bytes(const std::vector<std::uint8_t>& bytes, const Camera& camera, in
   }
 }
 
+bool is_along(const Plane& plane, const Vec3& normal) {
+  return glm::dot(plane.normal, normal) > 0.9999f;
+}
+
+/// The axis, or its opposite: whichever is the normal of more training planes.
+Vec3 uniaxial_normal(const std::vector<const Frame*>& frames, const Dataset& dataset) {
+  size_t above = 0;
+  size_t below = 0;
+  for (const Frame* frame : frames) {
+    above += frame->plane && is_along(*frame->plane, dataset.axis) ? 1 : 0;
+    below += frame->plane && is_along(*frame->plane, -dataset.axis) ? 1 : 0;
+  }
+  if (above + below == 0) {
+    throw Error("{}: has no training frames that are cut across its axis; make the dataset again",
+                dataset.folder.string());
+  }
+  return above > below ? dataset.axis : -dataset.axis;
+}
+
 }  // namespace
 
-Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section)
+Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section,
+                 const Gaussians* start)
     : options_(options), extent_(dataset.sphere.radius), has_section_(section != nullptr) {
-  const std::vector<const Frame*> frames = dataset.split(Split::kTrain);
+  std::vector<const Frame*> frames = dataset.split(Split::kTrain);
+  Vec3 normal(0);
+  if (options.uniaxial) {
+    normal = uniaxial_normal(frames, dataset);
+    std::erase_if(frames, [&](const Frame* frame) {
+      return frame->plane && !is_along(*frame->plane, normal);
+    });
+  }
   if (frames.empty()) {
     throw Error("{}: has no training frames; make the dataset again", dataset.folder.string());
   }
+  load_views(dataset, frames, section);
+  gaussians_ = start != nullptr ? *start
+                                : start_from_points(load_seed_points(dataset.folder),
+                                                    std::min(options_.start, options_.budget),
+                                                    options_.sh_degree, options_.seed);
+  options_.sh_degree = gaussians_.sh_degree();
+  options_.budget = std::max(options_.budget, gaussians_.size());
+  if (options.uniaxial) {
+    uniaxial_.emplace(*options.uniaxial, normal, dataset.sphere,
+                      dataset.extent.y - dataset.extent.x, gaussians_,
+                      Rng::mix(options_.seed) ^ kAdjustment);
+  }
+  gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
+  adam_ = Adam(gaussians_.size(), options_.sh_degree);
+  last_reached_.assign(gaussians_.size(), 0);
+}
+
+void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
+                         const Section* section) {
   views_.resize(frames.size());
   const auto load = [&](size_t i) {
     View& view = views_[i];
@@ -112,12 +165,6 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     parallel_for(count, 1, [&](size_t i, size_t) { load(begin + i); });
     progress.update(begin + count);
   }
-  gaussians_ =
-      start_from_points(load_seed_points(dataset.folder), std::min(options_.start, options_.budget),
-                        options_.sh_degree, options_.seed);
-  gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
-  adam_ = Adam(gaussians_.size(), options_.sh_degree);
-  last_reached_.assign(gaussians_.size(), 0);
 }
 
 const Trainer::View& Trainer::next_view() {
@@ -134,6 +181,32 @@ const Trainer::View& Trainer::next_view() {
   return views_[order_[within]];
 }
 
+const Image& Trainer::draw(const View& view, const Camera& camera) {
+  const Image* front = view.faces.empty() ? nullptr : &front_;
+  if (uniaxial_) {
+    // The truncation cuts, not the rasterizer.
+    const std::optional<float> offset =
+        view.plane ? std::optional(view.plane->offset) : std::nullopt;
+    return rasterizer_.forward(uniaxial_->forward(gaussians_, offset), camera, std::nullopt, {},
+                               front);
+  }
+  RasterOptions raster;
+  raster.clip = options_.clip;
+  return rasterizer_.forward(gaussians_, camera, view.plane, raster, front);
+}
+
+void Trainer::backward() {
+  if (uniaxial_) {
+    uniaxial_->backward(rasterizer_, image_gradient_, gradients_);
+  } else {
+    rasterizer_.backward(gaussians_, image_gradient_, gradients_);
+  }
+}
+
+const std::vector<std::uint32_t>& Trainer::reached() const {
+  return uniaxial_ ? uniaxial_->reached() : rasterizer_.reached();
+}
+
 double Trainer::step() {
   const View& view = next_view();
   const auto steps = static_cast<float>(options_.steps);
@@ -145,15 +218,14 @@ double Trainer::step() {
     from_bytes(view.faces, view.camera, scale, front_);
   }
 
-  RasterOptions raster;
-  raster.clip = options_.clip;
-  const Camera camera = half ? half_size(view.camera) : view.camera;
-  const Image& image = rasterizer_.forward(gaussians_, camera, view.plane, raster,
-                                           view.faces.empty() ? nullptr : &front_);
+  if (uniaxial_ && progress >= options_.uniaxial->coarse_share) {
+    uniaxial_->start_adjusting();
+  }
+  const Image& image = draw(view, half ? half_size(view.camera) : view.camera);
   Rng rng(options_.seed, Rng::mix(step_) ^ kBackground);
   const Vec3 background(rng.uniform(), rng.uniform(), rng.uniform());
   const double loss = loss_.evaluate(image, target_, background, options_.loss, image_gradient_);
-  rasterizer_.backward(gaussians_, image_gradient_, gradients_);
+  backward();
   add_penalties();
 
   const float relative_rate = options_.mean_rate * std::pow(0.01f, progress);
@@ -165,7 +237,10 @@ double Trainer::step() {
   rates.opacity *= decay;
   rates.sh0 *= decay;
   rates.sh_rest *= decay;
-  adam_.step(rasterizer_.reached(), gradients_, rates, gaussians_);
+  adam_.step(reached(), gradients_, rates, gaussians_);
+  if (uniaxial_) {
+    uniaxial_->step(decay);
+  }
 
   ++step_;
   note_reached();
@@ -179,13 +254,13 @@ double Trainer::step() {
 }
 
 void Trainer::add_penalties() {
-  const std::vector<std::uint32_t>& reached = rasterizer_.reached();
+  const std::vector<std::uint32_t>& list = reached();
   const auto count = static_cast<float>(gaussians_.size());
   const float opacity_scale = options_.opacity_penalty / count;
   const float log_scale_scale = options_.scale_penalty / (3 * count * extent_);
-  parallel_for(reached.size(), 4096, [&](size_t begin, size_t end) {
+  parallel_for(list.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = reached[k];
+      const std::uint32_t i = list[k];
       const float o = gaussians_.opacity(i);
       gradients_.plane(Gaussians::kOpacity)[i] += opacity_scale * o * (1 - o);
       const Vec3 scale = gaussians_.scale(i);
@@ -197,7 +272,7 @@ void Trainer::add_penalties() {
 }
 
 void Trainer::note_reached() {
-  for (const std::uint32_t i : rasterizer_.reached()) {
+  for (const std::uint32_t i : reached()) {
     last_reached_[i] = static_cast<std::uint32_t>(step_);
   }
 }
@@ -218,8 +293,14 @@ void Trainer::densify() {
   if (has_section_) {
     retire_idle();
   }
-  relocate_dead(gaussians_, adam_, Rng(options_.seed, Rng::mix(step_) ^ kRelocation));
-  grow(gaussians_, adam_, options_.budget, Rng(options_.seed, Rng::mix(step_) ^ kGrowth));
+  const Rng relocation(options_.seed, Rng::mix(step_) ^ kRelocation);
+  const Rng growth(options_.seed, Rng::mix(step_) ^ kGrowth);
+  for (const Copies& made : {relocate_dead(gaussians_, adam_, relocation),
+                             grow(gaussians_, adam_, options_.budget, growth)}) {
+    if (uniaxial_) {
+      uniaxial_->copied(made.targets, made.sources);
+    }
+  }
   if (gradients_.size() != gaussians_.size()) {
     gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
     last_reached_.resize(gaussians_.size(), static_cast<std::uint32_t>(step_));
@@ -236,18 +317,20 @@ Scene scene_of(const Dataset& dataset) {
   return scene;
 }
 
-Scene train(const Dataset& dataset, const TrainOptions& options,
-            const std::filesystem::path& checkpoint, const Section* section) {
-  Trainer trainer(dataset, options, section);
+namespace {
+
+/// Steps to the end, from `checkpoint` if it is there.
+void run(Trainer& trainer, size_t steps, const std::filesystem::path& checkpoint,
+         const char* name) {
   if (!checkpoint.empty()) {
     trainer.load_checkpoint(checkpoint);
   }
   using Clock = std::chrono::steady_clock;
   constexpr auto kSaveEvery = std::chrono::minutes(2);
   auto last_save = Clock::now();
-  Progress progress("training", options.steps);
+  Progress progress(name, steps);
   double smoothed = 0;
-  while (trainer.steps_done() < options.steps) {
+  while (trainer.steps_done() < steps) {
     const double loss = trainer.step();
     smoothed = smoothed == 0 ? loss : 0.98 * smoothed + 0.02 * loss;
     progress.update(trainer.steps_done(), fmt::format("loss {:.4f}", smoothed));
@@ -256,9 +339,42 @@ Scene train(const Dataset& dataset, const TrainOptions& options,
       last_save = Clock::now();
     }
   }
+}
+
+}  // namespace
+
+Scene train(const Dataset& dataset, const TrainOptions& options,
+            const std::filesystem::path& checkpoint, const Section* section) {
+  Trainer trainer(dataset, options, section);
+  run(trainer, options.steps, checkpoint, "training");
   Scene scene = scene_of(dataset);
   scene.gaussians = trainer.gaussians();
   return scene;
+}
+
+UniaxialModel train_model(const Dataset& dataset, const TrainOptions& options,
+                          const std::filesystem::path& checkpoint, const Section* section) {
+  Trainer trainer(dataset, options, section);
+  run(trainer, options.steps, checkpoint, "training");
+  UniaxialModel model{scene_of(dataset), *trainer.uniaxial()};
+  model.scene.gaussians = trainer.gaussians();
+  return model;
+}
+
+Scene refine(const Scene& scene, const Dataset& dataset, const TrainOptions& options,
+             const std::filesystem::path& checkpoint, const Section* section) {
+  Trainer trainer(dataset, options, section, &scene.gaussians);
+  run(trainer, options.steps, checkpoint, "refining");
+  Scene refined = scene;
+  refined.gaussians = trainer.gaussians();
+  if (!scene.layers.empty()) {
+    refined.layers.resize(refined.gaussians.size());
+    for (size_t i = 0; i < refined.layers.size(); ++i) {
+      const float position = glm::dot(scene.axis, refined.gaussians.mean(i));
+      refined.layers[i] = static_cast<std::uint16_t>(scene.states.nearest(position));
+    }
+  }
+  return refined;
 }
 
 }  // namespace clipgs

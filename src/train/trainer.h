@@ -10,6 +10,7 @@
 #include "splat/scene.h"
 #include "train/adam.h"
 #include "train/loss.h"
+#include "train/uniaxial_learner.h"
 
 namespace clipgs {
 
@@ -30,6 +31,9 @@ struct TrainOptions {
   float relocate_until = 0.8f;    ///< share of the steps after which the cloud stays as it is
   size_t idle_steps = 1000;       ///< with a section: a Gaussian that no picture needed for as long
                                   ///< is dead
+  /// Learns a uniaxial model (ClipGS) instead of an explicit scene: from the uncut frames and the
+  /// axis planes that keep the side that most of them keep. `clip` is of no use then.
+  std::optional<UniaxialOptions> uniaxial;
 };
 
 /// Fits Gaussians to the training frames of a dataset. Everything random is drawn from (seed,
@@ -39,13 +43,19 @@ class Trainer {
  public:
   /// Loads the training frames (kept in memory, 4 bytes a pixel, as much again where a face is
   /// seen) and the seed points. With a `section`, which may be null, its faces lie in front of the
-  /// splats: these then need to show outer and inner surfaces only. Throws Error.
-  Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section = nullptr);
+  /// splats: these then need to show outer and inner surfaces only. `start`: what to go on from,
+  /// instead of the seed points (of the options, its size and SH degree count). Throws Error.
+  Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section = nullptr,
+          const Gaussians* start = nullptr);
 
   /// One step: draw a training frame, compare, move. Returns the loss.
   double step();
   size_t steps_done() const { return step_; }
   const Gaussians& gaussians() const { return gaussians_; }
+  /// Null if the options have no uniaxial model.
+  const UniaxialParameters* uniaxial() const {
+    return uniaxial_ ? &uniaxial_->parameters() : nullptr;
+  }
 
   /// Writes all that the next step depends on, atomically. Throws Error.
   void save_checkpoint(const std::filesystem::path& path);
@@ -61,7 +71,12 @@ class Trainer {
     std::vector<std::uint8_t> faces;  // the same, or empty
   };
 
+  void load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
+                  const Section* section);
   const View& next_view();
+  const Image& draw(const View& view, const Camera& camera);
+  void backward();
+  const std::vector<std::uint32_t>& reached() const;
   void note_reached();
   void retire_idle();
   void add_penalties();
@@ -77,6 +92,7 @@ class Trainer {
   Adam adam_;
   bool has_section_ = false;
   std::vector<std::uint32_t> last_reached_;  // step, of each Gaussian
+  std::optional<UniaxialLearner> uniaxial_;
   Rasterizer rasterizer_;
   ImageLoss loss_;
   Image target_;  // premultiplied
@@ -88,6 +104,17 @@ class Trainer {
 /// minutes (pass an empty path for none), and shows progress. Throws Error.
 Scene train(const Dataset& dataset, const TrainOptions& options,
             const std::filesystem::path& checkpoint, const Section* section = nullptr);
+
+/// The same for a uniaxial model; `options.uniaxial` says which.
+UniaxialModel train_model(const Dataset& dataset, const TrainOptions& options,
+                          const std::filesystem::path& checkpoint,
+                          const Section* section = nullptr);
+
+/// Tunes the Gaussians of `scene` against all training frames, with the clip in the loop
+/// (method.md §11); `options.budget`, `start` and `sh_degree` are the scene's. Layers, if it has
+/// any, follow the centres.
+Scene refine(const Scene& scene, const Dataset& dataset, const TrainOptions& options,
+             const std::filesystem::path& checkpoint, const Section* section = nullptr);
 
 /// The scene of a dataset without its Gaussians.
 Scene scene_of(const Dataset& dataset);

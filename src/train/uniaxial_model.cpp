@@ -46,13 +46,16 @@ void adjust(const UniaxialParameters& parameters, float offset, UniaxialState& s
     const Vec3 center = gaussians.mean(k);
     const float distance = glm::dot(parameters.normal, center) - offset;
     if (adjustment.share(distance) > 0) {
+      const Vec3 own = parameters.normal * glm::mat3_cast(gaussians.rotation(k));
+      const Vec3 log_scale(gaussians.plane(Gaussians::kLogScale)[k],
+                           gaussians.plane(Gaussians::kLogScale + 1)[k],
+                           gaussians.plane(Gaussians::kLogScale + 2)[k]);
       state.adjusted.push_back(static_cast<std::uint32_t>(k));
-      state.centers.push_back(center);
-      state.distances.push_back(distance);
+      state.inputs.push_back({center, distance, log_scale, own * own});
     }
   }
   std::vector<Adjusted> added(state.adjusted.size());
-  adjustment.forward(state.centers, state.distances, added);
+  adjustment.forward(state.inputs, added);
   for (size_t n = 0; n < added.size(); ++n) {
     const std::uint32_t k = state.adjusted[n];
     for (int a = 0; a < 3; ++a) {
@@ -95,8 +98,7 @@ void make_state(const Gaussians& gaussians, const UniaxialParameters& parameters
                 std::optional<float> offset, UniaxialState& state) {
   state.ids.clear();
   state.adjusted.clear();
-  state.centers.clear();
-  state.distances.clear();
+  state.inputs.clear();
   for (size_t i = 0; i < gaussians.size(); ++i) {
     if (!offset || shows(parameters, gaussians, i, *offset)) {
       state.ids.push_back(static_cast<std::uint32_t>(i));
@@ -114,8 +116,7 @@ void state_backward(const UniaxialParameters& parameters, std::optional<float> o
                     UniaxialGradients& uniaxial) {
   uniaxial.weights.clear();
   if (!state.adjusted.empty()) {
-    parameters.adjustment->backward(state.centers, state.distances,
-                                    added_gradients(state, state_gradients, reached),
+    parameters.adjustment->backward(state.inputs, added_gradients(state, state_gradients, reached),
                                     uniaxial.weights);
   }
   uniaxial.thresholds.assign(parameters.thresholds.size(), 0.0f);

@@ -34,8 +34,7 @@ struct UniaxialState {
 
   // What the adjustment was asked for: indices into `gaussians`, and its inputs.
   std::vector<std::uint32_t> adjusted;
-  std::vector<Vec3> centers;
-  std::vector<float> distances;  ///< mm from the plane, positive on the kept side
+  std::vector<AdjustmentInput> inputs;
 };
 
 /// Truncates and adjusts for the plane normal·x = `offset` (mm); none: the uncut scene, in which

@@ -1,0 +1,147 @@
+#include "train/uniaxial_learner.h"
+
+#include <cmath>
+
+#include "train/adam.h"
+
+namespace clipgs {
+
+namespace {
+
+/// Temperatures away from the plane beyond which a threshold stays as it is: the sigmoid is flat
+/// there, but Adam would make whole steps of its last digits.
+constexpr float kFlat = 8;
+
+}  // namespace
+
+void UniaxialLearner::Moments::resize(size_t size) {
+  first.resize(size, 0.0f);
+  second.resize(size, 0.0f);
+  updates.resize(size, 0.0f);
+}
+
+void UniaxialLearner::Moments::reset(size_t i) { first[i] = second[i] = updates[i] = 0; }
+
+float UniaxialLearner::Moments::move(size_t i, float gradient, float rate) {
+  const float t = ++updates[i];
+  first[i] = Adam::kBeta1 * first[i] + (1 - Adam::kBeta1) * gradient;
+  second[i] = Adam::kBeta2 * second[i] + (1 - Adam::kBeta2) * gradient * gradient;
+  const float correction =
+      std::sqrt(1 - std::pow(Adam::kBeta2, t)) / (1 - std::pow(Adam::kBeta1, t));
+  return -rate * correction * first[i] / (std::sqrt(second[i]) + Adam::kEpsilon);
+}
+
+UniaxialLearner::UniaxialLearner(const UniaxialOptions& options, const Vec3& normal,
+                                 const Sphere& sphere, float extent, const Gaussians& gaussians,
+                                 std::uint64_t seed)
+    : options_(options) {
+  parameters_.normal = normal;
+  parameters_.truncation = options.truncation;
+  parameters_.temperature = kTruncationTemperature * extent;
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    parameters_.thresholds.push_back(glm::dot(normal, gaussians.mean(i)));
+  }
+  threshold_moments_.resize(gaussians.size());
+  if (options.adjust) {
+    waiting_.emplace(options.adjustment, sphere, extent, seed);
+    weight_moments_.resize(waiting_->weights().size());
+  }
+}
+
+const Gaussians& UniaxialLearner::forward(const Gaussians& gaussians, std::optional<float> offset) {
+  offset_ = offset;
+  make_state(gaussians, parameters_, offset, state_);
+  return state_.gaussians;
+}
+
+void UniaxialLearner::backward(Rasterizer& rasterizer, const Image& image_gradient,
+                               Gaussians& gradients) {
+  if (state_gradients_.size() != state_.gaussians.size()) {
+    state_gradients_ = Gaussians(state_.gaussians.size(), state_.gaussians.sh_degree());
+  }
+  rasterizer.backward(state_.gaussians, image_gradient, state_gradients_);
+  reached_ = rasterizer.reached();
+  state_backward(parameters_, offset_, state_, state_gradients_, reached_, gradients, gradients_);
+}
+
+void UniaxialLearner::step(float decay) {
+  if (offset_ && parameters_.truncation == Truncation::kLearned) {
+    const float rate = decay * kThresholdRate * parameters_.temperature;
+    for (const std::uint32_t i : reached_) {
+      float& m = parameters_.thresholds[i];
+      if (std::abs(m - *offset_) < kFlat * parameters_.temperature) {
+        m += threshold_moments_.move(i, gradients_.thresholds[i], rate);
+      }
+    }
+  }
+  for (size_t w = 0; w < gradients_.weights.size(); ++w) {
+    parameters_.adjustment->weights()[w] +=
+        weight_moments_.move(w, gradients_.weights[w], decay * kWeightRate);
+  }
+}
+
+void UniaxialLearner::start_adjusting() {
+  if (waiting_) {
+    parameters_.adjustment = std::move(waiting_);
+    waiting_.reset();
+  }
+}
+
+void UniaxialLearner::copied(const std::vector<std::uint32_t>& targets,
+                             const std::vector<std::uint32_t>& sources) {
+  for (size_t k = 0; k < targets.size(); ++k) {
+    const std::uint32_t target = targets[k];
+    if (target >= parameters_.thresholds.size()) {
+      parameters_.thresholds.resize(target + 1);
+      threshold_moments_.resize(target + 1);
+    }
+    parameters_.thresholds[target] = parameters_.thresholds[sources[k]];
+    threshold_moments_.reset(target);
+  }
+}
+
+std::vector<float> UniaxialLearner::save() const {
+  const std::optional<Adjustment>& adjustment = waiting_ ? waiting_ : parameters_.adjustment;
+  std::vector<float> numbers = {waiting_ ? 0.0f : 1.0f};
+  const auto append = [&](const std::vector<float>& list) {
+    numbers.insert(numbers.end(), list.begin(), list.end());
+  };
+  append(parameters_.thresholds);
+  if (adjustment) {
+    append(adjustment->weights());
+  }
+  for (const Moments* moments : {&threshold_moments_, &weight_moments_}) {
+    append(moments->first);
+    append(moments->second);
+    append(moments->updates);
+  }
+  return numbers;
+}
+
+bool UniaxialLearner::load(const std::vector<float>& numbers, size_t size) {
+  const size_t weights = weight_moments_.first.size();
+  if (numbers.size() != 1 + 4 * (size + weights)) {
+    return false;
+  }
+  const float* at = numbers.data();
+  if (*at++ == 1.0f) {
+    start_adjusting();
+  }
+  const auto take = [&](std::vector<float>& list, size_t count) {
+    list.assign(at, at + count);
+    at += count;
+  };
+  take(parameters_.thresholds, size);
+  if (weights > 0) {
+    take((waiting_ ? waiting_ : parameters_.adjustment)->weights(), weights);
+  }
+  for (const auto& [moments, count] :
+       {std::pair{&threshold_moments_, size}, {&weight_moments_, weights}}) {
+    take(moments->first, count);
+    take(moments->second, count);
+    take(moments->updates, count);
+  }
+  return true;
+}
+
+}  // namespace clipgs
