@@ -39,8 +39,8 @@ void spread(const UniaxialState& state, const Gaussians& model, Gaussians& all) 
 /// Reads the PLYs of a folder's states into world space and collects what they share.
 class StateReader {
  public:
-  StateReader(const fs::path& folder, const PlanesFile& planes)
-      : folder_(folder), planes_(planes) {}
+  StateReader(fs::path folder, const PlanesFile& planes)
+      : folder_(std::move(folder)), planes_(planes) {}
 
   void require_files(const fs::path& planes) const {
     std::vector<std::string> files = planes_.files;

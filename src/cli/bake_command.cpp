@@ -105,6 +105,10 @@ void run_bake(const BakeArguments& arguments) {
   if (arguments.model.empty() == arguments.from_states.empty()) {
     throw CLI::ValidationError("bake", "give either a MODEL or --from-states");
   }
+  std::error_code absent;
+  if (fs::equivalent(arguments.output, arguments.model, absent)) {
+    throw CLI::ValidationError("--output", "the scene would replace the model");
+  }
   require_writable(arguments.output);
   const BakedScene baked = arguments.model.empty() ? bake_folder(arguments) : bake_model(arguments);
   hand_on_section(arguments);

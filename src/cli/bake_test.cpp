@@ -99,6 +99,7 @@ TEST_F(BakeCommand, WrongUseAndWrongFiles) {
   EXPECT_EQ(
       run_clipgs({"bake", at("model.ply"), "-o", at("x.ply"), "--from-states", at("")}).status, 2);
   EXPECT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("x.ply"), "--planes", "p"}).status, 2);
+  EXPECT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("model.ply")}).status, 2);
   const Finished missing = run_clipgs({"bake", at("missing.ply"), "-o", at("x.ply")});
   EXPECT_EQ(missing.status, 1);
   EXPECT_THAT(missing.err, HasSubstr("missing.ply"));

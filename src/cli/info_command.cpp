@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/info_kinds.h"
 #include "cli/volume_options.h"
+#include "train/model_file.h"
 #include "volume/load.h"
 #include "volume/preset.h"
 
@@ -57,7 +58,8 @@ Json describe_volume(const InfoOptions& options) {
   return json;
 }
 
-/// One kind of thing that `info` knows; the first that matches a path describes it.
+/// One kind of thing that `info` knows; the first that matches a path describes it. A model is a
+/// scene as well.
 struct InfoKind {
   bool (*matches)(const fs::path& path);
   Json (*describe)(const InfoOptions& options);
@@ -74,7 +76,7 @@ Json describe_dataset_at(const InfoOptions& options) { return describe_dataset(o
 
 constexpr std::array kKinds{
     InfoKind{is_case, describe_case_at}, InfoKind{is_dataset, describe_dataset_at},
-    InfoKind{is_model_file, describe_model_at}, InfoKind{is_scene, describe_scene_at},
+    InfoKind{is_model, describe_model_at}, InfoKind{is_scene, describe_scene_at},
     InfoKind{is_volume, describe_volume}};
 
 std::string as_text(const Json& value) {

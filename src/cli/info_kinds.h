@@ -11,8 +11,6 @@ namespace clipgs {
 bool is_case(const std::filesystem::path& path);
 nlohmann::ordered_json describe_case(const std::filesystem::path& path);
 
-// A scene as well: to be asked first.
-bool is_model_file(const std::filesystem::path& path);
 nlohmann::ordered_json describe_model(const std::filesystem::path& path);
 
 bool is_scene(const std::filesystem::path& path);

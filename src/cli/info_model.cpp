@@ -8,8 +8,6 @@ namespace clipgs {
 
 using Json = nlohmann::ordered_json;
 
-bool is_model_file(const std::filesystem::path& path) { return is_model(path); }
-
 Json describe_model(const std::filesystem::path& path) {
   const UniaxialModel model = read_model(path);
   const UniaxialParameters& parameters = model.parameters;
