@@ -78,7 +78,7 @@ step "format" bash scripts/format.sh --check
 step "build release" configure_and_build release
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan core volume cinema splat section train asset measure serve
+step "build asan ubsan" configure_and_build asan core volume cinema splat section train bake asset measure serve
 step "tests asan ubsan" run_tests asan -L fast
 count_tests "tests asan ubsan"
 # The rooms that work on several threads.

@@ -2,10 +2,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "asset/layers.h"
 #include "asset/sog.h"
 #include "asset/webp.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_reader.h"
 #include "splat/scene_file.h"
 #include "splat/similarity.h"
 #include "train/model_file.h"
@@ -18,6 +20,7 @@ namespace {
 
 constexpr const char* kMetaFile = "meta.json";
 constexpr const char* kSectionKey = "section";
+constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
 constexpr size_t kMaxMeta = size_t{4} << 20;
@@ -50,6 +53,11 @@ OpenCase open_case(std::span<const std::uint8_t> bytes, const std::string& name)
   return result;
 }
 
+bool has_layers(const json& block) {
+  const auto states = block.find(kStatesKey);
+  return states != block.end() && states->contains("file");
+}
+
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
 }  // namespace
@@ -63,7 +71,11 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, float section_qu
   json block = scene_to_json(scene, world);
   block["generator"] = "clipgs " CLIPGS_VERSION;
   std::vector<ZipEntry> files;
-  json meta = encode_sog(transform(scene.gaussians, world.inverse()), files);
+  std::vector<size_t> order;
+  json meta = encode_sog(transform(scene.gaussians, world.inverse()), files, &order);
+  if (!scene.layers.empty()) {
+    block[kStatesKey]["file"] = encode_layers(scene, order, files);
+  }
   if (contents.section) {
     block[kSectionKey] = encode_section(*contents.section, section_quality, files);
   }
@@ -87,6 +99,11 @@ Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
   Case result;
   const Similarity world = scene_from_json(opened.block, name + ": clipgs", result.scene);
   result.scene.gaussians = transform(decode_sog(opened.meta, opened.files, name), world);
+  if (has_layers(opened.block)) {
+    result.scene.layers =
+        decode_layers(JsonReader(opened.block, name).child(kStatesKey).text("file"), opened.files,
+                      result.scene, name);
+  }
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
     result.section = decode_section(*section, opened.files, section_name(name));
   }
@@ -124,6 +141,7 @@ CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& 
   const SogSummary summary = sog_summary(opened.meta, name);
   info.splats = summary.count;
   info.sh_degree = summary.sh_degree;
+  info.has_layers = has_layers(opened.block);
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
     info.section = section_info(*section, opened.files, section_name(name));
   }

@@ -29,10 +29,11 @@ struct Case {
 
 /// What a case says of itself, without decoding its images.
 struct CaseInfo {
-  Scene scene;  ///< everything but the Gaussians
+  Scene scene;  ///< everything but the Gaussians and their layers
   size_t splats = 0;
   int sh_degree = 0;
   std::optional<SectionInfo> section;
+  bool has_layers = false;
   size_t bytes = 0;
   std::string generator;  ///< the program that wrote it, with its version
   Bytes thumbnail;        ///< WebP; empty if the case has none

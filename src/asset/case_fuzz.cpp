@@ -21,7 +21,7 @@ using clipgs::ZipEntry;
 /// checks, which a mutation hardly ever survives.
 Bytes case_with(std::span<const std::uint8_t> content, size_t which) {
   static const auto kEntries = clipgs::read_zip(
-      clipgs::encode_case({clipgs::random_scene(40, 1, 1), clipgs::test::ball_section()}, nullptr),
+      clipgs::encode_case({clipgs::layered_scene(40, 1, 1), clipgs::test::ball_section()}, nullptr),
       "seed");
   std::vector<ZipEntry> entries;
   for (const auto& [name, bytes] : kEntries) {

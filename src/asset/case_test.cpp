@@ -126,7 +126,7 @@ TEST(Case, MetaIsTheLastEntry) {
 }
 
 TEST(Case, SameBytesAtAnyThreadCount) {
-  const Scene scene = random_scene(3000, 3, 22);
+  const Scene scene = layered_scene(3000, 3, 22);
   set_thread_count(1);
   const Bytes one = encode_case({scene}, nullptr);
   set_thread_count(2);
@@ -210,6 +210,57 @@ TEST(Case, HoldsItsSection) {
               ThrowsMessage<Error>(HasSubstr("test.sog: clipgs.section: \"spacing\"")));
 }
 
+TEST(Case, KeepsStatesAndTheLayerOfEachSplat) {
+  Scene scene = layered_scene(700, 1, 30);
+  scene.states.count = 400;  // layers of more than a byte
+  for (std::uint16_t& layer : scene.layers) {
+    layer *= 2;
+  }
+  const Bytes bytes = encode_case({scene}, nullptr);
+  const Scene read = read_case(bytes, "test.sog").scene;
+  EXPECT_EQ(read.states.count, 400);
+  EXPECT_EQ(read.states.first, 850.5f);
+  EXPECT_EQ(read.states.spacing, 1);
+  EXPECT_TRUE(read.states.keeps_below);
+  ASSERT_EQ(read.layers.size(), 700u);
+  for (size_t i = 0; i < 700; ++i) {  // a layer follows from the place, up to its rounding
+    const float position = glm::dot(scene.axis, read.gaussians.mean(i));
+    const float state = std::clamp(position - 850.5f, 0.0f, 199.0f);
+    EXPECT_NEAR(read.layers[i] / 2, state, 0.51f);
+  }
+  EXPECT_TRUE(read_case_info(bytes, "test.sog").has_layers);
+
+  scene.layers.clear();
+  const Bytes without = encode_case({scene}, nullptr);
+  EXPECT_EQ(read_case(without, "test.sog").scene.states.count, 400);
+  EXPECT_TRUE(read_case(without, "test.sog").scene.layers.empty());
+  EXPECT_FALSE(read_case_info(without, "test.sog").has_layers);
+  EXPECT_FALSE(meta_of(without)["clipgs"]["states"].contains("file"));
+}
+
+TEST(Case, RefusesLayersThatAreWrong) {
+  Scene scene = layered_scene(50, 0, 30);
+  const Bytes whole = encode_case({scene}, nullptr);
+  const auto refuses = [&](const char* key, const json& value, const char* message) {
+    json meta = meta_of(whole);
+    meta["clipgs"]["states"][key] = value;
+    EXPECT_THAT([&] { read_case(with_meta(whole, meta), "test.sog"); },
+                ThrowsMessage<Error>(::testing::AllOf(HasSubstr(message), HasSubstr("test.sog"),
+                                                      ::testing::Not(HasSubstr("\n")))));
+  };
+  refuses("count", 20, "corrupt");
+  refuses("count", 0, "count");
+  refuses("spacing", 0, "spacing");
+  refuses("keeps", "left", "keeps");
+  refuses("file", 7, "file");
+  refuses("file", "absent.webp", "absent.webp");
+  refuses("file", "meta.json", "meta.json");
+  scene.states.count = 20;
+  EXPECT_THAT([&] { encode_case({scene}, nullptr); }, ThrowsMessage<Error>(HasSubstr("20 states")));
+  scene.layers.pop_back();
+  EXPECT_THROW(encode_case({scene}, nullptr), Error);
+}
+
 TEST(Case, RefusesOtherFilesInOneLine) {
   const auto refuses = [](const Bytes& bytes, const char* message) {
     EXPECT_THAT([&] { read_case(bytes, "test.sog"); },
@@ -251,7 +302,7 @@ TEST(Case, RefusesOtherFilesInOneLine) {
 TEST(Case, NewKeysAreIgnored) {
   const Bytes whole = encode_case({random_scene(50, 0, 25)}, nullptr);
   json meta = meta_of(whole);
-  meta["clipgs"]["states"] = {{"files", {"states.webp"}}};
+  meta["clipgs"]["news"] = {{"files", {"news.webp"}}};
   meta["other"] = 1;
   EXPECT_EQ(read_case(with_meta(whole, meta), "test.sog").scene.gaussians.size(), 50u);
 }
@@ -269,14 +320,14 @@ void expect_error_or_scene(const Bytes& bytes, const std::string& what) {
 }
 
 TEST(CaseFuzz, Truncations) {
-  const Bytes whole = encode_case({random_scene(60, 1, 26)}, nullptr);
+  const Bytes whole = encode_case({layered_scene(60, 1, 26)}, nullptr);
   for (size_t size = 0; size < whole.size(); size += 1 + whole.size() / 400) {
     EXPECT_THROW(read_case(std::span(whole).first(size), "test.sog"), Error) << size;
   }
 }
 
 TEST(CaseFuzz, FlippedBytes) {
-  const Bytes whole = encode_case({random_scene(60, 1, 26)}, nullptr);
+  const Bytes whole = encode_case({layered_scene(60, 1, 26)}, nullptr);
   Rng rng(1);
   for (int iteration = 0; iteration < 600; ++iteration) {
     Bytes bytes = whole;
@@ -291,7 +342,7 @@ TEST(CaseFuzz, FlippedBytes) {
 // the checks of meta.json.
 TEST(CaseFuzz, FlippedBytesUnderGoodChecksums) {
   const auto entries =
-      read_zip(encode_case({random_scene(60, 1, 26), test::ball_section()}, nullptr), "test");
+      read_zip(encode_case({layered_scene(60, 1, 26), test::ball_section()}, nullptr), "test");
   Rng rng(2);
   for (int iteration = 0; iteration < 600; ++iteration) {
     std::vector<ZipEntry> changed;

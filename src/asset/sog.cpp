@@ -9,7 +9,6 @@
 
 #include "asset/codebook.h"
 #include "asset/palette.h"
-#include "asset/webp.h"
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/parallel.h"
@@ -103,7 +102,7 @@ std::vector<size_t> morton_order(const Gaussians& g) {
         return g.plane(p)[a] < g.plane(p)[b];
       }
     }
-    return false;
+    return a < b;  // alike in all but what lies beside the SOG: its layers
   });
   return order;
 }
@@ -122,7 +121,7 @@ struct Writer {
   json& meta;
   std::vector<std::pair<std::string, Texels>> images;
 
-  Texels texels() const { return {image_width(g.size()), image_height(g.size())}; }
+  Texels texels() const { return splat_texels(g.size()); }
 
   void add_means() {
     Texels low = texels();
@@ -456,9 +455,16 @@ class Decoder {
 
 }  // namespace
 
-json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files) {
+Texels splat_texels(size_t count) { return {image_width(count), image_height(count)}; }
+
+json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
+                std::vector<size_t>* order) {
   require_writable_values(gaussians);
-  const Gaussians ordered = gaussians.gather(morton_order(gaussians));
+  std::vector<size_t> morton = morton_order(gaussians);
+  const Gaussians ordered = gaussians.gather(morton);
+  if (order != nullptr) {
+    *order = std::move(morton);
+  }
   json meta = {{"version", kSogVersion},
                {"asset", {{"generator", "clipgs " CLIPGS_VERSION}}},
                {"count", ordered.size()}};

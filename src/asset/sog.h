@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "asset/webp.h"
 #include "asset/zip.h"
 #include "splat/gaussians.h"
 
@@ -20,9 +21,13 @@ constexpr size_t kMaxSplats = size_t{4} << 20;
 
 /// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
 /// meta.json. Splats come out in Morton order; the result depends neither on the order they came
-/// in nor on the number of threads. Throws Error if there are none, too many, or one that is not
-/// finite.
-nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files);
+/// in nor on the number of threads. `order`, unless null, is set to the index in `gaussians` of
+/// each splat of the SOG. Throws Error if there are none, too many, or one that is not finite.
+nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
+                          std::vector<size_t>* order = nullptr);
+
+/// An image of a SOG with a texel for each of `count` splats, all (0, 0, 0, 255).
+Texels splat_texels(size_t count);
 
 /// What meta.json says of its splats. Throws Error, `name` in it, if it is not SOG v2.
 SogSummary sog_summary(const nlohmann::json& meta, const std::string& name);

@@ -6,6 +6,7 @@ namespace clipgs {
 
 // Each adds one subcommand; its callback does the work and throws Error on failure.
 // One file per command: src/cli/<name>_command.cpp.
+void add_bake_command(CLI::App& app);
 void add_build_command(CLI::App& app);
 void add_cinema_command(CLI::App& app);
 void add_dataset_command(CLI::App& app);

@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/info_kinds.h"
 #include "cli/volume_options.h"
+#include "train/model_file.h"
 #include "volume/load.h"
 #include "volume/preset.h"
 
@@ -57,7 +58,8 @@ Json describe_volume(const InfoOptions& options) {
   return json;
 }
 
-/// One kind of thing that `info` knows; the first that matches a path describes it.
+/// One kind of thing that `info` knows; the first that matches a path describes it. A model is a
+/// scene as well.
 struct InfoKind {
   bool (*matches)(const fs::path& path);
   Json (*describe)(const InfoOptions& options);
@@ -68,12 +70,14 @@ bool is_volume(const fs::path& /*path*/) {
 }  // the last: load_volume says what is wrong
 
 Json describe_case_at(const InfoOptions& options) { return describe_case(options.path); }
+Json describe_model_at(const InfoOptions& options) { return describe_model(options.path); }
 Json describe_scene_at(const InfoOptions& options) { return describe_scene(options.path); }
 Json describe_dataset_at(const InfoOptions& options) { return describe_dataset(options.path); }
 
 constexpr std::array kKinds{
     InfoKind{is_case, describe_case_at}, InfoKind{is_dataset, describe_dataset_at},
-    InfoKind{is_scene, describe_scene_at}, InfoKind{is_volume, describe_volume}};
+    InfoKind{is_model, describe_model_at}, InfoKind{is_scene, describe_scene_at},
+    InfoKind{is_volume, describe_volume}};
 
 std::string as_text(const Json& value) {
   if (value.is_string()) {
@@ -115,8 +119,8 @@ void add_info_command(CLI::App& app) {
   command->footer("Example: clipgs info ct-folder/ --json");
   command
       ->add_option("FILE", options->path,
-                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), dataset folder, case (.sog) or "
-                   "scene (.ply)")
+                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), dataset folder, case (.sog), "
+                   "scene or model (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
   add_volume_options(*command, options->load);

@@ -13,7 +13,9 @@ using Json = nlohmann::ordered_json;
 
 Json list_of(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
 
-void describe(const Scene& scene, Json& json) {
+}  // namespace
+
+void describe_common(const Scene& scene, bool has_layers, Json& json) {
   json["title"] = scene.title;
   json["preset"] = scene.preset;
   json["created"] = scene.created;
@@ -22,9 +24,14 @@ void describe(const Scene& scene, Json& json) {
   json["center_ras_mm"] = list_of(scene.sphere.center);
   json["radius_mm"] = json_number(scene.sphere.radius);
   json["bounds_ras_mm"] = {list_of(scene.bounds.min), list_of(scene.bounds.max)};
+  if (scene.states.count > 0) {
+    json["states"] = {{"count", scene.states.count},
+                      {"first_mm", json_number(scene.states.first)},
+                      {"spacing_mm", json_number(scene.states.spacing)},
+                      {"keeps", scene.states.keeps_below ? "below" : "above"},
+                      {"layers", has_layers}};
+  }
 }
-
-}  // namespace
 
 bool is_case(const std::filesystem::path& path) { return path.extension() == ".sog"; }
 
@@ -41,7 +48,7 @@ Json describe_case(const std::filesystem::path& path) {
   }
   json["thumbnail"] = !info.thumbnail.empty();
   json["generator"] = info.generator;
-  describe(info.scene, json);
+  describe_common(info.scene, info.has_layers, json);
   return json;
 }
 
@@ -54,7 +61,7 @@ Json describe_scene(const std::filesystem::path& path) {
   json["splats"] = scene.gaussians.size();
   json["sh_bands"] = scene.gaussians.sh_degree();
   json["bytes"] = std::filesystem::file_size(path);
-  describe(scene, json);
+  describe_common(scene, !scene.layers.empty(), json);
   return json;
 }
 

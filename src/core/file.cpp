@@ -136,6 +136,16 @@ void require_writable(const fs::path& path) {
   }
 }
 
+void require_free_space(const fs::path& folder, std::uintmax_t bytes) {
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  if (!error && space.available < bytes) {
+    throw Error("{}: needs {:.2f} GB, the disk has {:.2f} GB free; choose another folder",
+                folder.string(), static_cast<double>(bytes) / 1e9,
+                static_cast<double>(space.available) / 1e9);
+  }
+}
+
 void create_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);

@@ -22,6 +22,10 @@ void write_text(const std::filesystem::path& path, std::string_view text);
 /// Checks, before hours of work, that a file can be created at `path`. Throws Error.
 void require_writable(const std::filesystem::path& path);
 
+/// Checks, before `bytes` are written into the folder, that its disk has room for them. Throws
+/// Error.
+void require_free_space(const std::filesystem::path& folder, std::uintmax_t bytes);
+
 /// Creates the folder and its parents. Throws Error.
 void create_folder(const std::filesystem::path& path);
 

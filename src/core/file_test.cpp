@@ -46,6 +46,16 @@ TEST_F(FileTest, UnwritableFolderThrowsAndLeavesNothing) {
   EXPECT_THROW(create_folder("/proc/clipgs"), Error);
 }
 
+TEST_F(FileTest, FreeSpaceIsChecked) {
+  EXPECT_NO_THROW(require_free_space(folder_, 1));
+  try {
+    require_free_space(folder_, std::uintmax_t{1} << 62);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("needs 4611686018.43 GB"), std::string::npos) << e.what();
+  }
+}
+
 TEST_F(FileTest, FullDiskThrows) {
   // /dev/full answers every write with ENOSPC; a link to it stands for the temporary file.
   const fs::path target = folder_ / "out.bin";

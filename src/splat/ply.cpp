@@ -220,6 +220,8 @@ Gaussians read_ply(const std::filesystem::path& path, PlyColumns* more) {
   return read_ply(read_file(path), path.string(), more);
 }
 
+size_t ply_splat_bytes(int sh_degree) { return written_order(sh_degree).size() * sizeof(float); }
+
 void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,
                const PlyColumns& more) {
   std::vector<std::string> order = written_order(gaussians.sh_degree());

@@ -24,6 +24,9 @@ Gaussians read_ply(const std::filesystem::path& path, PlyColumns* more = nullptr
 Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name,
                    PlyColumns* more = nullptr);
 
+/// Bytes that each splat takes in a PLY of write_ply without further columns.
+size_t ply_splat_bytes(int sh_degree);
+
 /// Writes a 3DGS PLY with all of its usual properties (62 floats a splat at degree 3), the numbers
 /// as they stand, and then those of `more`. Throws Error.
 void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,

@@ -11,6 +11,8 @@
 
 namespace clipgs {
 
+constexpr int kMaxStates = 65536;  ///< layers have 16 bits
+
 /// Positions that a uniaxial cut steps through (ClipGS-VR): state k's plane is axis·x = first +
 /// k·spacing, mm along Scene::axis, and keeps one side of it.
 struct PlaneStates {

@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr std::uintmax_t kMaxJson = std::uintmax_t{16} << 20;
-constexpr int kMaxStates = 65536;  // layers have 16 bits
 constexpr const char* kLayerColumn = "layer";
 
 std::filesystem::path sidecar_path(std::filesystem::path path) {

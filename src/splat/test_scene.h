@@ -48,4 +48,15 @@ inline Scene random_scene(size_t count, int sh_degree, std::uint64_t seed) {
   return scene;
 }
 
+/// … with 200 plane states, and of each Gaussian the one that it comes from.
+inline Scene layered_scene(size_t count, int sh_degree, std::uint64_t seed) {
+  Scene scene = random_scene(count, sh_degree, seed);
+  scene.states = {200, 850.5f, 1, true};
+  for (size_t i = 0; i < count; ++i) {
+    scene.layers.push_back(static_cast<std::uint16_t>(
+        scene.states.nearest(glm::dot(scene.axis, scene.gaussians.mean(i)))));
+  }
+  return scene;
+}
+
 }  // namespace clipgs

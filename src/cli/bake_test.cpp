@@ -1,0 +1,125 @@
+// clipgs bake as a user runs it, and what becomes of states and layers on the way to a case.
+#include <algorithm>
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "bake/test_model.h"
+#include "cli/process.h"
+#include "core/file.h"
+#include "splat/scene_file.h"
+#include "train/model_file.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using testing_support::Finished;
+using testing_support::run_clipgs;
+
+class BakeCommand : public ::testing::Test {
+ protected:
+  BakeCommand()
+      : folder_(fs::path(::testing::TempDir()) / ("clipgs-bake-" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+    write_model(at("model.ply"), test::random_model(300, 1, 0.2f));
+  }
+  ~BakeCommand() override { fs::remove_all(folder_); }
+
+  std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+  json info(const std::string& name) const {
+    const Finished finished = run_clipgs({"info", at(name), "--json"});
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return json::parse(finished.out, nullptr, false);
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(BakeCommand, MakesASceneThatKeepsItsLayersInACaseAndBack) {
+  const Finished baked =
+      run_clipgs({"bake", at("model.ply"), "-o", at("scene.ply"), "--states", "9", "--json"});
+  ASSERT_EQ(baked.status, 0) << baked.err;
+  const json said = json::parse(baked.out);
+  const Scene scene = read_scene(at("scene.ply"));
+  EXPECT_EQ(said["primitives"], 300);
+  EXPECT_EQ(said["kept"], scene.gaussians.size());
+  EXPECT_EQ(said["states"].size(), 9u);
+  EXPECT_GT(said["bytes"]["raw"], said["bytes"]["consolidated"]);
+  ASSERT_EQ(scene.layers.size(), scene.gaussians.size());
+
+  ASSERT_EQ(run_clipgs({"pack", at("scene.ply"), "-o", at("case.sog")}).status, 0);
+  ASSERT_EQ(run_clipgs({"unpack", at("case.sog"), "-o", at("again.ply")}).status, 0);
+  std::vector<std::uint16_t> before = scene.layers;
+  std::vector<std::uint16_t> after = read_scene(at("again.ply")).layers;
+  std::ranges::sort(before);
+  std::ranges::sort(after);
+  EXPECT_EQ(after, before);
+  ASSERT_EQ(run_clipgs({"export", at("case.sog"), "-o", at("plain.ply")}).status, 0);
+  EXPECT_EQ(read_text(at("plain.ply")).substr(0, 2000).find("layer"), std::string::npos);
+
+  for (const char* name : {"scene.ply", "case.sog", "again.ply"}) {
+    const json states = info(name)["states"];
+    EXPECT_EQ(states["count"], 9) << name;
+    EXPECT_EQ(states["keeps"], "below") << name;
+    EXPECT_EQ(states["layers"], true) << name;
+    EXPECT_NEAR(states["spacing_mm"].get<float>(), scene.states.spacing, 1e-4f) << name;
+  }
+}
+
+TEST_F(BakeCommand, StatesGoOutAndComeBack) {
+  const Finished out = run_clipgs({"bake", at("model.ply"), "-o", at("direct.ply"), "--states", "5",
+                                   "--export-states", at("states")});
+  ASSERT_EQ(out.status, 0) << out.err;
+  EXPECT_THAT(out.out, HasSubstr("in 5 states"));
+  EXPECT_TRUE(fs::exists(at("states/state_004.ply")));
+  const Finished back =
+      run_clipgs({"bake", "--from-states", at("states"), "-o", at("back.ply"), "--json"});
+  ASSERT_EQ(back.status, 0) << back.err;
+  EXPECT_EQ(read_scene(at("back.ply")).layers, read_scene(at("direct.ply")).layers);
+
+  fs::rename(at("states/planes.json"), at("planes.json"));
+  EXPECT_THAT(run_clipgs({"bake", "--from-states", at("states"), "-o", at("x.ply")}).err,
+              HasSubstr("planes.json"));
+  EXPECT_EQ(run_clipgs({"bake", "--from-states", at("states"), "--planes", at("planes.json"), "-o",
+                        at("x.ply")})
+                .status,
+            0);
+}
+
+TEST_F(BakeCommand, WrongUseAndWrongFiles) {
+  EXPECT_EQ(run_clipgs({"bake", at("model.ply")}).status, 2);
+  EXPECT_EQ(run_clipgs({"bake", "-o", at("x.ply")}).status, 2);
+  EXPECT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("x.ply"), "--states", "1"}).status, 2);
+  EXPECT_EQ(
+      run_clipgs({"bake", at("model.ply"), "-o", at("x.ply"), "--from-states", at("")}).status, 2);
+  EXPECT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("x.ply"), "--planes", "p"}).status, 2);
+  EXPECT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("model.ply")}).status, 2);
+  const Finished missing = run_clipgs({"bake", at("missing.ply"), "-o", at("x.ply")});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.err, HasSubstr("missing.ply"));
+  write_scene(at("scene.ply"), random_scene(5, 0, 1));
+  const Finished scene = run_clipgs({"bake", at("scene.ply"), "-o", at("x.ply")});
+  EXPECT_EQ(scene.status, 1);
+  EXPECT_THAT(scene.err, HasSubstr("is a scene, not a model"));
+  EXPECT_FALSE(fs::exists(at("x.ply")));
+}
+
+TEST_F(BakeCommand, InfoKnowsModels) {
+  const json model = info("model.ply");
+  EXPECT_EQ(model["kind"], "model");
+  EXPECT_EQ(model["splats"], 300);
+  EXPECT_EQ(model["truncation"], "learned");
+  EXPECT_EQ(model["thresholds"], 300);
+  EXPECT_EQ(model["adjustment"]["width"], 32);
+  EXPECT_GT(model["adjustment"]["weights"], 1000);
+  EXPECT_FALSE(model.contains("states"));
+}
+
+}  // namespace
+}  // namespace clipgs
