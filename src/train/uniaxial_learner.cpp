@@ -38,9 +38,8 @@ UniaxialLearner::UniaxialLearner(const UniaxialOptions& options, const Vec3& nor
   parameters_.normal = normal;
   parameters_.truncation = options.truncation;
   parameters_.temperature = kTruncationTemperature * extent;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    parameters_.thresholds.push_back(glm::dot(normal, gaussians.mean(i)));
-  }
+  beyond_center_.assign(gaussians.size(), 0.0f);
+  place_thresholds(gaussians);
   threshold_moments_.resize(gaussians.size());
   if (options.adjust) {
     waiting_.emplace(options.adjustment, sphere, extent, seed);
@@ -48,8 +47,17 @@ UniaxialLearner::UniaxialLearner(const UniaxialOptions& options, const Vec3& nor
   }
 }
 
+void UniaxialLearner::place_thresholds(const Gaussians& gaussians) {
+  parameters_.thresholds.resize(gaussians.size());
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    parameters_.thresholds[i] =
+        glm::dot(parameters_.normal, gaussians.mean(i)) + beyond_center_[i];
+  }
+}
+
 const Gaussians& UniaxialLearner::forward(const Gaussians& gaussians, std::optional<float> offset) {
   offset_ = offset;
+  place_thresholds(gaussians);
   make_state(gaussians, parameters_, offset, state_);
   return state_.gaussians;
 }
@@ -68,9 +76,8 @@ void UniaxialLearner::step(float decay) {
   if (offset_ && parameters_.truncation == Truncation::kLearned) {
     const float rate = decay * kThresholdRate * parameters_.temperature;
     for (const std::uint32_t i : reached_) {
-      float& m = parameters_.thresholds[i];
-      if (std::abs(m - *offset_) < kFlat * parameters_.temperature) {
-        m += threshold_moments_.move(i, gradients_.thresholds[i], rate);
+      if (std::abs(parameters_.thresholds[i] - *offset_) < kFlat * parameters_.temperature) {
+        beyond_center_[i] += threshold_moments_.move(i, gradients_.thresholds[i], rate);
       }
     }
   }
@@ -91,11 +98,11 @@ void UniaxialLearner::copied(const std::vector<std::uint32_t>& targets,
                              const std::vector<std::uint32_t>& sources) {
   for (size_t k = 0; k < targets.size(); ++k) {
     const std::uint32_t target = targets[k];
-    if (target >= parameters_.thresholds.size()) {
-      parameters_.thresholds.resize(target + 1);
+    if (target >= beyond_center_.size()) {
+      beyond_center_.resize(target + 1);
       threshold_moments_.resize(target + 1);
     }
-    parameters_.thresholds[target] = parameters_.thresholds[sources[k]];
+    beyond_center_[target] = beyond_center_[sources[k]];
     threshold_moments_.reset(target);
   }
 }
@@ -106,7 +113,7 @@ std::vector<float> UniaxialLearner::save() const {
   const auto append = [&](const std::vector<float>& list) {
     numbers.insert(numbers.end(), list.begin(), list.end());
   };
-  append(parameters_.thresholds);
+  append(beyond_center_);
   if (adjustment) {
     append(adjustment->weights());
   }
@@ -131,7 +138,7 @@ bool UniaxialLearner::load(const std::vector<float>& numbers, size_t size) {
     list.assign(at, at + count);
     at += count;
   };
-  take(parameters_.thresholds, size);
+  take(beyond_center_, size);
   if (weights > 0) {
     take((waiting_ ? waiting_ : parameters_.adjustment)->weights(), weights);
   }

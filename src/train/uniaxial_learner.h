@@ -29,6 +29,7 @@ class UniaxialLearner {
   UniaxialLearner(const UniaxialOptions& options, const Vec3& normal, const Sphere& sphere,
                   float extent, const Gaussians& gaussians, std::uint64_t seed);
 
+  /// As of the last `forward`.
   const UniaxialParameters& parameters() const { return parameters_; }
 
   /// The Gaussians to draw for the plane at `offset` (none: uncut).
@@ -62,8 +63,13 @@ class UniaxialLearner {
     float move(size_t i, float gradient, float rate);  ///< what to add to number `i`
   };
 
+  void place_thresholds(const Gaussians& gaussians);
+
   UniaxialOptions options_;
   UniaxialParameters parameters_;
+  // What is learnt of each threshold: mm beyond the centre. A Gaussian that moves, as all do early
+  // on, takes its threshold along; but its centre learns nothing from the truncation.
+  std::vector<float> beyond_center_;
   std::optional<Adjustment> waiting_;  // the adjustment, until it acts
   Moments threshold_moments_;
   Moments weight_moments_;
