@@ -91,7 +91,8 @@ export class App {
     resized.observe(canvas);
     resized.observe(this.#panel.element);
     addEventListener("keydown", (event) => this.#key(event));
-    addEventListener("hashchange", () => void this.#follow().catch(() => {}));
+    // By now the address may have been written over.
+    addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
     this.#update();
   }
 
@@ -103,7 +104,7 @@ export class App {
       this.#fail((error as CaseError).message, () => location.reload());
       throw error;
     }
-    await this.#follow();
+    await this.#follow(location.hash);
   }
 
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
@@ -147,8 +148,8 @@ export class App {
   }
 
   /** Takes over what the address says. */
-  async #follow(): Promise<void> {
-    const link = parseLink(location.hash);
+  async #follow(hash: string): Promise<void> {
+    const link = parseLink(hash);
     this.#setSize(link.size);
     const name = link.case ?? this.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {

@@ -48,6 +48,7 @@ export interface ViewerStats {
   drawn: number; // splats
   total: number;
   scale: number; // resolution of the picture shown, 1: full
+  settled: boolean; // the picture shown is that of the state, as good as it gets
   sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
   sectionMs: number; // decoding it
 }
@@ -101,6 +102,7 @@ export class Viewer {
     drawn: 0,
     total: 0,
     scale: 1,
+    settled: false,
     sectionBytes: 0,
     sectionMs: 0,
   };
@@ -322,10 +324,12 @@ export class Viewer {
 
   /** The handle's centre and radius, RAS mm. */
   get handle(): { center: Vector3; radius: number } {
+    this.#placeWidget();
     return { center: this.#widget.center, radius: this.#widget.radius };
   }
 
   gripAt(x: number, y: number): Grip | null {
+    this.#placeWidget();
     return this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
   }
 
@@ -437,6 +441,7 @@ export class Viewer {
     this.#splatsStale = true;
     this.#canvasStale = true;
     this.#lastChange = performance.now();
+    this.stats.settled = false;
     this.changed();
   }
 
@@ -493,6 +498,8 @@ export class Viewer {
       this.#drawCanvas();
       this.drawnFrame();
     }
+    this.stats.settled =
+      current !== null && !this.#orderStale && !this.#client.sorting && !this.#splatsStale && !this.#coarse;
   };
 
   #firstOrder(): void {
@@ -565,8 +572,12 @@ export class Viewer {
     this.#case?.faces?.free();
   }
 
-  #drawCanvas(): void {
+  #placeWidget(): void {
     this.#widget.setPlane(this.state.handle && this.#case ? this.cut : null);
+  }
+
+  #drawCanvas(): void {
+    this.#placeWidget();
     this.#widget.update(this.#camera, this.#height);
     this.#renderer.clear();
     if (this.background) {
