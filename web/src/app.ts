@@ -162,7 +162,15 @@ export class App {
     if (link.view) {
       this.viewer.setView(link.view);
     }
-    if (link.cuts) {
+    if (link.state !== undefined) {
+      this.viewer.setMode("uniaxial");
+      if (link.state === null) {
+        this.viewer.setCuts([]);
+      } else {
+        this.viewer.setPlaneState(Math.min(link.state, this.viewer.states!.count - 1));
+      }
+    } else if (link.cuts) {
+      this.viewer.setMode("arbitrary");
       this.viewer.setCuts(link.cuts);
     }
     if (link.clip) {
@@ -222,11 +230,12 @@ export class App {
   }
 
   #link(): string {
-    const { view, cuts, clip, section, grey, window } = this.viewer.state;
+    const { view, mode, cuts, clip, section, grey, window } = this.viewer.state;
     const pins = this.viewer.state.pins.map((pin) => pin.point);
     const name = this.viewer.caseName ?? undefined;
+    const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
     const style = grey > 0 ? { grey, window: window ?? undefined } : {};
-    return formatLink({ case: name, view, cuts, clip, section, ...style, pins, size: this.#fixedSize });
+    return formatLink({ case: name, view, ...cut, clip, section, ...style, pins, size: this.#fixedSize });
   }
 
   #writeLink(): void {
@@ -295,6 +304,7 @@ export class App {
       s: () => this.#panel.orient("sagittal"),
       f: () => this.#panel.flip(),
       p: () => this.#panel.toggle(),
+      u: () => this.#panel.toggleMode(),
       n: () => this.#panel.add(),
       e: () => this.#panel.next(),
       x: () => this.#panel.remove(),
