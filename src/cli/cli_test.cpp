@@ -1,7 +1,9 @@
 // The program as a user runs it: real processes, real files.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -351,6 +353,41 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   }
   EXPECT_NE(pictures[0], pictures[1]);
   EXPECT_NE(pictures[0], pictures[2]);
+
+  // A state is a plane along the axis.
+  const Finished state = run_clipgs(
+      {"render", at("case.sog"), "-o", at("state.png"), "--size", "64", "--state", "57"});
+  ASSERT_EQ(state.status, 0) << state.err;
+  int count = 0;
+  float position = 0;
+  ASSERT_EQ(std::sscanf(state.out.c_str(), "state 57 of %d: %f mm", &count, &position), 2)
+      << state.out;
+  const auto extent = nlohmann::json::parse(info.out).at("extent_mm").get<std::vector<float>>();
+  EXPECT_EQ(count, 200);
+  EXPECT_NEAR(position, extent[0] + (extent[1] - extent[0]) * 58 / 200, 0.01f);
+  ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("plane.png"), "--size", "64", "--plane",
+                        "0,0,-1," + std::to_string(-position)})
+                .status,
+            0);
+  const std::vector<float> by_state = read_png(at("state.png")).data;
+  const std::vector<float> by_plane = read_png(at("plane.png")).data;
+  ASSERT_EQ(by_state.size(), by_plane.size());
+  double difference = 0;  // of the position's digits
+  for (size_t i = 0; i < by_state.size(); ++i) {
+    difference += std::abs(by_state[i] - by_plane[i]) / static_cast<double>(by_state.size());
+  }
+  EXPECT_LT(difference, 1e-3);
+  EXPECT_NE(by_state, whole.data);
+  expect_failure({"render", at("case.sog"), "-o", at("none.png"), "--state", "200"},
+                 "has no state 200; give --state a number from 0 to 199", at("none.png"));
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--state", "-1"},
+                                                {"--state", "x"},
+                                                {"--state", "5", "--plane", "0,0,-1,0"},
+                                                {"--state", "5", "--slab", "0,0,-1,0,9"}}) {
+    std::vector<std::string> arguments = {"render", at("case.sog"), "-o", at("none.png")};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    EXPECT_EQ(run_clipgs(arguments).status, 2) << wrong.back();
+  }
 
   // What moves is a WebP, and nothing else.
   ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("spin.webp"), "--size", "64",

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
 
 #include "asset/draw_case.h"
 #include "cli/animation.h"
@@ -20,6 +21,7 @@ struct RenderArguments {
   std::string output;
   std::string view = "0,0";
   CutArguments cut;
+  std::optional<int> state;
   AnimationArguments animation;
   std::string clip = "exact";
   std::string section;
@@ -46,10 +48,23 @@ FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
   return parse_face_source(arguments.section);
 }
 
+/// The plane of one state, which is said on standard output.
+Cut cut_of_state(int state, const Scene& scene, const std::string& name) {
+  const PlaneStates states =
+      scene.states.count > 0 ? scene.states : PlaneStates::over(scene.extent);
+  if (state >= states.count) {
+    throw Error("{}: has no state {}; give --state a number from 0 to {}", name, state,
+                states.count - 1);
+  }
+  const float position = states.position(state);
+  fmt::print("state {} of {}: {:.2f} mm\n", state, states.count, position);
+  return states.plane(scene.axis, position);
+}
+
 void run_render(const RenderArguments& arguments) {
   const View view = parse_view(arguments.view);
   const IVec3 size = parse_size(arguments.size);
-  const Cut cut = parse_cut(arguments.cut);
+  Cut cut = parse_cut(arguments.cut);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
@@ -63,6 +78,9 @@ void run_render(const RenderArguments& arguments) {
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
+  if (arguments.state) {
+    cut = cut_of_state(*arguments.state, contents.scene, arguments.scene);
+  }
   warn_if_plane_misses(cut, contents.scene.bounds);
   for (const Vec3& pin : pins) {
     fmt::print("{:.1f}, {:.1f}, {:.1f} mm: {}\n", pin.x, pin.y, pin.z,
@@ -96,6 +114,13 @@ void add_render_command(CLI::App& app) {
   command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
       ->capture_default_str();
   add_cut_options(*command, arguments->cut);
+  command
+      ->add_option("--state", arguments->state,
+                   "Cut along the scene's axis: the plane of this one of its states, from 0 (200 "
+                   "over what is visible, if it has none)")
+      ->check(CLI::NonNegativeNumber)
+      ->excludes("--plane")
+      ->excludes("--slab");
   add_animation_options(*command, arguments->animation);
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();

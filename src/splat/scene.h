@@ -21,6 +21,15 @@ struct PlaneStates {
   float spacing = 1;        ///< > 0
   bool keeps_below = true;  ///< what lies below the plane, against the axis, stays
 
+  /// Those of a scene that has none: at the upper ends of 200 equal parts of `extent`, the interval
+  /// of axis·x over the visible matter, keeping what is below, as baked ones (defaultStates of
+  /// web/src/model/states.ts).
+  static PlaneStates over(const Vec2& extent) {
+    constexpr int kCount = 200;
+    constexpr float kLeastSpacing = 1e-3f;  // mm, of a scene that is flat
+    const float spacing = std::max((extent.y - extent.x) / kCount, kLeastSpacing);
+    return {kCount, extent.x + spacing, spacing, true};
+  }
   float position(int k) const { return first + static_cast<float>(k) * spacing; }
   /// The state whose plane is nearest to `position`, mm along the axis.
   int nearest(float position) const {

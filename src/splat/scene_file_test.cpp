@@ -81,6 +81,17 @@ TEST(PlaneStates, NearestAndPlane) {
   EXPECT_EQ(states.plane({0, 0, 1}, 3).offset, -3);
 }
 
+// web/test/unit/states.test.ts expects the same numbers of the viewer.
+TEST(PlaneStates, OfAScenesExtent) {
+  const PlaneStates states = PlaneStates::over({-120.5f, 96});
+  EXPECT_EQ(states.count, 200);
+  EXPECT_FLOAT_EQ(states.spacing, 1.0825f);
+  EXPECT_FLOAT_EQ(states.position(0), -119.4175f);
+  EXPECT_FLOAT_EQ(states.position(199), 96);
+  EXPECT_TRUE(states.keeps_below);
+  EXPECT_EQ(PlaneStates::over({5, 5}).nearest(5), 0);
+}
+
 TEST(SceneFile, PlyIsInMetresWithTheHeadUp) {
   const Scene scene = random_scene(1, 0, 5);
   write_scene(temporary("b.ply"), scene);

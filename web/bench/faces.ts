@@ -27,7 +27,7 @@ if (!file) {
   throw new Error("name a case that has a section: npm run bench -- CASE.sog [LINK]");
 }
 const session = new Session();
-await session.start((cases) => copyFileSync(file, join(cases, "case.sog")));
+await session.start(async (cases) => copyFileSync(file, join(cases, "case.sog")));
 try {
   const page = await session.open(link ? `#${link}` : "");
   await page.evaluate(() => window.clipgs.ready);

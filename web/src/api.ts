@@ -5,6 +5,7 @@ import { type Cut, makeCut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
 import type { Plane, Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
+import type { Mode, PlaneStates } from "./model/states";
 import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
@@ -29,6 +30,13 @@ export interface ClipgsApi {
   /** What all cuts keep is shown; `active` is the one that the page moves. False, and nothing changes, for more than
    * six planes, of which a slab has two. */
   setCuts(cuts: readonly ApiCut[], active?: number): boolean;
+  /** How the plane moves. In the uniaxial mode one plane is left, at the state nearest to it, and so is every plane
+   * that is set then. */
+  setMode(mode: Mode): void;
+  /** Shows a state, from 0, in the uniaxial mode; false, and nothing changes, where the case has no such state. */
+  setState(state: number): boolean;
+  /** Of the case: state k's plane is dot(axis, x) = first + k · spacing and keeps one side of it. */
+  readonly states: (Omit<PlaneStates, "axis"> & { axis: Triple }) | null;
   setClip(clip: ClipOperator): void;
   /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
   setSection(section: FaceSource): void;
@@ -49,6 +57,9 @@ export interface ClipgsApi {
     /** The active one of `cuts`. */
     plane: { normal: Triple; offset: number } | null;
     cuts: ApiCut[];
+    mode: Mode;
+    /** Null in the arbitrary mode and where nothing is cut. */
+    state: number | null;
     clip: ClipOperator;
     section: FaceSource;
     grey: number;
@@ -87,6 +98,12 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       viewer.setCuts(plane ? [unitCut(plane)] : []);
     },
     setCuts: (cuts, active) => viewer.setCuts(cuts.map(unitCut), active),
+    setMode: (mode) => viewer.setMode(mode),
+    setState: (state) => viewer.setPlaneState(state),
+    get states() {
+      const { states } = viewer;
+      return states && { ...states, axis: states.axis.toArray() };
+    },
     setClip: (clip) => viewer.setClip(clip),
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
@@ -102,7 +119,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       }));
     },
     get state() {
-      const { view, cuts, clip, section, grey } = viewer.state;
+      const { view, mode, cuts, clip, section, grey } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
@@ -111,6 +128,8 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
           ...apiPlane(cut),
           ...(cut.thickness === null ? {} : { thickness: cut.thickness }),
         })),
+        mode,
+        state: viewer.planeState,
         clip,
         section,
         grey,

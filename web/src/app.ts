@@ -91,7 +91,8 @@ export class App {
     resized.observe(canvas);
     resized.observe(this.#panel.element);
     addEventListener("keydown", (event) => this.#key(event));
-    addEventListener("hashchange", () => void this.#follow().catch(() => {}));
+    // By now the address may have been written over.
+    addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
     this.#update();
   }
 
@@ -103,7 +104,7 @@ export class App {
       this.#fail((error as CaseError).message, () => location.reload());
       throw error;
     }
-    await this.#follow();
+    await this.#follow(location.hash);
   }
 
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
@@ -147,8 +148,8 @@ export class App {
   }
 
   /** Takes over what the address says. */
-  async #follow(): Promise<void> {
-    const link = parseLink(location.hash);
+  async #follow(hash: string): Promise<void> {
+    const link = parseLink(hash);
     this.#setSize(link.size);
     const name = link.case ?? this.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {
@@ -161,7 +162,15 @@ export class App {
     if (link.view) {
       this.viewer.setView(link.view);
     }
-    if (link.cuts) {
+    if (link.state !== undefined) {
+      this.viewer.setMode("uniaxial");
+      if (link.state === null) {
+        this.viewer.setCuts([]);
+      } else {
+        this.viewer.setPlaneState(Math.min(link.state, this.viewer.states!.count - 1));
+      }
+    } else if (link.cuts) {
+      this.viewer.setMode("arbitrary");
       this.viewer.setCuts(link.cuts);
     }
     if (link.clip) {
@@ -221,11 +230,12 @@ export class App {
   }
 
   #link(): string {
-    const { view, cuts, clip, section, grey, window } = this.viewer.state;
+    const { view, mode, cuts, clip, section, grey, window } = this.viewer.state;
     const pins = this.viewer.state.pins.map((pin) => pin.point);
     const name = this.viewer.caseName ?? undefined;
+    const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
     const style = grey > 0 ? { grey, window: window ?? undefined } : {};
-    return formatLink({ case: name, view, cuts, clip, section, ...style, pins, size: this.#fixedSize });
+    return formatLink({ case: name, view, ...cut, clip, section, ...style, pins, size: this.#fixedSize });
   }
 
   #writeLink(): void {
@@ -294,6 +304,7 @@ export class App {
       s: () => this.#panel.orient("sagittal"),
       f: () => this.#panel.flip(),
       p: () => this.#panel.toggle(),
+      u: () => this.#panel.toggleMode(),
       n: () => this.#panel.add(),
       e: () => this.#panel.next(),
       x: () => this.#panel.remove(),

@@ -15,6 +15,7 @@ import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces"
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import { type Window, windowPresets } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
+import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
 import { FullScreenPass } from "./render/full_screen";
@@ -31,6 +32,7 @@ import { type ClipOperator, kViewFloats } from "./worker/protocol";
 
 export interface ViewerState {
   view: View;
+  mode: Mode; // uniaxial: no more than one plane, which is that of a state
   cuts: readonly Cut[]; // what all of them keep is shown
   active: number; // the cut that is moved, by its index
   clip: ClipOperator;
@@ -48,6 +50,7 @@ export interface ViewerStats {
   drawn: number; // splats
   total: number;
   scale: number; // resolution of the picture shown, 1: full
+  settled: boolean; // the picture shown is that of the state, as good as it gets
   sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
   sectionMs: number; // decoding it
 }
@@ -86,6 +89,7 @@ export class Viewer {
   readonly canvas: HTMLCanvasElement;
   readonly state: ViewerState = {
     view: viewFrom(0, 0),
+    mode: "arbitrary",
     cuts: [],
     active: 0,
     clip: "exact",
@@ -101,6 +105,7 @@ export class Viewer {
     drawn: 0,
     total: 0,
     scale: 1,
+    settled: false,
     sectionBytes: 0,
     sectionMs: 0,
   };
@@ -215,7 +220,7 @@ export class Viewer {
     this.#splatFrames = 0;
     this.#widget.setSphere(info.sphere);
     this.stats.total = loaded.scene.count;
-    this.#touch();
+    this.setCuts(this.state.cuts, this.state.active);
     await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
   }
 
@@ -243,12 +248,41 @@ export class Viewer {
     return this.state.cuts[this.state.active] ?? null;
   }
 
+  /** The states of the uniaxial mode. */
+  get states(): PlaneStates | null {
+    return this.info?.states ?? null;
+  }
+
+  /** The state that is shown; null in the arbitrary mode and where nothing is cut. */
+  get planeState(): number | null {
+    const { info, cut } = this;
+    const isState = this.state.mode === "uniaxial" && info && cut;
+    return isState ? nearestState(info.states, cut, info.sphere.center) : null;
+  }
+
+  setMode(mode: Mode): void {
+    this.state.mode = mode;
+    this.setCuts(this.state.cuts, this.state.active);
+  }
+
+  /** Shows a state in the uniaxial mode; returns whether the case has it, nothing changes otherwise. */
+  setPlaneState(state: number): boolean {
+    const { states } = this;
+    const possible = states !== null && Number.isInteger(state) && state >= 0 && state < states.count;
+    if (possible) {
+      this.state.mode = "uniaxial";
+      this.setCuts([stateCut(states, state)]);
+    }
+    return possible;
+  }
+
   /** Returns whether there are no more planes than can be drawn; nothing changes otherwise. */
   setCuts(cuts: readonly Cut[], active = 0): boolean {
     const possible = canDraw(cuts);
     if (possible) {
       this.state.cuts = cuts;
       this.state.active = Math.max(0, Math.min(active, cuts.length - 1));
+      this.#keepToStates();
       this.#touch();
     }
     return possible;
@@ -322,11 +356,15 @@ export class Viewer {
 
   /** The handle's centre and radius, RAS mm. */
   get handle(): { center: Vector3; radius: number } {
+    this.#placeWidget();
     return { center: this.#widget.center, radius: this.#widget.radius };
   }
 
+  /** In the uniaxial mode all of the handle slides the plane. */
   gripAt(x: number, y: number): Grip | null {
-    return this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
+    this.#placeWidget();
+    const grip = this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
+    return grip && this.state.mode === "uniaxial" ? "arrow" : grip;
   }
 
   /** What panels leave of the canvas, from its top left, CSS px. */
@@ -425,6 +463,15 @@ export class Viewer {
     return this.#camera.position.clone().applyMatrix4(kMmFromWorld);
   }
 
+  /** Of what is cut, the uniaxial mode keeps the active plane, at the nearest state. */
+  #keepToStates(): void {
+    const { planeState, states } = this;
+    if (states && planeState !== null) {
+      this.state.cuts = [stateCut(states, planeState)];
+      this.state.active = 0;
+    }
+  }
+
   /** Pins lie over the picture, which stays as it is. */
   #setPins(pins: readonly Reading[]): void {
     this.state.pins = pins.slice(-kMaxPins);
@@ -437,6 +484,7 @@ export class Viewer {
     this.#splatsStale = true;
     this.#canvasStale = true;
     this.#lastChange = performance.now();
+    this.stats.settled = false;
     this.changed();
   }
 
@@ -493,6 +541,8 @@ export class Viewer {
       this.#drawCanvas();
       this.drawnFrame();
     }
+    this.stats.settled =
+      current !== null && !this.#orderStale && !this.#client.sorting && !this.#splatsStale && !this.#coarse;
   };
 
   #firstOrder(): void {
@@ -565,8 +615,12 @@ export class Viewer {
     this.#case?.faces?.free();
   }
 
-  #drawCanvas(): void {
+  #placeWidget(): void {
     this.#widget.setPlane(this.state.handle && this.#case ? this.cut : null);
+  }
+
+  #drawCanvas(): void {
+    this.#placeWidget();
     this.#widget.update(this.#camera, this.#height);
     this.#renderer.clear();
     if (this.background) {

@@ -3,14 +3,14 @@ import { Matrix4, Vector3 } from "three";
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
 import type { Box, Sphere } from "./geometry";
+import { defaultStates, type PlaneStates, readStates } from "./states";
 
 /** What the `clipgs` block of a case says (docs/format.md), checked. */
 export interface CaseInfo {
   /** Scene space → RAS mm: a rotation, a uniform scale and a translation. */
   sceneToPatient: Matrix4;
   mmPerUnit: number;
-  axis: Vector3;
-  extent: [number, number];
+  states: PlaneStates;
   sphere: Sphere;
   bounds: Box;
   title: string;
@@ -53,11 +53,12 @@ export function parseCaseInfo(block: unknown): CaseInfo {
   const sceneToPatient = similarity(reader.child("world"), "scene_to_ras_mm");
   const sphere = reader.child("sphere");
   const bounds = reader.child("bounds");
+  const axis = vector(reader, "axis").normalize();
+  const extent = reader.numbers("extent", 2) as [number, number];
   return {
     sceneToPatient,
     mmPerUnit: new Vector3().setFromMatrixColumn(sceneToPatient, 0).length(),
-    axis: vector(reader, "axis").normalize(),
-    extent: reader.numbers("extent", 2) as [number, number],
+    states: reader.has("states") ? readStates(reader.child("states"), axis) : defaultStates(axis, extent),
     sphere: { center: vector(sphere, "center"), radius: sphere.number("radius", Number.MIN_VALUE) },
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
     title: reader.text("title"),

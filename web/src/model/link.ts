@@ -11,6 +11,8 @@ export interface Link {
   case?: string;
   view?: View;
   cuts?: readonly Cut[]; // none: "off"
+  /** Of the uniaxial mode, in place of cuts; null: nothing is cut. */
+  state?: number | null;
   clip?: ClipOperator;
   section?: FaceSource;
   grey?: number;
@@ -49,7 +51,7 @@ function parseCuts(parameters: URLSearchParams): Cut[] | null {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -68,7 +70,10 @@ export function parseLink(hash: string): Link {
     }
   }
   const cuts = parseCuts(parameters);
-  if (cuts) {
+  const state = parameters.get("state") ?? "";
+  if (state === "off" || /^\d{1,5}$/.test(state)) {
+    link.state = state === "off" ? null : Number(state);
+  } else if (cuts) {
     link.cuts = cuts;
   } else if (parameters.get("plane") === "off") {
     link.cuts = [];
@@ -125,6 +130,9 @@ export function formatLink(link: Link): string {
           .join(",")}`,
       );
     }
+  }
+  if (link.state !== undefined) {
+    parts.push(`state=${link.state ?? "off"}`);
   }
   for (const { normal, offset, thickness } of link.cuts ?? []) {
     const place = [...normal.toArray().map((v) => rounded(v, 5)), rounded(offset, 2)].join();

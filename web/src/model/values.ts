@@ -58,7 +58,7 @@ export function readSection(section: Section, point: Vector3): Reading | null {
 }
 
 /** With a minus of its own width, and no negative zero. */
-function decimal(value: number, digits: number): string {
+export function decimal(value: number, digits: number): string {
   return (Number(value.toFixed(digits)) + 0).toFixed(digits).replace("-", "\u2212");
 }
 

@@ -21,8 +21,12 @@ export class JsonReader {
     throw new CaseError(`meta.json: ${this.#name}.${key} is missing or out of range; build the case again`);
   }
 
+  has(key: string): boolean {
+    return Object.hasOwn(this.#object, key);
+  }
+
   value(key: string): unknown {
-    return Object.hasOwn(this.#object, key) ? this.#object[key] : this.fail(key);
+    return this.has(key) ? this.#object[key] : this.fail(key);
   }
 
   child(key: string): JsonReader {

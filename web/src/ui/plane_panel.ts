@@ -11,6 +11,8 @@ import {
   planeAcross,
   removedSide,
 } from "../model/planes";
+import { kModes, type Mode, stateText } from "../model/states";
+import { decimal } from "../model/values";
 import { viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 import type { ClipOperator } from "../worker/protocol";
@@ -22,6 +24,11 @@ const kOperators: Record<ClipOperator, string> = {
   exact: "Every pixel integrates its splat up to the plane",
 };
 
+const kModeHints: Record<Mode, string> = {
+  uniaxial: "The plane moves along the case's axis, from state to state (U)",
+  arbitrary: "The plane moves and turns freely (U)",
+};
+
 /** Of a slab when it is made, and its limits: mm. */
 const kThickness = 20;
 const kLeastThickness = 1;
@@ -30,9 +37,13 @@ const kLeastThickness = 1;
 export class PlanePanel {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
+  readonly #modes = new Map<Mode, HTMLButtonElement>();
   readonly #orientations = new Map<Orientation, HTMLButtonElement>();
   readonly #operators = new Map<ClipOperator, HTMLButtonElement>();
+  readonly #orientationGroup: HTMLElement;
   readonly #slider: HTMLInputElement;
+  readonly #statesHint = h("p", { class: "hint" });
+  readonly #flip: HTMLButtonElement;
   readonly #readout = h("output", { class: "readout" });
   readonly #side = h("span", { class: "side" });
   readonly #cuts = h("span", { class: "segments fit", role: "group", "aria-label": "Planes" });
@@ -46,11 +57,20 @@ export class PlanePanel {
   readonly #handle: HTMLButtonElement;
   readonly #hint = h("p", { class: "hint" });
   #lastCuts: readonly Cut[] = [];
+  #stepRest = 0; // of a state
   #shown = "";
 
   /** `face` is the part about cut faces. */
   constructor(viewer: Viewer, face: HTMLElement) {
     this.#viewer = viewer;
+    for (const mode of kModes) {
+      const button = h(
+        "button",
+        { title: kModeHints[mode], onclick: () => viewer.setMode(mode) },
+        capital(mode),
+      );
+      this.#modes.set(mode, button);
+    }
     for (const name of kOrientations) {
       const button = h(
         "button",
@@ -66,10 +86,14 @@ export class PlanePanel {
     }
     this.#slider = h("input", {
       type: "range",
-      step: "0.1",
-      "aria-label": "Position of the plane, mm",
-      oninput: () => this.#moveTo(Number(this.#slider.value)),
+      oninput: () => this.#slide(Number(this.#slider.value)),
     });
+    this.#orientationGroup = h(
+      "div",
+      { class: "segments tall", role: "group", "aria-label": "Orientation" },
+      ...this.#orientations.values(),
+    );
+    this.#flip = h("button", { onclick: () => this.flip() }, icon(kIcons.flip), "Flip");
     this.#add = h(
       "button",
       { class: "small", title: "Cut with one more plane (N)", onclick: () => this.add() },
@@ -121,23 +145,16 @@ export class PlanePanel {
       "section",
       { class: "panel", "aria-label": "Cutting plane" },
       h("header", {}, h("h2", {}, "Cutting plane"), this.#add, this.#power),
+      h("div", { class: "segments", role: "group", "aria-label": "Mode" }, ...this.#modes.values()),
       this.#several,
-      h(
-        "div",
-        { class: "segments tall", role: "group", "aria-label": "Orientation" },
-        ...this.#orientations.values(),
-      ),
+      this.#orientationGroup,
       h("div", { class: "row position" }, this.#side, this.#readout),
       this.#slider,
+      this.#statesHint,
       h(
         "div",
         { class: "segments tall", role: "group", "aria-label": "Plane" },
-        h(
-          "button",
-          { title: "Keep the other side (F)", onclick: () => this.flip() },
-          icon(kIcons.flip),
-          "Flip",
-        ),
+        this.#flip,
         h(
           "button",
           { title: "Plane and view as at the start (R)", onclick: () => this.reset() },
@@ -159,8 +176,14 @@ export class PlanePanel {
     );
   }
 
+  toggleMode(): void {
+    this.#viewer.setMode(this.#uniaxial ? "arbitrary" : "uniaxial");
+  }
+
   orient(name: Orientation): void {
-    this.#cutAcross(kAxes[name]);
+    if (!this.#uniaxial) {
+      this.#cutAcross(kAxes[name]);
+    }
   }
 
   flip(): void {
@@ -189,7 +212,7 @@ export class PlanePanel {
   add(): void {
     const { cuts } = this.#viewer.state;
     const plane = this.#planeAcross(freeAxis(cuts));
-    if (plane) {
+    if (plane && !this.#uniaxial) {
       this.#viewer.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
     }
   }
@@ -218,11 +241,17 @@ export class PlanePanel {
     }
   }
 
-  /** Moves the plane along its normal, towards what it removes. */
-  step(mm: number): void {
-    const { cut } = this.#viewer;
-    if (cut) {
-      this.#moveTo(-cut.offset + mm);
+  /** Moves the plane by mm along its normal, towards what it removes; in the uniaxial mode by states. */
+  step(by: number): void {
+    const { cut, planeState, states } = this.#viewer;
+    if (states && planeState !== null) {
+      // A wheel may turn by less than a state at a time.
+      const sum = by + (by * this.#stepRest > 0 ? this.#stepRest : 0);
+      const whole = Math.trunc(sum);
+      this.#stepRest = sum - whole;
+      this.#viewer.setPlaneState(Math.min(states.count - 1, Math.max(0, planeState + whole)));
+    } else if (cut) {
+      this.#moveTo(-cut.offset + by);
     }
   }
 
@@ -234,15 +263,15 @@ export class PlanePanel {
       this.#viewer.state.view.pan.set(0, 0, 0);
       this.#viewer.setView(view);
       this.#viewer.setCuts([]);
-      this.#cutAcross(info.axis);
+      this.#cutAcross(info.states.axis);
     }
   }
 
   update(): void {
     const { state, info, cut } = this.#viewer;
-    const { cuts, active, clip, handle } = state;
+    const { mode, cuts, active, clip, handle } = state;
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([cuts, active, clip, handle, info?.bounds]);
+    const shown = JSON.stringify([mode, cuts, active, clip, handle, info?.bounds, info?.states]);
     if (shown === this.#shown) {
       return;
     }
@@ -251,6 +280,10 @@ export class PlanePanel {
     this.#power.setAttribute("aria-pressed", String(cut !== null));
     this.#updateCuts();
     this.#handle.setAttribute("aria-pressed", String(handle));
+    for (const [name, button] of this.#modes) {
+      button.setAttribute("aria-pressed", String(name === mode));
+    }
+    this.#orientationGroup.hidden = this.#uniaxial;
     const orientation = cut && orientationOf(cut);
     for (const [name, button] of this.#orientations) {
       button.setAttribute("aria-pressed", String(name === orientation));
@@ -260,23 +293,56 @@ export class PlanePanel {
     }
     this.#hint.textContent = kOperators[clip];
     this.#slider.disabled = !cut;
-    if (cut && info) {
-      // The slider counts towards the removed side: to the right, less is removed.
-      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
-      this.#slider.min = String(min);
-      this.#slider.max = String(max);
-      this.#slider.value = String(-cut.offset);
-      this.#thickness.max = String(max - min);
-      this.#side.textContent = `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(cut)} removed`;
-      this.#readout.textContent = `${(-cut.offset - min).toFixed(1)} mm`;
-    } else {
-      this.#side.textContent = "Nothing is cut";
-      this.#readout.textContent = "";
-    }
+    this.#updatePosition();
+    this.#flip.disabled = this.#uniaxial;
+    this.#flip.title = this.#uniaxial
+      ? "The case's states say which side is kept"
+      : "Keep the other side (F)";
+    this.#slab.disabled = this.#uniaxial;
     this.#slab.setAttribute("aria-pressed", String(cut !== null && cut.thickness !== null));
     this.#thicknessRow.hidden = cut === null || cut.thickness === null;
     this.#thickness.value = String(cut?.thickness ?? kThickness);
     this.#thicknessReadout.textContent = `${(cut?.thickness ?? 0).toFixed(1)} mm`;
+  }
+
+  get #uniaxial(): boolean {
+    return this.#viewer.state.mode === "uniaxial";
+  }
+
+  /** Where the plane is: in words, and on the slider; to the right less is removed, or states go along the axis. */
+  #updatePosition(): void {
+    const { info, cut, planeState } = this.#viewer;
+    const orientation = cut && orientationOf(cut);
+    const place = orientation ? capital(orientation) : "Oblique";
+    this.#statesHint.hidden = planeState === null;
+    this.#side.hidden = planeState !== null;
+    this.#slider.setAttribute(
+      "aria-label",
+      this.#uniaxial ? "State of the plane" : "Position of the plane, mm",
+    );
+    if (!cut || !info) {
+      this.#side.textContent = "Nothing is cut";
+      this.#readout.textContent = "";
+    } else if (planeState !== null) {
+      const { states } = info;
+      this.#setSlider(0, states.count - 1, 1, planeState);
+      this.#readout.textContent = stateText(states, planeState);
+      this.#statesHint.textContent = `${place}, every ${decimal(states.spacing, 2)} mm, ${removedSide(cut)} removed`;
+    } else {
+      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
+      this.#setSlider(min, max, 0.1, -cut.offset);
+      this.#thickness.max = String(max - min);
+      this.#side.textContent = `${place}, ${removedSide(cut)} removed`;
+      this.#readout.textContent = `${(-cut.offset - min).toFixed(1)} mm`;
+    }
+    this.#slider.setAttribute("aria-valuetext", this.#readout.textContent || "Nothing is cut");
+  }
+
+  #setSlider(min: number, max: number, step: number, value: number): void {
+    this.#slider.min = String(min);
+    this.#slider.max = String(max);
+    this.#slider.step = String(step);
+    this.#slider.value = String(value);
   }
 
   /** One button for each plane, where there are several. */
@@ -298,7 +364,7 @@ export class PlanePanel {
     );
     this.#several.hidden = cuts.length < 2;
     const more = { normal: kAxes.axial, offset: 0, thickness: null };
-    this.#add.disabled = !canDraw([...cuts, more]);
+    this.#add.disabled = this.#uniaxial || !canDraw([...cuts, more]);
   }
 
   #activate(index: number): void {
@@ -317,6 +383,15 @@ export class PlanePanel {
       this.#viewer.movePlane(plane);
     } else if (plane) {
       this.#viewer.setCuts([{ ...plane, thickness: null }]);
+    }
+  }
+
+  /** To a value of the slider. */
+  #slide(value: number): void {
+    if (this.#uniaxial) {
+      this.#viewer.setPlaneState(value);
+    } else {
+      this.#moveTo(value);
     }
   }
 

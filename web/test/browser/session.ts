@@ -1,8 +1,9 @@
-import { execFileSync, spawn, type ChildProcess } from "node:child_process";
+import { execFile, spawn, type ChildProcess } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { createInterface } from "node:readline";
+import { promisify } from "node:util";
 import { type Browser, chromium, type Page } from "playwright-core";
 
 /** The program that serves and renders; the build of the C++ side names it. */
@@ -14,33 +15,50 @@ export const missing = process.env["CLIPGS"]
   ? undefined
   : [kProgram, kChromium].find((path) => !existsSync(path));
 
-/** Runs the program and returns what it prints. */
-export function clipgs(...args: string[]): string {
-  return execFileSync(kProgram, ["--quiet", ...args], {
-    stdio: ["ignore", "pipe", "inherit"],
-    encoding: "utf8",
-  });
+/** Of what waits for the page: long, as pictures are drawn without a GPU. Tests have more time (vite.config.ts). */
+const kPageMs = 120_000;
+
+/** Runs the program and returns what it prints. Not synchronously: the test runner expects to be answered meanwhile. */
+export async function clipgs(...args: string[]): Promise<string> {
+  const { stdout } = await promisify(execFile)(kProgram, ["--quiet", ...args]);
+  return stdout;
 }
 
 /** A case of a volume, in the folder `work`: hardly trained, but with everything a case has. */
-function makeCase(volume: string, preset: string, title: string, work: string, out: string): void {
+async function makeCase(
+  volume: string,
+  preset: string,
+  title: string,
+  work: string,
+  out: string,
+): Promise<void> {
   const dataset = join(work, "dataset");
   const scene = join(work, "scene.ply");
   const pictures =
     "--size 96 --train-frames 24 --train-spp 4 --test-frames 1 --test-noise-db 15 --test-spp 8";
-  clipgs("dataset", volume, "-o", dataset, "--preset", preset, ...pictures.split(" "), "--points", "20000");
-  clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 20000 --sh-degree 3".split(" "));
-  clipgs("pack", scene, "-o", out, "--title", title);
+  await clipgs(
+    "dataset",
+    volume,
+    "-o",
+    dataset,
+    "--preset",
+    preset,
+    ...pictures.split(" "),
+    "--points",
+    "20000",
+  );
+  await clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 20000 --sh-degree 3".split(" "));
+  await clipgs("pack", scene, "-o", out, "--title", title);
 }
 
-export function makePhantomCase(work: string, out: string): void {
+export async function makePhantomCase(work: string, out: string): Promise<void> {
   const volume = join(work, "phantom.nii.gz");
-  clipgs("phantom", volume, "--size", "96");
-  makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
+  await clipgs("phantom", volume, "--size", "96");
+  await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
 }
 
 /** A case of colour photographs: a ball with stripes of three colours, and a hole in it, on black. */
-export function makePhotoCase(work: string, out: string): void {
+export async function makePhotoCase(work: string, out: string): Promise<void> {
   const n = 48;
   const colors = [
     [200, 120, 90],
@@ -69,7 +87,7 @@ export function makePhotoCase(work: string, out: string): void {
   mkdirSync(work);
   const volume = join(work, "photo.nrrd");
   writeFileSync(volume, Buffer.concat([Buffer.from(`${header.join("\n")}\n\n`), rgb]));
-  makeCase(volume, "photo", "Striped ball", work, out);
+  await makeCase(volume, "photo", "Striped ball", work, out);
 }
 
 /** A served folder of cases and a browser that looks at it. */
@@ -81,15 +99,16 @@ export class Session {
   #browser!: Browser;
 
   /** Serves what `makeCases` puts into the folder of cases. */
-  async start(makeCases: (cases: string) => void): Promise<void> {
+  async start(makeCases: (cases: string) => Promise<void>): Promise<void> {
     mkdirSync(this.cases, { recursive: true });
-    makeCases(this.cases);
+    await makeCases(this.cases);
     this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json"], {
       stdio: ["ignore", "pipe", "inherit"],
     });
-    const line = await new Promise<string>((done) =>
-      createInterface(this.#server.stdout!).once("line", done),
-    );
+    const line = await new Promise<string>((done, fail) => {
+      createInterface(this.#server.stdout!).once("line", done);
+      this.#server.once("exit", () => fail(new Error("clipgs serve ended before it served")));
+    });
     this.url = (JSON.parse(line) as { url: string }).url;
     this.#browser = await chromium.launch({
       executablePath: kChromium,
@@ -109,6 +128,7 @@ export class Session {
   /** Opens the viewer; `hash` as in a link. Errors of the page fail the test through `errors`. */
   async open(hash = "", errors: string[] = []): Promise<Page> {
     const page = await this.#browser.newPage({ viewport: { width: 900, height: 600 } });
+    page.setDefaultTimeout(kPageMs);
     page.on("pageerror", (error) => errors.push(error.message));
     await page.goto(this.url + hash);
     await page.waitForFunction(() => window.clipgs !== undefined);
@@ -118,9 +138,12 @@ export class Session {
   /** How the server ends when it is asked to. */
   async stop(): Promise<number | null> {
     await this.#browser?.close();
-    const ended = new Promise<number | null>((done) => this.#server.once("exit", done));
-    this.#server.kill("SIGTERM");
-    const status = await ended;
+    if (this.#server?.exitCode === null) {
+      const ended = new Promise((done) => this.#server.once("exit", done));
+      this.#server.kill("SIGTERM");
+      await ended;
+    }
+    const status = this.#server?.exitCode ?? null;
     rmSync(this.folder, { recursive: true, force: true });
     return status;
   }

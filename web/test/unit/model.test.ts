@@ -131,6 +131,13 @@ describe("links", () => {
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
   });
 
+  it("hold a state of the uniaxial mode in place of planes", () => {
+    const text = "#view=1,2,1&state=57&clip=exact";
+    expect(formatLink(parseLink(text))).toBe(text);
+    expect(formatLink(parseLink("#state=off"))).toBe("#state=off");
+    expect(parseLink("#plane=0,0,1,5&state=0")).toEqual({ state: 0 });
+  });
+
   it("normalise planes as clipgs render does", () => {
     const [plane, slab] = parseLink("#plane=0,0,-2,10&slab=0,4,0,8,12").cuts!;
     expect([plane!.normal.z, plane!.offset, plane!.thickness]).toEqual([-1, 5, null]);
@@ -158,6 +165,9 @@ describe("links", () => {
       "#slab=0,0,1,0,0",
       "#plane=1,2,3",
       "#plane=1,,3,4",
+      "#state=-1",
+      "#state=1.5",
+      "#state=",
       "#clip=none",
       "#clip=other",
       "#clip=toString",
@@ -265,6 +275,13 @@ describe("parseCaseInfo", () => {
     expect(info.title).toBe("A head");
   });
 
+  it("has states, its own or those of its extent", () => {
+    expect(parseCaseInfo(block()).states).toMatchObject({ count: 200, spacing: 0.15, keeps: "below" });
+    const states = { count: 3, first: -5, spacing: 5, keeps: "above" };
+    const info = parseCaseInfo({ ...block(), axis: [0, 1, 0], states });
+    expect(info.states).toEqual({ ...states, axis: new Vector3(0, 1, 0) });
+  });
+
   it("refuses frames that bend or mirror, and whatever is missing", () => {
     const bent = block();
     bent.world.scene_to_ras_mm[0]![1] = 300;
@@ -279,6 +296,7 @@ describe("parseCaseInfo", () => {
       { ...block(), sphere: null },
       { ...block(), title: 3 },
       { ...block(), extent: [1] },
+      { ...block(), states: null },
       { ...block(), sphere: { center: [0, 0, 0], radius: 0 } },
       bent,
       mirrored,
