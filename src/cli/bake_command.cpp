@@ -27,7 +27,7 @@ struct BakeArguments {
   std::string planes;
   std::string output;
   std::string export_states;
-  int states = 200;
+  int states = kDefaultStates;
   bool json = false;
 };
 

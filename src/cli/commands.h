@@ -15,6 +15,7 @@ void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_pack_command(CLI::App& app);
 void add_phantom_command(CLI::App& app);
+void add_refine_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_train_command(CLI::App& app);

@@ -7,12 +7,15 @@
 #include <vector>
 
 #include "asset/case.h"
+#include "bake/bake.h"
 #include "cinema/dataset.h"
 #include "cli/commands.h"
+#include "cli/section_step.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "measure/evaluation.h"
 #include "measure/report.h"
+#include "train/model_file.h"
 
 namespace clipgs {
 
@@ -22,6 +25,8 @@ namespace fs = std::filesystem;
 
 struct EvalArguments {
   std::string scene;
+  std::vector<std::string> others;
+  std::string model;
   std::string dataset;
   std::string json;
   std::string report;
@@ -65,18 +70,64 @@ void check_outputs(const EvalArguments& arguments) {
   }
 }
 
+/// The scene, the others and the model, in this order. Those that come for comparison may have
+/// faces drawn from the dataset's section if they have none of their own.
+std::vector<Case> load_subjects(const EvalArguments& arguments, const Dataset& dataset) {
+  std::vector<Case> cases;
+  cases.push_back(load_case(arguments.scene));
+  const std::optional<Section> section = read_dataset_section(dataset);
+  const auto add = [&](const std::string& path) {
+    cases.push_back(load_case(path));
+    if (!cases.back().section) {
+      cases.back().section = section;
+    }
+  };
+  for (const std::string& path : arguments.others) {
+    add(path);
+  }
+  if (!arguments.model.empty()) {
+    if (!is_model(arguments.model)) {
+      throw Error("{}: is no neural model; make one with clipgs train --model clipgs",
+                  arguments.model);
+    }
+    add(arguments.model);
+  }
+  return cases;
+}
+
+/// What ClipGS-VR's steps leave of the model's states, and the file that is measured.
+std::vector<SizeStage> size_stages(const EvalArguments& arguments, const Scene& scene) {
+  const int count = scene.states.count > 0 ? scene.states.count : kDefaultStates;
+  const BakeStatistics bytes = bake(read_model(arguments.model), count).statistics;
+  return {{fmt::format("{} states as PLY", count), bytes.raw_bytes},
+          {"view dependence shared", bytes.shared_sh_bytes},
+          {"a slab of each state", bytes.slab_bytes},
+          {"one scene with layers", bytes.consolidated_bytes},
+          {fs::path(arguments.scene).filename().string(), fs::file_size(arguments.scene)}};
+}
+
 void run_eval(const EvalArguments& arguments) {
   const EvaluationOptions options = evaluation_options(arguments);
   check_outputs(arguments);
-  const Case contents = load_case(arguments.scene);
   const Dataset dataset = load_dataset(arguments.dataset);
-  Evaluation evaluation = evaluate(contents, dataset, options);
+  const std::vector<Case> cases = load_subjects(arguments, dataset);
+  std::vector<Subject> subjects = {{fs::path(arguments.scene).stem().string(), cases.data()}};
+  for (size_t i = 0; i < arguments.others.size(); ++i) {
+    subjects.push_back({fs::path(arguments.others[i]).stem().string(), &cases[i + 1]});
+  }
+  if (!arguments.model.empty()) {
+    subjects.push_back({fs::path(arguments.model).stem().string(), &cases.back()});
+  }
+  Evaluation evaluation = evaluate(subjects, dataset, options);
   evaluation.bytes = fs::file_size(arguments.scene);
+  if (!arguments.model.empty()) {
+    evaluation.sizes = size_stages(arguments, cases.front().scene);
+  }
   if (!arguments.json.empty()) {
     write_text(arguments.json, evaluation_json(evaluation));
   }
   if (!arguments.report.empty()) {
-    write_text(arguments.report, evaluation_report(contents, dataset, evaluation));
+    write_text(arguments.report, evaluation_report(subjects, dataset, evaluation));
   }
   fmt::print("{}", evaluation_table(evaluation));
 }
@@ -90,6 +141,14 @@ void add_eval_command(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
   command->add_option("--dataset", arguments->dataset, "Folder that clipgs dataset or build made")
       ->required();
+  command
+      ->add_option("--with", arguments->others,
+                   "Another scene to measure beside it; may be given again")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command->add_option("--model", arguments->model,
+                      "The neural model that the scene was baked from: measured beside it, and "
+                      "scenes against its pictures, with the bytes of each step of baking");
   command->add_option("--json", arguments->json, "File to write the figures to");
   command->add_option("--report", arguments->report,
                       "HTML page to write: figures, and truth and ours side by side");
@@ -103,7 +162,9 @@ void add_eval_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({"volume", "splats"}));
   command->footer(
-      "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html");
+      "Scenes are called by their files' names.\n"
+      "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html\n"
+      "         clipgs eval refined.ply --with layered.ply --model neural.ply --dataset dataset/");
   command->callback([arguments] { run_eval(*arguments); });
 }
 

@@ -40,6 +40,7 @@ int run(int argc, char** argv) {
   clipgs::add_info_command(app);
   clipgs::add_pack_command(app);
   clipgs::add_phantom_command(app);
+  clipgs::add_refine_command(app);
   clipgs::add_render_command(app);
   clipgs::add_serve_command(app);
   clipgs::add_train_command(app);

@@ -144,22 +144,52 @@ std::string cell(const std::optional<double>& value, int decimals) {
   return value ? fmt::format("{:.{}f}", *value, decimals) : "-";
 }
 
-std::vector<Drawing> all_drawings(const Case& contents, const EvaluationOptions& options) {
-  std::vector<FaceSource> faces = options.faces;
-  if (faces.empty()) {
-    faces = contents.section ? std::vector{FaceSource::kVolume, FaceSource::kSplats}
-                             : std::vector{FaceSource::kSplats};
+/// What draws the faces of a subject: as asked for, if it can.
+std::vector<FaceSource> face_sources(const Subject& subject, bool first,
+                                     const EvaluationOptions& options) {
+  const bool has_volume = subject.contents->section.has_value();
+  if (options.faces.empty()) {
+    return has_volume ? std::vector{FaceSource::kVolume, FaceSource::kSplats}
+                      : std::vector{FaceSource::kSplats};
   }
-  if (!contents.section && std::ranges::find(faces, FaceSource::kVolume) != faces.end()) {
+  std::vector<FaceSource> sources = options.faces;
+  if (!has_volume && std::erase(sources, FaceSource::kVolume) > 0 && first) {
     throw Error("the case has no section volume to draw faces from; use --section splats");
   }
+  return sources;
+}
+
+std::vector<Drawing> all_drawings(std::span<const Subject> subjects,
+                                  const EvaluationOptions& options) {
+  const bool any_model = std::ranges::any_of(
+      subjects, [](const Subject& subject) { return subject.contents->model.has_value(); });
   std::vector<Drawing> drawings;
-  for (const FaceSource source : faces) {
-    for (const ClipOperator clip : options.clips) {
-      drawings.push_back({clip, source});
+  for (size_t s = 0; s < subjects.size(); ++s) {
+    const bool is_model = subjects[s].contents->model.has_value();
+    const std::vector<ClipOperator> clips =
+        is_model ? std::vector{ClipOperator::kExact} : options.clips;
+    for (const FaceSource faces : face_sources(subjects[s], s == 0, options)) {
+      for (const ClipOperator clip : clips) {
+        drawings.push_back({s, clip, faces});
+      }
+    }
+    if (any_model && !is_model) {
+      for (const ClipOperator clip : clips) {
+        drawings.push_back({s, clip, FaceSource::kSplats, true});
+      }
     }
   }
   return drawings;
+}
+
+/// The first subject that is a neural model, or null.
+const Case* find_model(std::span<const Subject> subjects) {
+  for (const Subject& subject : subjects) {
+    if (subject.contents->model) {
+      return subject.contents;
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -173,11 +203,27 @@ Image load_truth(const Dataset& dataset, const Frame& frame) {
   return load_picture(dataset, frame, frame.file);
 }
 
-Evaluation evaluate(const Case& contents, const Dataset& dataset,
+const char* clip_text(const Evaluation& evaluation, const Drawing& drawing) {
+  return evaluation.is_model[drawing.subject] ? "own" : clip_operator_name(drawing.clip);
+}
+
+std::string against_text(const Evaluation& evaluation, const Drawing& drawing) {
+  if (!drawing.against_model) {
+    return "truth";
+  }
+  const auto model = std::ranges::find(evaluation.is_model, true) - evaluation.is_model.begin();
+  return evaluation.subjects[static_cast<size_t>(model)];
+}
+
+Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
                     const EvaluationOptions& options) {
-  const std::vector<Drawing> drawings = all_drawings(contents, options);
+  const std::vector<Drawing> drawings = all_drawings(subjects, options);
   Evaluation evaluation;
-  evaluation.splats = contents.scene.gaussians.size();
+  for (const Subject& subject : subjects) {
+    evaluation.subjects.push_back(subject.name);
+    evaluation.is_model.push_back(subject.contents->model.has_value());
+  }
+  evaluation.splats = subjects[0].contents->scene.gaussians.size();
   std::vector<size_t> tests;
   for (const Split split : kTestSplits) {
     const std::vector<size_t> frames = frames_of(dataset, split);
@@ -191,23 +237,32 @@ Evaluation evaluate(const Case& contents, const Dataset& dataset,
                 dataset.folder.string());
   }
 
+  const Case* const model = find_model(subjects);
   const float band = kBandShare * (dataset.extent.y - dataset.extent.x);
   Progress progress("evaluating", tests.size());
   for (size_t i = 0; i < tests.size(); ++i) {
     const Frame& frame = dataset.frames[tests[i]];
-    if (!can_draw(contents, frame.plane)) {
-      continue;
-    }
     const Truth truth = load_truths(dataset, frame);
+    const bool model_draws = model != nullptr && can_draw(*model, frame.plane);
+    const Truth of_model{model_draws ? draw_frame(*model, frame, {}) : Image(), std::nullopt,
+                         truth.depth};
     for (const Drawing& drawing : drawings) {
+      const Case& contents = *subjects[drawing.subject].contents;
+      if (!can_draw(contents, frame.plane) || (drawing.against_model && !model_draws)) {
+        continue;
+      }
       const Image picture = draw_frame(contents, frame, drawing);
-      evaluation.frames.push_back({tests[i], drawing, compare(truth, picture, frame, band)});
+      const Truth& expected = drawing.against_model ? of_model : truth;
+      evaluation.frames.push_back({tests[i], drawing, compare(expected, picture, frame, band)});
     }
     progress.update(i + 1);
   }
   for (const NoiseFloor& noise : evaluation.noise_floors) {
     for (const Drawing& drawing : drawings) {
-      evaluation.rows.push_back(make_row(dataset, evaluation.frames, noise.split, drawing));
+      const EvaluationRow row = make_row(dataset, evaluation.frames, noise.split, drawing);
+      if (row.images > 0) {
+        evaluation.rows.push_back(row);
+      }
     }
   }
   return evaluation;
@@ -217,16 +272,20 @@ std::string evaluation_json(const Evaluation& evaluation) {
   nlohmann::ordered_json json;
   json["splats"] = evaluation.splats;
   json["bytes"] = evaluation.bytes;
+  for (const SizeStage& stage : evaluation.sizes) {
+    json["sizes"].push_back({{"stage", stage.name}, {"bytes", stage.bytes}});
+  }
   for (const NoiseFloor& noise : evaluation.noise_floors) {
     json["noise_floor_db"][split_name(noise.split)] = number(noise.db);
     json["masked_noise_floor_db"][split_name(noise.split)] = number(noise.masked_db);
   }
   json["rows"] = nlohmann::ordered_json::array();
   for (const EvaluationRow& row : evaluation.rows) {
-    json["rows"].push_back({{"split", split_name(row.split)},
-                            {"clip", clip_operator_name(row.drawing.clip)},
+    json["rows"].push_back({{"subject", evaluation.subjects[row.drawing.subject]},
+                            {"split", split_name(row.split)},
+                            {"clip", clip_text(evaluation, row.drawing)},
                             {"section", face_source_name(row.drawing.faces)},
-                            {"against", row.against},
+                            {"against", against_text(evaluation, row.drawing)},
                             {"psnr", number(row.mean.psnr)},
                             {"psnr_masked", number(row.mean.psnr_masked)},
                             {"ssim", number(row.mean.ssim)},
@@ -240,13 +299,14 @@ std::string evaluation_json(const Evaluation& evaluation) {
 std::string evaluation_table(const Evaluation& evaluation) {
   std::string text = fmt::format("{} splats, {:.2f} MB\n", evaluation.splats,
                                  static_cast<double>(evaluation.bytes) / 1e6);
-  text +=
-      fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n", "split", "clip",
-                  "section", "against", "PSNR dB", "masked", "SSIM", "band", "leak e-2", "images");
+  constexpr const char* kLine =
+      "{:<10} {:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n";
+  text += fmt::format(kLine, "scene", "split", "clip", "section", "against", "PSNR dB", "masked",
+                      "SSIM", "band", "leak e-2", "images");
   for (const EvaluationRow& row : evaluation.rows) {
-    text += fmt::format("{:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n",
-                        split_name(row.split), clip_operator_name(row.drawing.clip),
-                        face_source_name(row.drawing.faces), row.against, cell(row.mean.psnr, 2),
+    text += fmt::format(kLine, evaluation.subjects[row.drawing.subject], split_name(row.split),
+                        clip_text(evaluation, row.drawing), face_source_name(row.drawing.faces),
+                        against_text(evaluation, row.drawing), cell(row.mean.psnr, 2),
                         cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
                         cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
   }
@@ -254,6 +314,10 @@ std::string evaluation_table(const Evaluation& evaluation) {
     text += fmt::format(
         "noise floor of {}: {:.1f} dB, masked {:.1f} dB (no PSNR above it can be trusted)\n",
         split_name(noise.split), noise.db, noise.masked_db);
+  }
+  for (const SizeStage& stage : evaluation.sizes) {
+    text +=
+        fmt::format("{:<40} {:>12.2f} MB\n", stage.name, static_cast<double>(stage.bytes) / 1e6);
   }
   return text;
 }

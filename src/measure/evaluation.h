@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,10 +25,18 @@ struct Scores {
   std::optional<double> leak_percent() const { return leak ? leak->percent() : std::nullopt; }
 };
 
-/// How a picture was cut and what drew its faces.
+/// What is measured, and what the tables call it.
+struct Subject {
+  std::string name;
+  const Case* contents;
+};
+
+/// How a picture was drawn, and what it is held against.
 struct Drawing {
-  ClipOperator clip = ClipOperator::kExact;
+  size_t subject = 0;                        ///< index into Evaluation::subjects
+  ClipOperator clip = ClipOperator::kExact;  ///< a neural model's own, whatever this says
   FaceSource faces = FaceSource::kSplats;
+  bool against_model = false;  ///< held against the neural model's picture, not the truth
   bool operator==(const Drawing&) const = default;
 };
 
@@ -45,7 +54,6 @@ struct FrameScores {
 struct EvaluationRow {
   Split split = Split::kTestAxis;
   Drawing drawing;
-  std::string against = "truth";  ///< what the pictures are compared with
   Scores mean;
   size_t images = 0;
 };
@@ -57,9 +65,18 @@ struct NoiseFloor {
   double masked_db = 0;
 };
 
+/// Bytes of a scene after one step on its way to a case.
+struct SizeStage {
+  std::string name;
+  std::uintmax_t bytes = 0;
+};
+
 struct Evaluation {
-  size_t splats = 0;
-  std::uintmax_t bytes = 0;              ///< size of the scene's file
+  std::vector<std::string> subjects;     ///< names; the first is the one that matters
+  std::vector<bool> is_model;            ///< of each
+  size_t splats = 0;                     ///< of the first
+  std::uintmax_t bytes = 0;              ///< size of its file
+  std::vector<SizeStage> sizes;          ///< empty if not asked for
   std::vector<NoiseFloor> noise_floors;  ///< of the splits that have pictures
   std::vector<EvaluationRow> rows;
   std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
@@ -79,14 +96,22 @@ Image load_truth(const Dataset& dataset, const Frame& frame);
 Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing);
 
 /// Draws every test picture of the dataset in every way and compares it with the path-traced truth
-/// over black. Throws Error for a dataset without test pictures, pictures that are missing or of
-/// the wrong size, and a case without the section that is asked for.
-Evaluation evaluate(const Case& contents, const Dataset& dataset,
+/// over black. A neural model among the subjects draws the frames that it can, in its own way, and
+/// the others are held against its pictures too, faces by splats, as ClipGS-VR's table has it.
+/// Throws Error for a dataset without test pictures, pictures that are missing or of the wrong
+/// size, and a first subject without the section that is asked for.
+Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
                     const EvaluationOptions& options = {});
 
-/// {"splats", "bytes", "noise_floor_db": {split: dB}, "masked_noise_floor_db": {split: dB}, "rows":
-/// [{"split", "clip", "section", "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak",
-/// "images"}]}; null where a metric is not defined.
+/// What a row says of its pictures: "hard", "soft" or "exact", or "own" for a neural model …
+const char* clip_text(const Evaluation& evaluation, const Drawing& drawing);
+/// … and "truth" or the model's name.
+std::string against_text(const Evaluation& evaluation, const Drawing& drawing);
+
+/// {"splats", "bytes", "sizes": [{"stage", "bytes"}], "noise_floor_db": {split: dB},
+/// "masked_noise_floor_db": {split: dB}, "rows": [{"subject", "split", "clip", "section",
+/// "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "images"}]}; null where a metric
+/// is not defined.
 std::string evaluation_json(const Evaluation& evaluation);
 
 /// The same rows as a table for a terminal.

@@ -110,12 +110,13 @@ class EvaluationTest : public testing::Test {
   fs::path folder_ =
       fs::path(testing::TempDir()) / ("clipgs-evaluation-" + std::to_string(getpid()));
   Case contents_{make_scene()};
+  std::vector<Subject> subjects_{{"ball", &contents_}};
   const Scene& scene_ = contents_.scene;
   Dataset dataset_;
 };
 
 TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
-  const Evaluation evaluation = evaluate(contents_, dataset_);
+  const Evaluation evaluation = evaluate(subjects_, dataset_);
   EXPECT_EQ(evaluation.splats, 600u);
   ASSERT_EQ(evaluation.rows.size(), 6u);
   EXPECT_EQ(evaluation.frames.size(), 18u);
@@ -143,7 +144,7 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
 }
 
 TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
-  Evaluation evaluation = evaluate(contents_, dataset_, only(ClipOperator::kSoft));
+  Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kSoft));
   evaluation.bytes = 1234;
   const nlohmann::ordered_json json = nlohmann::ordered_json::parse(evaluation_json(evaluation));
   EXPECT_EQ(json["splats"], 600);
@@ -156,7 +157,7 @@ TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   for (const auto& item : row.items()) {
     keys.push_back(item.key());
   }
-  EXPECT_THAT(keys, testing::ElementsAre("split", "clip", "section", "against", "psnr",
+  EXPECT_THAT(keys, testing::ElementsAre("subject", "split", "clip", "section", "against", "psnr",
                                          "psnr_masked", "ssim", "band_ssim", "leak", "images"));
   EXPECT_EQ(row["split"], "test_oblique");
   EXPECT_EQ(row["clip"], "soft");
@@ -171,7 +172,7 @@ TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
     frame.uncut_file.clear();
     frame.depth_file.clear();
   }
-  const Evaluation evaluation = evaluate(contents_, dataset_, only(ClipOperator::kExact));
+  const Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kExact));
   const auto json = nlohmann::json::parse(evaluation_json(evaluation));
   EXPECT_TRUE(json["rows"][0]["leak"].is_null());
   EXPECT_TRUE(json["rows"][0]["band_ssim"].is_null());
@@ -179,8 +180,8 @@ TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
 }
 
 TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
-  const Evaluation evaluation = evaluate(contents_, dataset_);
-  const std::string html = evaluation_report(contents_, dataset_, evaluation);
+  const Evaluation evaluation = evaluate(subjects_, dataset_);
+  const std::string html = evaluation_report(subjects_, dataset_, evaluation);
   EXPECT_THAT(html, testing::HasSubstr("Not for diagnosis"));
   EXPECT_THAT(html, testing::HasSubstr("A &lt;ball&gt; &amp; &quot;more&quot;"));
   EXPECT_THAT(html, testing::Not(testing::HasSubstr("<ball>")));
@@ -194,10 +195,10 @@ TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
 }
 
 TEST_F(EvaluationTest, WithASectionBothSourcesOfFacesAreMeasuredAndShown) {
-  EXPECT_THAT([&] { evaluate(contents_, dataset_, {.faces = {FaceSource::kVolume}}); },
+  EXPECT_THAT([&] { evaluate(subjects_, dataset_, {.faces = {FaceSource::kVolume}}); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("no section")));
   contents_.section = test::ball_section();
-  const Evaluation evaluation = evaluate(contents_, dataset_);
+  const Evaluation evaluation = evaluate(subjects_, dataset_);
   ASSERT_EQ(evaluation.rows.size(), 12U);
   for (size_t i = 0; i < 12; ++i) {
     EXPECT_EQ(evaluation.rows[i].drawing.faces,
@@ -205,26 +206,62 @@ TEST_F(EvaluationTest, WithASectionBothSourcesOfFacesAreMeasuredAndShown) {
   }
   // The truth is the splats' own picture here: the volume's faces are others.
   EXPECT_LT(*evaluation.rows[2].mean.psnr_masked, *evaluation.rows[5].mean.psnr_masked - 10);
-  const std::string html = evaluation_report(contents_, dataset_, evaluation);
+  const std::string html = evaluation_report(subjects_, dataset_, evaluation);
   EXPECT_THAT(html, testing::HasSubstr("class=\"volume\">volume"));
   EXPECT_THAT(html, testing::HasSubstr("row zoom"));
 }
 
+/// A model whose thresholds are the centres: its pictures are those of the hard operator.
+Case model_of(const Scene& scene) {
+  Case model{scene};
+  model.model.emplace();
+  model.model->normal = {0, 0, -1};
+  for (size_t i = 0; i < scene.gaussians.size(); ++i) {
+    model.model->thresholds.push_back(-scene.gaussians.mean(i).z);
+  }
+  return model;
+}
+
+TEST_F(EvaluationTest, AModelIsMeasuredWhereItCanDrawAndOthersAgainstIt) {
+  const Case model = model_of(scene_);
+  subjects_.push_back({"neural", &model});
+  Evaluation evaluation = evaluate(subjects_, dataset_);
+  evaluation.sizes = {{"raw states", 6'000'000}};
+  // Axis: three operators against truth, three against the model, the model; oblique: three.
+  ASSERT_EQ(evaluation.rows.size(), 10U);
+  const auto row = [&](size_t subject, ClipOperator clip, bool against_model) {
+    return *std::ranges::find(evaluation.rows,
+                              Drawing{subject, clip, FaceSource::kSplats, against_model},
+                              &EvaluationRow::drawing);
+  };
+  EXPECT_GT(row(0, ClipOperator::kHard, true).mean.psnr, 60);
+  EXPECT_LT(row(0, ClipOperator::kExact, true).mean.psnr, 50);
+  const EvaluationRow own = row(1, ClipOperator::kExact, false);
+  EXPECT_EQ(own.images, 3U);
+  EXPECT_NEAR(own.mean.psnr, row(0, ClipOperator::kHard, false).mean.psnr, 1e-6);
+  EXPECT_STREQ(clip_text(evaluation, own.drawing), "own");
+  EXPECT_EQ(against_text(evaluation, row(0, ClipOperator::kHard, true).drawing), "neural");
+  const std::string html = evaluation_report(subjects_, dataset_, evaluation);
+  EXPECT_THAT(html, testing::HasSubstr("class=\"other\">● neural"));
+  EXPECT_THAT(html, testing::HasSubstr("raw states</td><td>6.00"));
+  EXPECT_THAT(evaluation_table(evaluation), testing::HasSubstr("raw states"));
+}
+
 TEST_F(EvaluationTest, ADatasetWithoutTestPicturesIsAnError) {
   std::erase_if(dataset_.frames, [](const Frame&) { return true; });
-  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
+  EXPECT_THAT([&] { evaluate(subjects_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("no test pictures")));
 }
 
 TEST_F(EvaluationTest, AMissingPictureIsAnError) {
   fs::remove(folder_ / dataset_.frames[2].depth_file);
-  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
+  EXPECT_THAT([&] { evaluate(subjects_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("2-depth.png")));
 }
 
 TEST_F(EvaluationTest, APictureOfTheWrongSizeIsAnError) {
   write_png(folder_ / dataset_.frames[1].file, Image(32, 48, 4));
-  EXPECT_THAT([&] { evaluate(contents_, dataset_); },
+  EXPECT_THAT([&] { evaluate(subjects_, dataset_); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("32×48")));
 }
 

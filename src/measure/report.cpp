@@ -5,6 +5,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "measure/html.h"
@@ -36,10 +39,10 @@ table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nu
 th, td { padding: .5rem .9rem; text-align: right; white-space: nowrap; }
 th { font-weight: 600; font-size: .85rem; color: var(--quiet); border-bottom: 1px solid var(--line); }
 tbody + tbody tr:first-child td { border-top: 1px solid var(--line); }
-th:nth-child(-n+4), td:nth-child(-n+4) { text-align: left; }
+th:nth-child(-n+5), td:nth-child(-n+5) { text-align: left; }
 td.best { font-weight: 700; }
 .exact { color: var(--exact); } .soft { color: var(--soft); } .hard { color: var(--hard); }
-.volume { color: var(--volume); }
+.volume { color: var(--volume); } .other { color: var(--quiet); }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }
 .plots > figure { background: var(--card); border: 1px solid var(--line); border-radius: 10px;
   padding: .8rem 1rem; }
@@ -116,13 +119,14 @@ const std::array<Column, 5> kColumns = {{
     {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak_percent(); }},
 }};
 
-/// The best value of a column among the rows of one split.
-std::optional<double> best_value(const Evaluation& evaluation, Split split, const Column& column) {
+/// The best value of a column among the rows of one split that are held against the same.
+std::optional<double> best_value(const Evaluation& evaluation, const EvaluationRow& among,
+                                 const Column& column) {
   std::optional<double> best;
   for (const EvaluationRow& row : evaluation.rows) {
     const std::optional<double> value = column.value(row.mean);
-    if (row.split == split && value &&
-        (!best || (*value - *best) * static_cast<double>(column.best) > 0)) {
+    if (row.split == among.split && row.drawing.against_model == among.drawing.against_model &&
+        value && (!best || (*value - *best) * static_cast<double>(column.best) > 0)) {
       best = value;
     }
   }
@@ -131,7 +135,8 @@ std::optional<double> best_value(const Evaluation& evaluation, Split split, cons
 
 std::string table_html(const Evaluation& evaluation) {
   std::string html =
-      "<div class=\"scroll\"><table><thead><tr><th>split</th><th>clip</th><th>section</th>"
+      "<div "
+      "class=\"scroll\"><table><thead><tr><th>scene</th><th>split</th><th>clip</th><th>section</th>"
       "<th>against</th>";
   for (const Column& column : kColumns) {
     html += fmt::format("<th>{}</th>", column.title);
@@ -143,14 +148,15 @@ std::string table_html(const Evaluation& evaluation) {
       if (row.split != noise.split) {
         continue;
       }
-      const char* clip = clip_operator_name(row.drawing.clip);
+      const char* clip = clip_text(evaluation, row.drawing);
       const char* faces = face_source_name(row.drawing.faces);
-      html +=
-          fmt::format(R"(<tr><td>{}</td><td class="{}">{}</td><td class="{}">{}</td><td>{}</td>)",
-                      split_name(noise.split), clip, clip, faces, faces, escape_html(row.against));
+      html += fmt::format(
+          R"(<tr><td>{}</td><td>{}</td><td class="{}">{}</td><td class="{}">{}</td><td>{}</td>)",
+          escape_html(evaluation.subjects[row.drawing.subject]), split_name(noise.split), clip,
+          clip, faces, faces, escape_html(against_text(evaluation, row.drawing)));
       for (const Column& column : kColumns) {
         const std::optional<double> value = column.value(row.mean);
-        const bool best = value && value == best_value(evaluation, noise.split, column);
+        const bool best = value && value == best_value(evaluation, row, column);
         html += fmt::format("<td{}>{}</td>", best ? " class=\"best\"" : "",
                             value_text(value, column.decimals));
       }
@@ -162,33 +168,72 @@ std::string table_html(const Evaluation& evaluation) {
   return html + "</table></div>\n";
 }
 
+/// What each step on the way to a case leaves of the raw states.
+std::string sizes_html(const Evaluation& evaluation) {
+  if (evaluation.sizes.empty()) {
+    return {};
+  }
+  std::string html =
+      "<h2>Size</h2>\n<div class=\"scroll\"><table><thead><tr><th>stage</th><th>MB</th>"
+      "</tr></thead><tbody>\n";
+  for (const SizeStage& stage : evaluation.sizes) {
+    html += fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>\n", escape_html(stage.name),
+                        static_cast<double>(stage.bytes) / 1e6);
+  }
+  return html + "</tbody></table></div>\n";
+}
+
 /// The drawing whose pictures choose the frames shown and are held against the truth first.
 Drawing leading_drawing(const Evaluation& evaluation) {
   const auto rank = [](const EvaluationRow& row) {
+    if (row.drawing.subject != 0 || row.drawing.against_model) {
+      return -1;
+    }
     return (row.drawing.faces == FaceSource::kVolume ? 2 : 0) +
            (row.drawing.clip == ClipOperator::kExact ? 1 : 0);
   };
   return std::ranges::max_element(evaluation.rows, {}, rank)->drawing;
 }
 
-/// The drawings that pictures and plots show: the leading one first, then those by splats alone,
-/// the best operator first. Under faces of the volume the operators differ little.
-std::vector<Drawing> shown_drawings(const Evaluation& evaluation) {
+/// Whether pictures and plots show a drawing: the leading one, the first subject's splats under
+/// every operator (under faces of the volume the operators differ little), the others' under
+/// `exact` or their own.
+bool is_shown(const Drawing& drawing, const Drawing& leading) {
+  return drawing == leading || (!drawing.against_model && drawing.faces == FaceSource::kSplats &&
+                                (drawing.subject == 0 || drawing.clip == ClipOperator::kExact));
+}
+
+/// The drawings that pictures and plots of a split show, the leading one first.
+std::vector<Drawing> shown_drawings(const Evaluation& evaluation, Split split) {
   const Drawing leading = leading_drawing(evaluation);
   std::vector<Drawing> shown;
   for (const EvaluationRow& row : evaluation.rows) {
-    if (row.split == evaluation.rows.front().split &&
-        (row.drawing == leading || row.drawing.faces == FaceSource::kSplats)) {
+    if (row.split == split && is_shown(row.drawing, leading)) {
       shown.push_back(row.drawing);
     }
   }
-  std::ranges::reverse(shown);
-  std::ranges::stable_partition(shown, [&](const Drawing& drawing) { return drawing == leading; });
+  std::ranges::stable_sort(shown, [&](const Drawing& a, const Drawing& b) {
+    const auto rank = [&](const Drawing& d) {
+      return std::pair(d == leading ? -1 : static_cast<int>(d.subject), -static_cast<int>(d.clip));
+    };
+    return rank(a) < rank(b);
+  });
   return shown;
 }
 
-/// Class of style, and name, of a drawing among those shown.
-const char* drawing_name(const Drawing& drawing) {
+/// Name of a drawing among those shown …
+std::string drawing_name(const Evaluation& evaluation, const Drawing& drawing) {
+  if (drawing.subject != 0) {
+    return evaluation.subjects[drawing.subject];
+  }
+  return drawing.faces == FaceSource::kVolume ? "volume" : clip_text(evaluation, drawing);
+}
+
+/// … and its class of style.
+const char* drawing_class(const Drawing& drawing) {
+  if (drawing.subject != 0) {
+    return "other";
+  }
   return drawing.faces == FaceSource::kVolume ? "volume" : clip_operator_name(drawing.clip);
 }
 
@@ -236,9 +281,9 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
   PlotFrame plot{std::numeric_limits<double>::max(), noise};
   std::string curves;
   std::string legend;
-  std::vector<std::pair<const char*, std::vector<double>>> series;
-  for (const Drawing& drawing : shown_drawings(evaluation)) {
-    series.emplace_back(drawing_name(drawing), sorted_psnr(dataset, evaluation, split, drawing));
+  std::vector<std::pair<Drawing, std::vector<double>>> series;
+  for (const Drawing& drawing : shown_drawings(evaluation, split)) {
+    series.emplace_back(drawing, sorted_psnr(dataset, evaluation, split, drawing));
     for (const double value : series.back().second) {
       plot.low = std::min(plot.low, value);
       plot.high = std::max(plot.high, value);
@@ -247,9 +292,10 @@ std::string plot_html(const Dataset& dataset, const Evaluation& evaluation, Spli
   const double step = plot.high - plot.low > 40 ? 20 : 5;
   plot.low = std::floor(std::min(plot.low, plot.high - step) / step) * step;
   plot.high = std::ceil(plot.high / step) * step;
-  for (const auto& [name, values] : series) {
-    curves += curve_svg(plot, values, name);
-    legend += fmt::format(R"( <span class="{0}">● {0}</span>)", name);
+  for (const auto& [drawing, values] : series) {
+    curves += curve_svg(plot, values, drawing_class(drawing));
+    legend += fmt::format(R"( <span class="{}">● {}</span>)", drawing_class(drawing),
+                          escape_html(drawing_name(evaluation, drawing)));
   }
   std::string grid;
   const int lines = static_cast<int>(std::lround((plot.high - plot.low) / step));
@@ -352,14 +398,16 @@ std::string zoom_html(const Case& contents, const Frame& frame, const Image& tru
     html += picture_html(cut_out(composite(picture, 0, 0, 0), left, top, side), name, detail);
   };
   add(truth, "truth", "the face, enlarged");
-  add(draw_frame(contents, frame, {clip, FaceSource::kVolume}), "section", "from the volume");
-  add(draw_frame(contents, frame, {clip, FaceSource::kSplats}), "splats", "as they fill the face");
+  add(draw_frame(contents, frame, {.clip = clip, .faces = FaceSource::kVolume}), "section",
+      "from the volume");
+  add(draw_frame(contents, frame, {.clip = clip, .faces = FaceSource::kSplats}), "splats",
+      "as they fill the face");
   return html + "</div>\n";
 }
 
 /// Truth, ours in every way that is shown and the error of one test picture.
-std::string frame_html(const Case& contents, const Dataset& dataset, const Evaluation& evaluation,
-                       size_t index, const char* rank) {
+std::string frame_html(std::span<const Subject> subjects, const Dataset& dataset,
+                       const Evaluation& evaluation, size_t index, const char* rank) {
   const Frame& frame = dataset.frames[index];
   const Image truth = load_truth(dataset, frame);
   const Drawing leading = leading_drawing(evaluation);
@@ -369,21 +417,21 @@ std::string frame_html(const Case& contents, const Dataset& dataset, const Evalu
       rank, escape_html(frame.file), plane_text(frame.plane), frame.noise_db);
   html += picture_html(composite(truth, 0, 0, 0), "truth", "path traced");
   Image error;
-  for (const Drawing& drawing : shown_drawings(evaluation)) {
-    const Image picture = draw_frame(contents, frame, drawing);
+  for (const Drawing& drawing : shown_drawings(evaluation, frame.split)) {
+    const Image picture = draw_frame(*subjects[drawing.subject].contents, frame, drawing);
     if (drawing == leading) {
       error = error_map(truth, picture);
     }
     const auto score = std::ranges::find_if(evaluation.frames, [&](const FrameScores& one) {
       return one.frame == index && one.drawing == drawing;
     });
-    html += picture_html(composite(picture, 0, 0, 0), drawing_name(drawing),
+    html += picture_html(composite(picture, 0, 0, 0), drawing_name(evaluation, drawing),
                          value_text(score->scores.psnr_masked, 2) + " dB");
   }
-  html += picture_html(error, "error", fmt::format("of {}", drawing_name(leading)));
+  html += picture_html(error, "error", fmt::format("of {}", drawing_name(evaluation, leading)));
   html += "</div>\n";
   if (leading.faces == FaceSource::kVolume) {
-    html += zoom_html(contents, frame, truth, leading.clip);
+    html += zoom_html(*subjects[0].contents, frame, truth, leading.clip);
   }
   return html + "</figure>\n";
 }
@@ -415,9 +463,9 @@ std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset
 
 }  // namespace
 
-std::string evaluation_report(const Case& contents, const Dataset& dataset,
+std::string evaluation_report(std::span<const Subject> subjects, const Dataset& dataset,
                               const Evaluation& evaluation) {
-  const Scene& scene = contents.scene;
+  const Scene& scene = subjects[0].contents->scene;
   const std::string title = scene.title.empty() ? "Untitled scene" : scene.title;
   std::string html = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
@@ -429,6 +477,7 @@ std::string evaluation_report(const Case& contents, const Dataset& dataset,
       escape_html(title), kStyle, evaluation.splats, static_cast<double>(evaluation.bytes) / 1e6,
       escape_html(dataset.preset));
   html += table_html(evaluation);
+  html += sizes_html(evaluation);
   html +=
       "<p class=\"quiet\">Bold: the best of its split.</p>\n<h2>Every picture</h2>\n"
       "<div class=\"plots\">\n";
@@ -439,13 +488,13 @@ std::string evaluation_report(const Case& contents, const Dataset& dataset,
   for (const NoiseFloor& noise : evaluation.noise_floors) {
     html += fmt::format("<h2>{}: truth and ours</h2>\n", split_title(noise.split));
     for (const auto& [rank, frame] : chosen_frames(dataset, evaluation, noise.split)) {
-      html += frame_html(contents, dataset, evaluation, frame, rank);
+      html += frame_html(subjects, dataset, evaluation, frame, rank);
     }
   }
   html += fmt::format(
       "<p class=\"quiet\">Error: mean over RGB, from 0 <span class=\"scale\"></span> to {:.2f} "
       "and more. Pictures are ranked by the masked PSNR of {}.</p>\n",
-      kErrorScale, drawing_name(leading_drawing(evaluation)));
+      kErrorScale, drawing_name(evaluation, leading_drawing(evaluation)));
   return html + kDefinitions + "</main></body></html>\n";
 }
 

@@ -13,6 +13,9 @@ namespace clipgs {
 
 constexpr int kMaxStates = 65536;  ///< layers have 16 bits
 
+/// States of a uniaxial cut, as many as ClipGS-VR has.
+constexpr int kDefaultStates = 200;
+
 /// Positions that a uniaxial cut steps through (ClipGS-VR): state k's plane is axis·x = first +
 /// k·spacing, mm along Scene::axis, and keeps one side of it.
 struct PlaneStates {
@@ -25,10 +28,9 @@ struct PlaneStates {
   /// of axis·x over the visible matter, keeping what is below, as baked ones (defaultStates of
   /// web/src/model/states.ts).
   static PlaneStates over(const Vec2& extent) {
-    constexpr int kCount = 200;
     constexpr float kLeastSpacing = 1e-3f;  // mm, of a scene that is flat
-    const float spacing = std::max((extent.y - extent.x) / kCount, kLeastSpacing);
-    return {kCount, extent.x + spacing, spacing, true};
+    const float spacing = std::max((extent.y - extent.x) / kDefaultStates, kLeastSpacing);
+    return {kDefaultStates, extent.x + spacing, spacing, true};
   }
   float position(int k) const { return first + static_cast<float>(k) * spacing; }
   /// The state whose plane is nearest to `position`, mm along the axis.

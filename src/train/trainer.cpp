@@ -111,6 +111,15 @@ Vec3 uniaxial_normal(const std::vector<const Frame*>& frames, const Dataset& dat
 
 }  // namespace
 
+TrainOptions refine_options() {
+  TrainOptions options;
+  options.budget = 0;
+  options.steps = 6000;
+  options.mean_rate = 5e-4f;
+  options.coarse_share = 0;
+  return options;
+}
+
 Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section,
                  const Gaussians* start)
     : options_(options), extent_(dataset.sphere.radius), has_section_(section != nullptr) {

@@ -36,6 +36,10 @@ struct TrainOptions {
   std::optional<UniaxialOptions> uniaxial;
 };
 
+/// Options for going on with a scene that is almost right: small steps, no coarse pictures, and a
+/// budget of whatever the scene has.
+TrainOptions refine_options();
+
 /// Fits Gaussians to the training frames of a dataset. Everything random is drawn from (seed,
 /// step), so that a run that was interrupted and resumed ends with the same bytes as one that was
 /// not.

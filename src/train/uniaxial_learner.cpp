@@ -50,8 +50,7 @@ UniaxialLearner::UniaxialLearner(const UniaxialOptions& options, const Vec3& nor
 void UniaxialLearner::place_thresholds(const Gaussians& gaussians) {
   parameters_.thresholds.resize(gaussians.size());
   for (size_t i = 0; i < gaussians.size(); ++i) {
-    parameters_.thresholds[i] =
-        glm::dot(parameters_.normal, gaussians.mean(i)) + beyond_center_[i];
+    parameters_.thresholds[i] = glm::dot(parameters_.normal, gaussians.mean(i)) + beyond_center_[i];
   }
 }
 

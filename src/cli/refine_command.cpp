@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <memory>
+
+#include "cli/commands.h"
+#include "cli/section_step.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "splat/scene_file.h"
+#include "train/model_file.h"
+#include "train/trainer.h"
+
+namespace clipgs {
+
+namespace {
+
+struct RefineArguments {
+  std::string scene;
+  std::string dataset;
+  std::string output;
+  std::string clip = "exact";
+  bool no_section = false;
+  TrainOptions options = refine_options();
+};
+
+void run_refine(const RefineArguments& arguments) {
+  require_writable(arguments.output);
+  if (is_model(arguments.scene)) {
+    throw Error("{}: is a neural model; make a scene of it with clipgs bake first",
+                arguments.scene);
+  }
+  const Scene scene = read_scene(arguments.scene);
+  const Dataset dataset = load_dataset(arguments.dataset);
+  TrainOptions options = arguments.options;
+  options.clip = parse_clip_operator(arguments.clip);
+  const std::string checkpoint = arguments.output + ".checkpoint";
+  const std::optional<Section> section =
+      arguments.no_section ? std::nullopt : read_dataset_section(dataset);
+  const Section* const faces = section ? &*section : nullptr;
+  const Scene refined = refine(scene, dataset, options, checkpoint, faces);
+  write_scene_section(arguments.output, faces);
+  write_scene(arguments.output, refined);
+  std::filesystem::remove(checkpoint);
+}
+
+}  // namespace
+
+void add_refine_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "refine", "Tune a scene against path-traced pictures of any cut, with the clip in the loop");
+  const auto arguments = std::make_shared<RefineArguments>();
+  TrainOptions& options = arguments->options;
+  command->add_option("scene", arguments->scene, "Scene (.ply), as clipgs bake writes it")
+      ->required();
+  command->add_option("--dataset", arguments->dataset, "Folder made by clipgs dataset")->required();
+  command->add_option("-o,--output", arguments->output, "Scene to write (.ply)")->required();
+  command->add_option("--steps", options.steps, "Training steps")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--budget", options.budget,
+                   "Gaussians at most (default: as many as the scene has)")
+      ->check(CLI::Range(1000, 2000000));
+  command->add_option("--clip", arguments->clip, "Clip operator in the loop: hard, soft or exact")
+      ->capture_default_str();
+  command->add_flag("--no-section", arguments->no_section,
+                    "Leave the dataset's section out: splats fill the cut faces");
+  command->add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command->footer(
+      "Resumes from OUTPUT.checkpoint after an interruption.\n"
+      "Example: clipgs refine layered.ply --dataset dataset/ -o refined.ply");
+  command->callback([arguments] { run_refine(*arguments); });
+}
+
+}  // namespace clipgs
