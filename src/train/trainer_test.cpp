@@ -111,6 +111,118 @@ TEST_F(TrainerTest, ResumesFromACheckpointToTheSameBytes) {
   EXPECT_EQ(trained(second), expected);
 }
 
+/// As options(), of a uniaxial model with all that it learns.
+TrainOptions uniaxial_options(TrainOptions options) {
+  options.uniaxial.emplace();
+  options.uniaxial->adjustment.width = 32;
+  options.uniaxial->coarse_share = 0.3f;
+  return options;
+}
+
+/// Everything that a run ends with.
+std::vector<float> all_of(const Trainer& trainer) {
+  std::vector<float> all = trainer.gaussians().data();
+  const UniaxialParameters& uniaxial = *trainer.uniaxial();
+  all.insert(all.end(), uniaxial.thresholds.begin(), uniaxial.thresholds.end());
+  all.insert(all.end(), uniaxial.adjustment->weights().begin(),
+             uniaxial.adjustment->weights().end());
+  return all;
+}
+
+TEST_F(TrainerTest, AUniaxialModelLearnsAllItsParts) {
+  const Dataset data = dataset();
+  Trainer trainer(data, uniaxial_options(options()));
+  const std::vector<float> weights_before = trainer.uniaxial()->adjustment
+                                                ? trainer.uniaxial()->adjustment->weights()
+                                                : std::vector<float>();
+  EXPECT_TRUE(weights_before.empty());  // it acts later
+  const auto error = [&] {              // of the uncut scene and of what is cut
+    double sum = 0;
+    UniaxialState state;
+    for (const Frame* frame : data.split(Split::kTrain)) {
+      const std::optional<Plane>& plane = frame->plane;
+      if (!plane || glm::dot(plane->normal, trainer.uniaxial()->normal) > 0.9999f) {
+        make_state(trainer.gaussians(), *trainer.uniaxial(),
+                   plane ? std::optional(plane->offset) : std::nullopt, state);
+        const Image truth = composite(data.load(*frame), 0, 0, 0);
+        const Image picture = composite(
+            render(state.gaussians, frame->camera, std::nullopt, ClipOperator::kExact), 0, 0, 0);
+        for (size_t i = 0; i < truth.data.size(); ++i) {
+          sum += std::pow(truth.data[i] - picture.data[i], 2);
+        }
+      }
+    }
+    return sum;
+  };
+  const double before = error();
+  trained(trainer);
+  EXPECT_LT(error(), 0.75 * before);
+  const UniaxialParameters& learnt = *trainer.uniaxial();
+  ASSERT_TRUE(learnt.adjustment);
+  const std::vector<float>& weights = learnt.adjustment->weights();
+  EXPECT_TRUE(
+      std::ranges::any_of(weights.end() - 16 * 33, weights.end(), [](float w) { return w != 0; }));
+  ASSERT_EQ(learnt.thresholds.size(), trainer.gaussians().size());
+  size_t apart = 0;
+  for (size_t i = 0; i < learnt.thresholds.size(); ++i) {
+    const float center = glm::dot(learnt.normal, trainer.gaussians().mean(i));
+    apart += std::abs(learnt.thresholds[i] - center) > 0.01f ? 1 : 0;
+  }
+  EXPECT_GT(apart, learnt.thresholds.size() / 20);
+}
+
+TEST_F(TrainerTest, AUniaxialModelIsTheSameAtAnyNumberOfThreadsAndAfterAResume) {
+  const TrainOptions with = uniaxial_options(options());
+  set_thread_count(1);
+  Trainer whole(dataset(), with);
+  trained(whole);
+  set_thread_count(0);
+  for (const size_t stop : {40U, 137U}) {  // before and after the adjustment acts
+    const fs::path checkpoint = folder_ / "uniaxial-checkpoint";
+    Trainer first(dataset(), with);
+    for (size_t i = 0; i < stop; ++i) {
+      first.step();
+    }
+    first.save_checkpoint(checkpoint);
+    Trainer second(dataset(), with);
+    ASSERT_TRUE(second.load_checkpoint(checkpoint));
+    trained(second);
+    EXPECT_TRUE(all_of(second) == all_of(whole));
+    Trainer other(dataset(), options());
+    EXPECT_THROW(other.load_checkpoint(checkpoint), Error);
+  }
+}
+
+TEST_F(TrainerTest, RefiningImprovesASceneAndLayersFollow) {
+  const Dataset data = dataset();
+  TrainOptions few = options();
+  few.steps = 60;
+  Scene scene = train(data, few, {});
+  scene.states = PlaneStates::over(scene.extent);
+  scene.layers.assign(scene.gaussians.size(), 7);
+  TrainOptions more = refine_options();
+  more.steps = 120;
+  const Scene refined = refine(scene, data, more, {});
+  EXPECT_EQ(refined.gaussians.size(), scene.gaussians.size());
+  const auto error = [&](const Scene& of) {
+    double sum = 0;
+    for (const Frame* frame : data.split(Split::kTrain)) {
+      const Image truth = composite(data.load(*frame), 0, 0, 0);
+      const Image picture = composite(
+          render(of.gaussians, frame->camera, frame->plane, ClipOperator::kExact), 0, 0, 0);
+      for (size_t i = 0; i < truth.data.size(); ++i) {
+        sum += std::pow(truth.data[i] - picture.data[i], 2);
+      }
+    }
+    return sum;
+  };
+  EXPECT_LT(error(refined), 0.9 * error(scene));
+  for (size_t i = 0; i < refined.layers.size(); ++i) {
+    EXPECT_EQ(refined.layers[i],
+              refined.states.nearest(glm::dot(refined.axis, refined.gaussians.mean(i))));
+  }
+}
+
 TEST_F(TrainerTest, WithASectionFacesAreRightAndTheSplatsFillTheRest) {
   const Dataset data = dataset();
   const Section section =
