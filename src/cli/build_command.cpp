@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "asset/draw_case.h"
+#include "bake/bake.h"
 #include "cinema/make_dataset.h"
 #include "cli/commands.h"
 #include "cli/look_options.h"
@@ -18,6 +19,7 @@
 #include "core/file.h"
 #include "core/random.h"
 #include "splat/scene_file.h"
+#include "train/model_file.h"
 #include "train/trainer.h"
 #include "volume/load.h"
 #include "volume/preset.h"
@@ -74,6 +76,7 @@ struct BuildArguments {
   std::string output;
   LookArguments look;
   std::string quality = "standard";
+  std::string model = "explicit";
   std::string work;
   std::string title;
   std::uint64_t seed = 1;
@@ -144,6 +147,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"series", arguments.loading.series},
           {"keep_table", arguments.loading.keep_table},
           {"denoise", arguments.denoise},
+          {"model", arguments.model},
           {"section", arguments.section.none ? 0 : arguments.section.size}};
 }
 
@@ -196,9 +200,31 @@ Dataset build_dataset(const BuildArguments& arguments, const Quality& quality,
   options.seed = arguments.seed;
   options.choose_views = !arguments.section.none;
   options.denoise = arguments.denoise;
+  options.one_sided = arguments.model == "clipgs";
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, arguments.section);
   return dataset;
+}
+
+/// The papers' way: a neural model, its states baked into one scene, that refined under any cut.
+/// The model's file, once there, is a finished step.
+Scene train_bake_refine(const Dataset& dataset, const TrainOptions& options, const Section* faces,
+                        const fs::path& checkpoint) {
+  const fs::path model_path = dataset.folder.parent_path() / "model.ply";
+  TrainOptions learning = options;
+  learning.steps = std::max<size_t>(1, options.steps / 2);
+  learning.uniaxial.emplace();
+  if (!is_model(model_path)) {
+    // Without the section's faces: the model, and each of its states, must be solid.
+    const fs::path model_checkpoint = fs::path(model_path).replace_extension(".checkpoint");
+    write_model(model_path, train_model(dataset, learning, model_checkpoint));
+    fs::remove(model_checkpoint);
+  }
+  TrainOptions refining = refine_options();
+  refining.steps = std::max<size_t>(1, options.steps - learning.steps);
+  refining.seed = options.seed;
+  const Scene layered = bake(read_model(model_path), kDefaultStates).scene;
+  return refine(layered, dataset, refining, checkpoint, faces);
 }
 
 Case build_scene(const BuildArguments& arguments, const Quality& quality, const Dataset& dataset,
@@ -217,7 +243,9 @@ Case build_scene(const BuildArguments& arguments, const Quality& quality, const 
   checkpoint.replace_extension(".checkpoint");
   const std::optional<Section> section = read_dataset_section(dataset);
   const Section* const faces = section ? &*section : nullptr;
-  const Scene scene = train(dataset, options, checkpoint, faces);
+  const Scene scene = arguments.model == "clipgs"
+                          ? train_bake_refine(dataset, options, faces, checkpoint)
+                          : train(dataset, options, checkpoint, faces);
   write_scene_section(path, faces);
   write_scene(path, scene);
   fs::remove(checkpoint);
@@ -260,6 +288,12 @@ void add_build_command(CLI::App& app) {
   add_look_options(*command, arguments->look);
   add_label_options(*command, arguments->look.labels, arguments->loading);
   command->add_option("--quality", arguments->quality, "draft, standard or high")
+      ->capture_default_str();
+  command
+      ->add_option("--model", arguments->model,
+                   "explicit: Gaussians trained under cuts of any angle; clipgs: a neural model, "
+                   "baked into 200 layers and refined, as the papers have it")
+      ->check(CLI::IsMember({"explicit", "clipgs"}))
       ->capture_default_str();
   command->add_option("--work", arguments->work,
                       "Folder for the work in progress (default: OUTPUT.clipgs-work)");

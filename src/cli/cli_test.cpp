@@ -449,6 +449,35 @@ TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
   EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);
 }
 
+TEST_F(CliTest, BuildTheWayOfThePapersHasLayersAndResumes) {
+  std::vector<std::string> build = small_build("layered.sog");
+  build.insert(build.end(), {"--model", "clipgs"});
+  *(std::ranges::find(build, "--train-frames") + 1) = "24";  // some across the axis
+  const Finished built = run_clipgs(build);
+  ASSERT_EQ(built.status, 0) << built.err;
+  const std::string expected = read_text(at("layered.sog"));
+  const Finished info = run_clipgs({"info", at("layered.sog"), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("states").at("count"), 200);
+  const std::string model = at("layered.clipgs-work/model.ply");
+  const std::string dataset = at("layered.clipgs-work/dataset");
+  const Finished measured =
+      run_clipgs({"eval", at("layered.sog"), "--model", model, "--dataset", dataset});
+  ASSERT_EQ(measured.status, 0) << measured.err;
+  EXPECT_THAT(measured.out, HasSubstr("model      test_axis     own    splats   truth"));
+  EXPECT_THAT(measured.out, HasSubstr("200 states as PLY"));
+  EXPECT_EQ(run_clipgs({"render", model, "-o", at("own.png"), "--plane", "0,0,-1,0"}).status, 0);
+  expect_failure({"render", model, "-o", at("no.png"), "--plane", "1,0,0,0"}, "clipgs bake",
+                 at("no.png"));
+  expect_failure({"refine", model, "--dataset", dataset, "-o", at("r.ply")}, "clipgs bake",
+                 at("r.ply"));
+
+  // Refinement and packing left to do.
+  fs::remove(at("layered.sog"));
+  fs::remove(at("layered.clipgs-work/scene.ply"));
+  ASSERT_EQ(run_clipgs(build).status, 0);
+  EXPECT_TRUE(read_text(at("layered.sog")) == expected);
+}
+
 TEST_F(CliTest, BuildOfAnUnusableVolumeLeavesNothing) {
   // A NIfTI of size zero: its library has something to say as well.
   std::string header(352, '\0');
