@@ -133,7 +133,7 @@ Conditional condition(const Projection& p, const PlaneView& v) {
 }
 
 /// Share that the soft operator keeps of a Gaussian.
-float soft_share(const Projection& p, const Vec3& mean, std::span<const Plane> planes) {
+float soft_share(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes) {
   float product = 1;
   float last = 1;
   for (size_t k = 0; k < planes.size(); ++k) {
@@ -150,7 +150,7 @@ float soft_share(const Projection& p, const Vec3& mean, std::span<const Plane> p
 }
 
 /// What the planes leave of a Gaussian; false: nothing.
-bool cut(const Projection& p, const Vec3& mean, std::span<const Plane> planes,
+bool cut(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes,
          const RasterOptions& options, Splat& splat, PlaneCut* more) {
   splat.clipped = 0;
   splat.z0 = splat.zx = splat.zy = 0;
@@ -160,8 +160,8 @@ bool cut(const Projection& p, const Vec3& mean, std::span<const Plane> planes,
   if (options.clip != ClipOperator::kExact) {
     return true;
   }
-  const Plane* before = nullptr;  // the plane before, if it cuts the Gaussian
-  for (const Plane& plane : planes) {
+  const LitPlane* before = nullptr;  // the plane before, if it cuts the Gaussian
+  for (const LitPlane& plane : planes) {
     const PlaneView v = see_plane(p, mean, plane);
     const float deviation = std::sqrt(v.variance);
     if (v.d < -options.clip_sigma * deviation) {
@@ -186,12 +186,25 @@ bool cut(const Projection& p, const Vec3& mean, std::span<const Plane> planes,
   return true;
 }
 
+/// What the planes' faces multiply the colour of a Gaussian by.
+Vec3 face_gain(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes) {
+  Vec3 product(1);
+  for (const LitPlane& plane : planes) {
+    if (plane.gain != Vec3(1)) {
+      const PlaneView v = see_plane(p, mean, plane);
+      const float share = FaceGain::share(v.d / std::sqrt(v.variance));
+      product *= Vec3(1) + share * (plane.gain - Vec3(1));
+    }
+  }
+  return product;
+}
+
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
 
 }  // namespace
 
 bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
-             std::span<const Plane> planes, const RasterOptions& options, Splat& splat,
+             std::span<const LitPlane> planes, const RasterOptions& options, Splat& splat,
              PlaneCut* more) {
   const Vec3 mean = gaussians.mean(i);
   const Vec3 t = camera.to_camera(mean);
@@ -203,7 +216,7 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
     return false;
   }
   if (options.clip == ClipOperator::kHard &&
-      std::ranges::any_of(planes, [&](const Plane& p) { return p.signed_distance(mean) < 0; })) {
+      std::ranges::any_of(planes, [&](const LitPlane& p) { return p.signed_distance(mean) < 0; })) {
     return false;
   }
   const Projection p = project_geometry(gaussians, i, camera, t);
@@ -224,17 +237,18 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   splat.qb = -p.conic.xy;
   splat.qc = -0.5f * p.conic.yy;
   splat.depth = t.z;
-  const Vec3 color = sh_color(gaussians, i, glm::normalize(mean - camera.position));
+  const Vec3 color =
+      sh_color(gaussians, i, glm::normalize(mean - camera.position)) * face_gain(p, mean, planes);
   splat.r = std::max(0.0f, color.x);
   splat.g = std::max(0.0f, color.y);
   splat.b = std::max(0.0f, color.z);
   return true;
 }
 
-void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
-                      std::span<const Plane> planes, const RasterOptions& options,
+Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
+                      std::span<const LitPlane> planes, const RasterOptions& options,
                       const Splat& splat, const SplatGradient& g, Gaussians& gradients) {
-  const Plane* const plane = planes.empty() ? nullptr : planes.data();
+  const LitPlane* const plane = planes.empty() ? nullptr : planes.data();
   const Vec3 mean = gaussians.mean(i);
   const Projection p = project_geometry(gaussians, i, camera, camera.to_camera(mean));
 
@@ -287,6 +301,25 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
     g_m += glm::outerProduct(plane->normal, g_local);
   }
 
+  // Colour; a channel clamped at 0 has no gradient.
+  Vec3 g_color(splat.r > 0 ? g.r : 0, splat.g > 0 ? g.g : 0, splat.b > 0 ? g.b : 0);
+  Vec3 g_gain(0);
+  if (plane != nullptr) {
+    const PlaneView v = see_plane(p, mean, *plane);
+    const float deviation = std::sqrt(v.variance);
+    const float depth = v.d / deviation;
+    const float share = FaceGain::share(depth);
+    const Vec3 factor = Vec3(1) + share * (plane->gain - Vec3(1));
+    // Where a channel is not clamped its colour is what is drawn, and the factor is positive.
+    const Vec3 g_factor = g_color * Vec3(splat.r, splat.g, splat.b) / factor;
+    g_gain = share * g_factor;
+    g_color *= factor;
+    const float g_depth = glm::dot(g_factor, plane->gain - Vec3(1)) * FaceGain::share_slope(depth);
+    g_mean += (g_depth / deviation) * plane->normal;
+    const float g_variance = -0.5f * g_depth * depth / v.variance;
+    g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);
+  }
+
   // Σ₂⁻¹ → Σ₂ = B Bᵀ + blur: ∂Σ₂ = −Q·∂Q·Q.
   const Sym2& q = p.conic;
   const float t00 = q.xx * g_conic.xx + q.xy * g_conic.xy;
@@ -323,8 +356,6 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
   }
   g_mean += g_t * camera.rotation;  // Wᵀ g
 
-  // Colour; a channel clamped at 0 has no gradient.
-  const Vec3 g_color(splat.r > 0 ? g.r : 0, splat.g > 0 ? g.g : 0, splat.b > 0 ? g.b : 0);
   g_mean += sh_color_backward(gaussians, i, mean - camera.position, g_color, gradients);
 
   // M = R·diag(s), s = exp(log s).
@@ -341,6 +372,7 @@ void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
 
   const float o = sigmoid(gaussians.plane(Gaussians::kOpacity)[i]);
   gradients.plane(Gaussians::kOpacity)[i] = g_opacity * soft * o * (1 - o);
+  return g_gain;
 }
 
 }  // namespace clipgs

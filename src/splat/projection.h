@@ -5,6 +5,7 @@
 
 #include "core/camera.h"
 #include "core/cut.h"
+#include "splat/face_gain.h"
 #include "splat/gaussians.h"
 #include "splat/render.h"
 
@@ -18,6 +19,12 @@ struct RasterOptions {
   float alpha_max = 0.99f;          ///< opacity of one Gaussian at one pixel is clamped to this
   float transmittance_min = 1e-4f;  ///< a pixel darker than this is finished
   float clip_sigma = 3.0f;          ///< exact: Gaussians further from the plane are not cut
+  FaceGain face_gain;               ///< of the Gaussians that are drawn
+};
+
+/// A plane, and the gain of the splats at its face.
+struct LitPlane : Plane {
+  Vec3 gain{1};
 };
 
 /// Variance added to every projected Gaussian, px²: about that of a pixel's own area, 1/12, as in
@@ -59,13 +66,14 @@ struct SplatGradient {
 /// or too faint). `more` has room for all planes but one: what the exact operator does with the
 /// second and further planes that cut it.
 bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
-             std::span<const Plane> planes, const RasterOptions& options, Splat& splat,
+             std::span<const LitPlane> planes, const RasterOptions& options, Splat& splat,
              PlaneCut* more);
 
 /// Chain rule through `project` for one plane or none: writes ∂L/∂parameter of Gaussian `i` into
-/// every plane of `gradients`. `splat` is what `project` returned for it.
-void project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
-                      std::span<const Plane> planes, const RasterOptions& options,
+/// every plane of `gradients`, and returns ∂L/∂gain of the plane. `splat` is what `project`
+/// returned for it.
+Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera,
+                      std::span<const LitPlane> planes, const RasterOptions& options,
                       const Splat& splat, const SplatGradient& gradient, Gaussians& gradients);
 
 }  // namespace clipgs

@@ -58,7 +58,7 @@ void Rasterizer::project_all(const Gaussians& gaussians) {
   visible_.resize(gaussians.size());
   parallel_for(gaussians.size(), kGaussianGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const bool seen = project(gaussians, i, camera_, cut_.planes(), options_, projected_[i],
+      const bool seen = project(gaussians, i, camera_, planes_, options_, projected_[i],
                                 more_cuts_.data() + i * more);
       visible_[i] = seen ? 1 : 0;
     }
@@ -159,7 +159,11 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
                                  const RasterOptions& options, const Image* front) {
   front_ = front != nullptr ? *front : Image();
   camera_ = camera;
-  cut_ = cut;
+  planes_.clear();
+  for (const Plane& plane : cut.planes()) {
+    planes_.push_back(
+        {plane, options.face_gain.none() ? Vec3(1) : options.face_gain.at(plane.normal)});
+  }
   options_ = options;
   tiles_x_ = (camera.width + kTileSize - 1) / kTileSize;
   tiles_y_ = (camera.height + kTileSize - 1) / kTileSize;
@@ -204,7 +208,7 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
 void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradient,
                           Gaussians& gradients) {
   if (more_planes() > 0) {
-    throw Error("gradients are there for one plane only, not for {}", cut_.planes().size());
+    throw Error("gradients are there for one plane only, not for {}", planes_.size());
   }
   const TileLimits limits = limits_of(options_);
   const Image& alone = front_.data.empty() ? image_ : alone_;
@@ -244,6 +248,9 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
   });
   // In index order, so that memory is walked forwards: the planes are far apart.
   has_gradient_.assign(gaussians.size(), 0);
+  // Summed piece by piece, in order: the same at any number of threads.
+  std::vector<Vec3> gain_gradients((gaussians.size() + kGaussianGrain - 1) / kGaussianGrain,
+                                   Vec3(0));
   parallel_for(gaussians.size(), kGaussianGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       if (visible_[i] == 0) {
@@ -252,12 +259,16 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
       const std::uint32_t k = rank_[i];
       const SplatGradient gradient = summed_gradient(k);
       if (gradient.h != 0 || gradient.r != 0 || gradient.g != 0 || gradient.b != 0) {
-        project_backward(gaussians, i, camera_, cut_.planes(), options_, splats_[k], gradient,
-                         gradients);
+        gain_gradients[begin / kGaussianGrain] += project_backward(
+            gaussians, i, camera_, planes_, options_, splats_[k], gradient, gradients);
         has_gradient_[i] = 1;
       }
     }
   });
+  gain_gradient_ = Vec3(0);
+  for (const Vec3& gradient : gain_gradients) {
+    gain_gradient_ += gradient;
+  }
   reached_.clear();
   for (size_t i = 0; i < gaussians.size(); ++i) {
     if (has_gradient_[i] != 0) {

@@ -26,12 +26,15 @@ class Rasterizer {
   /// they are: ask `reached`.
   void backward(const Gaussians& gaussians, const Image& image_gradient, Gaussians& gradients);
 
+  /// ∂L/∂gain, of the plane of the last `backward` (0 where there is none).
+  const Vec3& gain_gradient() const { return gain_gradient_; }
+
   /// Ascending indices of the Gaussians whose gradient the last `backward` wrote. The rest were cut
   /// away, out of the frame or hidden behind others.
   const std::vector<std::uint32_t>& reached() const { return reached_; }
 
  private:
-  size_t more_planes() const { return cut_.empty() ? 0 : cut_.planes().size() - 1; }
+  size_t more_planes() const { return planes_.empty() ? 0 : planes_.size() - 1; }
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
@@ -39,7 +42,7 @@ class Rasterizer {
   SplatGradient summed_gradient(std::uint32_t splat) const;
 
   Camera camera_;
-  Cut cut_;
+  std::vector<LitPlane> planes_;
   RasterOptions options_;
   Image image_;
   Image front_;  // empty: nothing
@@ -67,6 +70,7 @@ class Rasterizer {
   std::vector<SplatGradient> instance_gradients_;
   std::vector<std::uint8_t> has_gradient_;  // of each Gaussian
   std::vector<std::uint32_t> reached_;
+  Vec3 gain_gradient_{0};
 };
 
 }  // namespace clipgs

@@ -145,6 +145,15 @@ TEST_P(ClipTest, EveryInstructionSetDrawsTheSame) {
 }
 
 /// Loss = Σ weight·image with fixed random weights: its gradient exercises every output.
+FaceGain random_gain() {
+  FaceGain gain;
+  Rng rng(12);
+  for (Vec3& coefficient : gain.coefficients) {
+    coefficient = 0.2f * Vec3(rng.normal(), rng.normal(), rng.normal());
+  }
+  return gain;
+}
+
 TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   constexpr int kDegree = 3;
   const Gaussians cloud = random_cloud(24, kDegree, 3);
@@ -156,6 +165,7 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   options.alpha_max = 0.9999f;
   options.transmittance_min = 0;
   options.clip_sigma = 8;
+  options.face_gain = random_gain();
   Rng rng(4);
   Image weight(camera.width, camera.height, 4);
   for (float& w : weight.data) {
@@ -200,6 +210,24 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
     }
     EXPECT_GT(largest, 0) << "plane " << plane;
     EXPECT_LT(worst, 2e-3 * largest + 1e-4) << "plane " << plane << " largest " << largest;
+  }
+
+  // The gain itself, through one of its coefficients: ∂L/∂c = ∂L/∂g·g·Y.
+  std::array<float, FaceGain::kCoefficients> basis;
+  sh_basis(FaceGain::kDegree, kPlane.normal, basis.data());
+  for (int c = 0; c < 3; ++c) {
+    const auto at = [&](float coefficient) {
+      options.face_gain.coefficients[2][c] = coefficient;
+      return loss();
+    };
+    constexpr float kStep = 1e-3f;
+    const float middle = options.face_gain.coefficients[2][c];
+    const double expected = (at(middle + kStep) - at(middle - kStep)) / (2 * kStep);
+    at(middle);
+    const double got =
+        rasterizer.gain_gradient()[c] * options.face_gain.at(kPlane.normal)[c] * basis[2];
+    EXPECT_NEAR(got, expected, 5e-3 * std::abs(expected) + 1e-3);
+    EXPECT_GT(std::abs(expected), 1e-2);
   }
 }
 

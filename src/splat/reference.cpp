@@ -83,6 +83,16 @@ void basis(int degree, const DVec3& d, double* y) {
   }
 }
 
+DVec3 gain_at(const FaceGain& gain, const DVec3& normal) {
+  double y[FaceGain::kCoefficients];
+  basis(FaceGain::kDegree, normal, y);
+  DVec3 exponent(0);
+  for (size_t k = 0; k < FaceGain::kCoefficients; ++k) {
+    exponent += y[k] * DVec3(gain.coefficients[k]);
+  }
+  return glm::exp(exponent);
+}
+
 class ReferenceScene {
  public:
   ReferenceScene(const std::vector<double>& parameters, size_t count, int degree)
@@ -123,11 +133,14 @@ class ReferenceScene {
     out.cuts.clear();
     std::vector<double> shares;
     std::vector<const Plane*> planes;
+    DVec3 gain(1);
     for (const Plane& plane : cut.planes()) {
       const DVec3 n(plane.normal);
       const double distance = glm::dot(n, mean) - plane.offset;
       const double s_n = std::sqrt(glm::dot(n, sigma * n));
       planes.push_back(&plane);
+      gain *=
+          DVec3(1) + FaceGain::share(distance / s_n) * (gain_at(options.face_gain, n) - DVec3(1));
       shares.push_back(std::clamp(0.5 + distance / (2 * s_n), 0.0, 1.0));
       if (options.clip == ClipOperator::kHard && distance < 0) {
         return false;
@@ -155,7 +168,7 @@ class ReferenceScene {
       for (int k = 0; k < sh_coefficients(degree_); ++k) {
         value += y[k] * plane(Gaussians::kSh + 3 * k + c, i);
       }
-      out.color[c] = std::max(0.0, value);
+      out.color[c] = std::max(0.0, value * gain[c]);
     }
     return true;
   }

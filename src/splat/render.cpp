@@ -53,18 +53,20 @@ const char* clip_operator_name(ClipOperator clip) {
 }
 
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front) {
+             const Image* front, const FaceGain& gain) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
+  options.face_gain = gain;
   const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
 }
 
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
-                       ClipOperator clip, const Image* front) {
+                       ClipOperator clip, const Image* front, const FaceGain& gain) {
   RasterOptions options;
   options.clip = clip;
+  options.face_gain = gain;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image =
       reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, cut, options);

@@ -5,6 +5,7 @@
 #include "core/camera.h"
 #include "core/cut.h"
 #include "core/image.h"
+#include "splat/face_gain.h"
 #include "splat/gaussians.h"
 
 namespace clipgs {
@@ -17,12 +18,12 @@ const char* clip_operator_name(ClipOperator clip);
 
 /// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1].
 /// `front`: what the Gaussians lie behind, of the same size, premultiplied display sRGB and alpha;
-/// null: nothing.
+/// null: nothing. `gain`: of the splats at a face.
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front = nullptr);
+             const Image* front = nullptr, const FaceGain& gain = {});
 
 /// The same from the slow double-precision reference that the fast rasteriser is held to.
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
-                       ClipOperator clip, const Image* front = nullptr);
+                       ClipOperator clip, const Image* front = nullptr, const FaceGain& gain = {});
 
 }  // namespace clipgs

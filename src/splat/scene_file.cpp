@@ -41,6 +41,26 @@ json to_json(const PlaneStates& states) {
           {"keeps", states.keeps_below ? "below" : "above"}};
 }
 
+/// Of sixteen times three numbers, none large enough to overflow a renderer.
+FaceGain gain_from_json(const json& list, const JsonReader& reader) {
+  constexpr float kLargest = 10;
+  FaceGain gain;
+  if (!list.is_array() || list.size() != gain.coefficients.size()) {
+    reader.fail("face_gain");
+  }
+  for (size_t k = 0; k < list.size(); ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const json& value =
+          list[k].is_array() && list[k].size() == 3 ? list[k][static_cast<size_t>(c)] : json();
+      if (!value.is_number() || !(std::abs(value.get<double>()) <= kLargest)) {
+        reader.fail("face_gain");
+      }
+      gain.coefficients[k][c] = value.get<float>();
+    }
+  }
+  return gain;
+}
+
 PlaneStates states_from_json(const JsonReader& reader) {
   PlaneStates states;
   states.count = reader.integer("count", 1, kMaxStates);
@@ -86,6 +106,12 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
       {"preset", scene.preset},
       {"created", scene.created},
   };
+  if (!scene.face_gain.none()) {
+    result["face_gain"] = json::array();
+    for (const Vec3& coefficient : scene.face_gain.coefficients) {
+      result["face_gain"].push_back(json_vector(coefficient));
+    }
+  }
   if (scene.states.count > 0) {
     result["states"] = to_json(scene.states);
   }
@@ -119,6 +145,9 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   scene.title = reader.text("title");
   scene.preset = reader.text("preset");
   scene.created = reader.text("created");
+  if (const auto gain = object.find("face_gain"); gain != object.end()) {
+    scene.face_gain = gain_from_json(*gain, reader);
+  }
   scene.states =
       object.contains("states") ? states_from_json(reader.child("states")) : PlaneStates();
   const JsonReader world = reader.child("world");

@@ -23,7 +23,10 @@ struct Header {
   std::int32_t clip;
   std::uint64_t views;
   std::uint64_t has_section;
-  std::uint64_t uniaxial;  // numbers of the learner at the end of the file
+  std::uint64_t uniaxial;                     // numbers of the learner at the end of the file
+  float gain[3][FaceGain::kCoefficients][3];  // value, first and second moments
+  float gain_updates;
+  float unused;
 };
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
@@ -47,6 +50,11 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
   header.has_section = has_section_ ? 1 : 0;
   const std::vector<float> uniaxial = uniaxial_ ? uniaxial_->save() : std::vector<float>();
   header.uniaxial = uniaxial.size();
+  const FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};
+  for (size_t g = 0; g < 3; ++g) {
+    std::memcpy(header.gain[g], gains[g]->coefficients.data(), sizeof header.gain[g]);
+  }
+  header.gain_updates = gain_.updates;
   std::vector<std::uint8_t> bytes;
   append(bytes, &header, sizeof header);
   for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
@@ -98,6 +106,11 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
       throw corrupt();
     }
   }
+  FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};
+  for (size_t g = 0; g < 3; ++g) {
+    std::memcpy(gains[g]->coefficients.data(), header.gain[g], sizeof header.gain[g]);
+  }
+  gain_.updates = header.gain_updates;
   step_ = header.step;
   gaussians_ = Gaussians(header.size, options_.sh_degree);
   gradients_ = Gaussians(header.size, options_.sh_degree);

@@ -121,7 +121,7 @@ TrainOptions refine_options() {
 }
 
 Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section,
-                 const Gaussians* start)
+                 const Scene* start)
     : options_(options), extent_(dataset.sphere.radius), has_section_(section != nullptr) {
   std::vector<const Frame*> frames = dataset.split(Split::kTrain);
   Vec3 normal(0);
@@ -135,7 +135,7 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     throw Error("{}: has no training frames; make the dataset again", dataset.folder.string());
   }
   load_views(dataset, frames, section);
-  gaussians_ = start != nullptr ? *start
+  gaussians_ = start != nullptr ? start->gaussians
                                 : start_from_points(load_seed_points(dataset.folder),
                                                     std::min(options_.start, options_.budget),
                                                     options_.sh_degree, options_.seed);
@@ -145,6 +145,9 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     uniaxial_.emplace(*options.uniaxial, normal, dataset.sphere,
                       dataset.extent.y - dataset.extent.x, gaussians_,
                       Rng::mix(options_.seed) ^ kAdjustment);
+  }
+  if (start != nullptr) {
+    gain_.value = start->face_gain;
   }
   gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
   adam_ = Adam(gaussians_.size(), options_.sh_degree);
@@ -201,6 +204,7 @@ const Image& Trainer::draw(const View& view, const Camera& camera) {
   }
   RasterOptions raster;
   raster.clip = options_.clip;
+  raster.face_gain = gain_.value;
   return rasterizer_.forward(gaussians_, camera, view.plane, raster, front);
 }
 
@@ -249,6 +253,8 @@ double Trainer::step() {
   adam_.step(reached(), gradients_, rates, gaussians_);
   if (uniaxial_) {
     uniaxial_->step(decay);
+  } else {
+    learn_gain(view, decay * options_.gain_rate);
   }
 
   ++step_;
@@ -260,6 +266,27 @@ double Trainer::step() {
     add_noise(gaussians_, relative_rate / extent_, options_.seed, Rng::mix(step_) ^ kNoise);
   }
   return loss;
+}
+
+/// One step of Adam along ∂L/∂cₖ = ∂L/∂g·g·Yₖ(n).
+void Trainer::learn_gain(const View& view, float rate) {
+  if (!view.plane || rate == 0) {
+    return;
+  }
+  std::array<float, FaceGain::kCoefficients> basis;
+  sh_basis(FaceGain::kDegree, view.plane->normal, basis.data());
+  const Vec3 of_exponent = rasterizer_.gain_gradient() * gain_.value.at(view.plane->normal);
+  const float t = ++gain_.updates;
+  const float correction =
+      std::sqrt(1 - std::pow(Adam::kBeta2, t)) / (1 - std::pow(Adam::kBeta1, t));
+  for (size_t k = 0; k < basis.size(); ++k) {
+    const Vec3 gradient = basis[k] * of_exponent;
+    Vec3& m = gain_.first.coefficients[k];
+    Vec3& v = gain_.second.coefficients[k];
+    m = Adam::kBeta1 * m + (1 - Adam::kBeta1) * gradient;
+    v = Adam::kBeta2 * v + (1 - Adam::kBeta2) * gradient * gradient;
+    gain_.value.coefficients[k] -= rate * correction * m / (glm::sqrt(v) + Adam::kEpsilon);
+  }
 }
 
 void Trainer::add_penalties() {
@@ -358,6 +385,7 @@ Scene train(const Dataset& dataset, const TrainOptions& options,
   run(trainer, options.steps, checkpoint, "training");
   Scene scene = scene_of(dataset);
   scene.gaussians = trainer.gaussians();
+  scene.face_gain = trainer.face_gain();
   return scene;
 }
 
@@ -372,10 +400,11 @@ UniaxialModel train_model(const Dataset& dataset, const TrainOptions& options,
 
 Scene refine(const Scene& scene, const Dataset& dataset, const TrainOptions& options,
              const std::filesystem::path& checkpoint, const Section* section) {
-  Trainer trainer(dataset, options, section, &scene.gaussians);
+  Trainer trainer(dataset, options, section, &scene);
   run(trainer, options.steps, checkpoint, "refining");
   Scene refined = scene;
   refined.gaussians = trainer.gaussians();
+  refined.face_gain = trainer.face_gain();
   if (!scene.layers.empty()) {
     refined.layers.resize(refined.gaussians.size());
     for (size_t i = 0; i < refined.layers.size(); ++i) {

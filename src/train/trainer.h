@@ -23,6 +23,7 @@ struct TrainOptions {
   ClipOperator clip = ClipOperator::kExact;
   LossWeights loss;
   float mean_rate = 2e-3f;        ///< of the scene's extent, decayed to 1 % over the steps
+  float gain_rate = 2e-3f;        ///< of the face gain's coefficients
   float rate_decay = 0.1f;        ///< the other rates end at this share of themselves
   float coarse_share = 0.2f;      ///< of the steps run at half resolution
   float opacity_penalty = 0.01f;  ///< MCMC's pull of opacities …
@@ -48,14 +49,16 @@ class Trainer {
   /// Loads the training frames (kept in memory, 4 bytes a pixel, as much again where a face is
   /// seen) and the seed points. With a `section`, which may be null, its faces lie in front of the
   /// splats: these then need to show outer and inner surfaces only. `start`: what to go on from,
-  /// instead of the seed points (of the options, its size and SH degree count). Throws Error.
+  /// instead of the seed points (its SH degree counts then, and its size if that is above the
+  /// budget). Throws Error.
   Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section = nullptr,
-          const Gaussians* start = nullptr);
+          const Scene* start = nullptr);
 
   /// One step: draw a training frame, compare, move. Returns the loss.
   double step();
   size_t steps_done() const { return step_; }
   const Gaussians& gaussians() const { return gaussians_; }
+  const FaceGain& face_gain() const { return gain_.value; }
   /// Null if the options have no uniaxial model.
   const UniaxialParameters* uniaxial() const {
     return uniaxial_ ? &uniaxial_->parameters() : nullptr;
@@ -81,6 +84,7 @@ class Trainer {
   const Image& draw(const View& view, const Camera& camera);
   void backward();
   const std::vector<std::uint32_t>& reached() const;
+  void learn_gain(const View& view, float rate);
   void note_reached();
   void retire_idle();
   void add_penalties();
@@ -95,6 +99,12 @@ class Trainer {
   Gaussians gradients_;
   Adam adam_;
   bool has_section_ = false;
+  /// The gain of cut faces, and Adam's moments of it.
+  struct LearntGain {
+    FaceGain value, first, second;
+    float updates = 0;
+  };
+  LearntGain gain_;
   std::vector<std::uint32_t> last_reached_;  // step, of each Gaussian
   std::optional<UniaxialLearner> uniaxial_;
   Rasterizer rasterizer_;
