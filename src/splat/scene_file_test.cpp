@@ -72,6 +72,44 @@ TEST(SceneFile, KeepsStatesLayersAndExtras) {
               ThrowsMessage<Error>(HasSubstr("layer of splat 1 is 199")));
 }
 
+FaceGain some_gain() {
+  FaceGain gain;
+  for (size_t k = 0; k < gain.coefficients.size(); ++k) {
+    const auto n = static_cast<float>(k);
+    gain.coefficients[k] = Vec3(0.01f * n, -0.02f * n, k == 2 ? 0.1f : 0.0f);
+  }
+  return gain;
+}
+
+// web/test/unit/face_gain.test.ts expects the same numbers of the viewer.
+TEST(FaceGain, DependsOnTheNormal) {
+  const Vec3 gain = some_gain().at(Vec3(0.48f, -0.6f, 0.64f));
+  EXPECT_NEAR(gain.x, 0.938696f, 1e-5f);
+  EXPECT_NEAR(gain.y, 1.134881f, 1e-5f);
+  EXPECT_NEAR(gain.z, 1.031765f, 1e-5f);
+  EXPECT_TRUE(FaceGain().none());
+  EXPECT_EQ(FaceGain().at(Vec3(0, 1, 0)), Vec3(1));
+}
+
+TEST(FaceGain, EndsBelowTheFace) {
+  EXPECT_EQ(FaceGain::share(-3.0), 1);
+  EXPECT_EQ(FaceGain::share(1.5), 1);
+  EXPECT_EQ(FaceGain::share(2.25), 0.5);
+  EXPECT_EQ(FaceGain::share(3.0), 0);
+}
+
+TEST(SceneFile, KeepsTheGainOfFaces) {
+  Scene written = random_scene(5, 1, 5);
+  written.face_gain = some_gain();
+  write_scene(temporary("gain.ply"), written);
+  EXPECT_EQ(read_scene(temporary("gain.ply")).face_gain, written.face_gain);
+  nlohmann::json json = scene_to_json(written, scene_to_world());
+  json["face_gain"][15][2] = 99;
+  Scene read;
+  EXPECT_THAT([&] { scene_from_json(json, "gain.json", read); },
+              ThrowsMessage<Error>(HasSubstr("face_gain")));
+}
+
 TEST(PlaneStates, NearestAndPlane) {
   const PlaneStates states{11, -5, 1, true};
   EXPECT_EQ(states.nearest(-100), 0);

@@ -206,7 +206,7 @@ export class Viewer {
     await this.#sortDone();
     this.#freeCase();
     const scene = new GpuScene(loaded.scene);
-    const mesh = new SplatMesh(scene, info.sceneToPatient, info.mmPerUnit);
+    const mesh = new SplatMesh(scene, info.sceneToPatient, info.mmPerUnit, info.faceGain);
     mesh.matrix.multiplyMatrices(kWorldFromPatient, info.sceneToPatient);
     mesh.matrixWorld.copy(mesh.matrix);
     const spare = new Uint32Array(scene.capacity);

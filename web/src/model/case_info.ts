@@ -2,6 +2,7 @@ import { Matrix4, Vector3 } from "three";
 
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
+import { type FaceGain, readFaceGain } from "./face_gain";
 import type { Box, Sphere } from "./geometry";
 import { defaultStates, type PlaneStates, readStates } from "./states";
 
@@ -11,6 +12,7 @@ export interface CaseInfo {
   sceneToPatient: Matrix4;
   mmPerUnit: number;
   states: PlaneStates;
+  faceGain: FaceGain;
   sphere: Sphere;
   bounds: Box;
   title: string;
@@ -59,6 +61,7 @@ export function parseCaseInfo(block: unknown): CaseInfo {
     sceneToPatient,
     mmPerUnit: new Vector3().setFromMatrixColumn(sceneToPatient, 0).length(),
     states: reader.has("states") ? readStates(reader.child("states"), axis) : defaultStates(axis, extent),
+    faceGain: readFaceGain(reader),
     sphere: { center: vector(sphere, "center"), radius: sphere.number("radius", Number.MIN_VALUE) },
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
     title: reader.text("title"),

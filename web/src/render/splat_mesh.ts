@@ -16,6 +16,7 @@ import {
 } from "three";
 
 import { areOpposite, kMaxPlanes } from "../model/cut";
+import { type FaceGain, gainAt } from "../model/face_gain";
 import type { Plane } from "../model/geometry";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
@@ -69,6 +70,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #camera: SceneCamera = makeSceneCamera();
   readonly #sizeScratch = new Vector2();
   readonly #sceneToPatient: Matrix4;
+  readonly #faceGain: FaceGain;
   readonly #colorPass: FullScreenPass;
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
@@ -76,7 +78,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** Splats in the current order. */
   drawn = 0;
 
-  constructor(scene: GpuScene, sceneToPatient: Matrix4, mmPerUnit: number) {
+  constructor(scene: GpuScene, sceneToPatient: Matrix4, mmPerUnit: number, faceGain: FaceGain) {
     const camera = makeSceneCamera();
     const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
     super(
@@ -96,6 +98,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uCamera: { value: camera },
           uDepthToClip: { value: new Vector2() },
           uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
+          uGains: { value: Array.from({ length: kMaxPlanes }, () => new Vector3(1, 1, 1)) },
           uPlaneCount: { value: 0 },
           uSlabs: { value: 0 },
           uClip: { value: 0 },
@@ -111,6 +114,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.#camera = camera;
     this.#mmPerUnit = mmPerUnit;
     this.#sceneToPatient = sceneToPatient;
+    this.#faceGain = faceGain;
     this.#colorPass = new FullScreenPass("color.frag.glsl", {
       uScene: { value: scene.packed },
       uSh0: { value: scene.sh0 },
@@ -137,6 +141,9 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       return p.setW(-p.w);
     });
     const { uniforms, defines } = this.material;
+    planes.forEach(({ normal }, i) => {
+      (uniforms["uGains"]!.value as Vector3[])[i]!.copy(gainAt(this.#faceGain, normal));
+    });
     uniforms["uSlabs"]!.value = planes.reduce(
       (bits, plane, i) => (i > 0 && areOpposite(planes[i - 1]!, plane) ? bits | (1 << i) : bits),
       0,

@@ -18,6 +18,7 @@ uniform PackedScene uPackedScene;
 uniform Camera uCamera;
 uniform vec2 uDepthToClip;  // clip z = x·depth + y, clip w = depth
 uniform vec4 uPlanes[kPlanes];
+uniform vec3 uGains[kPlanes];
 uniform int uPlaneCount;
 uniform int uSlabs;
 uniform int uClip;
@@ -42,7 +43,7 @@ void main() {
   int width = textureSize(uScene, 0).x;
   ivec2 texel = ivec2(int(id) % width, int(id) / width);
   Gaussian g = unpackGaussian(texelFetch(uScene, texel, 0), uPackedScene, uScaleCodebook);
-  Splat s = project(g, uCamera, uPlanes, uPlaneCount, uSlabs, uClip);
+  Splat s = project(g, uCamera, uPlanes, uGains, uPlaneCount, uSlabs, uClip);
   if (!s.visible) {
     return;
   }
@@ -52,7 +53,7 @@ void main() {
   for (int i = 0; i < kPlanes; ++i) {
     vPlane[i] = s.z[i] + dot(s.slope[i], offset);
   }
-  vColor = vec4(texelFetch(uColors, texel, 0).rgb, s.opacity);
+  vColor = vec4(s.gain * texelFetch(uColors, texel, 0).rgb, s.opacity);
   vec2 ndc = 2.0 * (s.center + offset) / uCamera.size - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, (uDepthToClip.x * s.depth + uDepthToClip.y) / s.depth, 1.0);
 }
