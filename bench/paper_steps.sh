@@ -12,7 +12,8 @@ if [ -z "${CLIPGS_DATA:-}" ]; then
 fi
 readonly folder="${1:-build/paper}"
 read -ra cases <<<"${CASES:-head chest abdomen stent}"
-read -ra dataset_options <<<"${DATASET_OPTIONS:-}"
+# Evenly spread, not by need: solid splats, as these models are, learn better from such views.
+read -ra dataset_options <<<"${DATASET_OPTIONS:---views spiral}"
 readonly sh_degree="${SH_DEGREE:-2}"
 readonly clipgs="${CLIPGS:-build/release/src/cli/clipgs}"
 if [ -z "${CLIPGS:-}" ]; then

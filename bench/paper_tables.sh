@@ -14,8 +14,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source bench/paper_steps.sh
 
-readonly budget="${BUDGET:-120000}" steps="${STEPS:-12000}"
-readonly refine_steps="${REFINE_STEPS:-12000}" section_steps="${SECTION_STEPS:-8000}"
+readonly budget="${BUDGET:-120000}" steps="${STEPS:-8000}"
+readonly refine_steps="${REFINE_STEPS:-10000}" section_steps="${SECTION_STEPS:-6000}"
 
 # Leaves FOLDER/CASE/bake.json too.
 bake() {

@@ -202,7 +202,7 @@ TEST(ChooseStates, SlabsFillTheExtent) {
         const float d = position - states.position(k);
         if (in_slab(states, below ? -d : d)) {
           ++slabs;
-          EXPECT_EQ(nearest_slab(states, position), k);
+          EXPECT_EQ(states.nearest_slab(position), k);
         }
       }
       EXPECT_EQ(slabs, 1) << position;

@@ -65,7 +65,7 @@ void Consolidator::take_unseen(const Gaussians& uncut) {
     if (sources_[id] == Source::kNone && uncut.plane(Gaussians::kOpacity)[id] >= kVisibleLogit) {
       sources_[id] = Source::kUncut;
       layers_[id] =
-          static_cast<std::uint16_t>(nearest_slab(states_, glm::dot(axis_, uncut.mean(id))));
+          static_cast<std::uint16_t>(states_.nearest_slab(glm::dot(axis_, uncut.mean(id))));
       take(id, uncut, id);
     }
   }

@@ -27,10 +27,4 @@ inline float off_slab(const PlaneStates& states, float distance) {
   return std::abs(distance - 0.5f * states.spacing);
 }
 
-/// The state whose slab is nearest to `position`, mm along the scene's axis.
-inline int nearest_slab(const PlaneStates& states, float position) {
-  const float half = 0.5f * states.spacing;
-  return states.nearest(states.keeps_below ? position + half : position - half);
-}
-
 }  // namespace clipgs

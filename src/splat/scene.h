@@ -39,6 +39,11 @@ struct PlaneStates {
     const float k = std::round((position - first) / spacing);
     return static_cast<int>(std::clamp(k, 0.0f, static_cast<float>(count - 1)));
   }
+  /// The state whose slab, the step of the axis on the kept side of its plane, is nearest to
+  /// `position`.
+  int nearest_slab(float position) const {
+    return nearest(keeps_below ? position + 0.5f * spacing : position - 0.5f * spacing);
+  }
   /// The plane of a uniaxial cut at `position`, mm along `axis`.
   Plane plane(const Vec3& axis, float position) const {
     const Plane above{axis, position};

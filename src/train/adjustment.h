@@ -15,7 +15,7 @@ struct AdjustmentOptions {
   int hidden_layers = 3;
   /// Share of the extent along the axis, to either side of the plane, in which Gaussians are
   /// adjusted; 0: everywhere.
-  float window = 0.04f;
+  float window = 0.08f;
   /// Whether the model also sees each Gaussian's shape and how deep the plane cuts it; without, it
   /// sees what ClipGS's does, centre and plane position.
   bool shape = true;

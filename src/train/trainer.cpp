@@ -231,7 +231,9 @@ double Trainer::step() {
     from_bytes(view.faces, view.camera, scale, front_);
   }
 
-  if (uniaxial_ && progress >= options_.uniaxial->coarse_share) {
+  // Without truncation nothing else cuts: then it acts from the start.
+  if (uniaxial_ && (progress >= options_.uniaxial->coarse_share ||
+                    options_.uniaxial->truncation == Truncation::kNone)) {
     uniaxial_->start_adjusting();
   }
   const Image& image = draw(view, half ? half_size(view.camera) : view.camera);
@@ -409,7 +411,7 @@ Scene refine(const Scene& scene, const Dataset& dataset, const TrainOptions& opt
     refined.layers.resize(refined.gaussians.size());
     for (size_t i = 0; i < refined.layers.size(); ++i) {
       const float position = glm::dot(scene.axis, refined.gaussians.mean(i));
-      refined.layers[i] = static_cast<std::uint16_t>(scene.states.nearest(position));
+      refined.layers[i] = static_cast<std::uint16_t>(scene.states.nearest_slab(position));
     }
   }
   return refined;

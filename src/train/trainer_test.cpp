@@ -219,7 +219,7 @@ TEST_F(TrainerTest, RefiningImprovesASceneAndLayersFollow) {
   EXPECT_LT(error(refined), 0.9 * error(scene));
   for (size_t i = 0; i < refined.layers.size(); ++i) {
     EXPECT_EQ(refined.layers[i],
-              refined.states.nearest(glm::dot(refined.axis, refined.gaussians.mean(i))));
+              refined.states.nearest_slab(glm::dot(refined.axis, refined.gaussians.mean(i))));
   }
 }
 
