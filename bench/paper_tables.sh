@@ -41,13 +41,14 @@ make_case() {
   step "$at/neural" "$at/neural.json" "$clipgs" train "$at/dataset" -o "$at/neural.ply" --model clipgs --no-section \
     --budget "$budget" --steps "$steps" --sh-degree "$sh_degree"
   step "$at/bake" "$at/bake.json" bake "$at"
-  step "$at/refined" "$at/refined.json" "$clipgs" refine "$at/layered.ply" --dataset "$at/dataset" \
+  step "$at/deep" "$at/deep.json" "$clipgs" bake "$at/neural.ply" -o "$at/deep.ply" --slab-depth 0.08
+  step "$at/refined" "$at/refined.json" "$clipgs" refine "$at/deep.ply" --dataset "$at/dataset" \
     -o "$at/refined.ply" --no-section --budget "$refine_budget" --steps "$refine_steps"
-  step "$at/section" "$at/section.json" "$clipgs" refine "$at/layered.ply" --dataset "$at/dataset" \
+  step "$at/section" "$at/section.json" "$clipgs" refine "$at/deep.ply" --dataset "$at/dataset" \
     -o "$at/section.ply" --steps "$section_steps"
   step "$at/refined.sog" "$at/refined.sog" "$clipgs" pack "$at/refined.ply" -o "$at/refined.sog" --no-section
   step "$at/case.sog" "$at/case.sog" "$clipgs" pack "$at/section.ply" -o "$at/case.sog"
-  evaluate "$at" refined refined.sog --with "$at/layered.ply" --model "$at/neural.ply"
+  evaluate "$at" refined refined.sog --with "$at/layered.ply" --with "$at/deep.ply" --model "$at/neural.ply"
   # Beside a case with a section, the refined scene is drawn with the volume's faces as well.
   evaluate "$at" case case.sog --with "$at/refined.sog"
   evaluate "$at" unpacked refined.ply --with "$at/section.ply" --clip exact
@@ -68,8 +69,9 @@ not who wins.
 
 - \`neural\`: the neural model ([ClipGS](method.md#9-the-neural-model)); draws axis planes alone, in its own way
 - \`layered\`: its 200 states [as one scene](method.md#10-from-states-to-one-scene) (ClipGS-VR)
+- \`deep\`: the same, each primitive from a state whose plane is 8 % of the extent away, where nothing is adjusted
 - \`refined\`: that, [refined](method.md#11-refinement) without the section, as a case
-- \`case\`: \`layered\`, refined with the section's faces in front, as a case with its section. Its splats are hollow
+- \`case\`: \`deep\`, refined with the section's faces in front, as a case with its section. Its splats are hollow
 
 EOF2
 
@@ -135,7 +137,7 @@ function noise(split) {
 console.log("### Against the neural model's pictures\n");
 console.log("Axis planes, faces by splats: what one explicit scene loses of the model.\n");
 tables(
-  ["layered", "refined"].flatMap((subject) =>
+  ["layered", "deep", "refined"].flatMap((subject) =>
     clips.map((clip) => ({table: "refined", subject, clip, section: "splats", against: "neural"}))),
   "test_axis", metrics.slice(0, 4), ["subject", "clip"],
   [{name: "ClipGS-VR", clip: "hard", psnr: 30.55, ssim: 0.9542}, {name: "ClipGS-VR", clip: "soft", psnr: 33.4, ssim: 0.9698}],
@@ -144,7 +146,7 @@ console.log();
 
 const truth = ["splats", "volume"].flatMap((section) => [
   {table: "refined", subject: "neural", clip: "own", section, against: "truth"},
-  ...[["refined", "layered"], [section === "splats" ? "refined" : "case", "refined"], ["case", "case"]].flatMap(
+  ...[["refined", "layered"], ["refined", "deep"], [section === "splats" ? "refined" : "case", "refined"], ["case", "case"]].flatMap(
     ([table, subject]) => clips.map((clip) => ({table, subject, clip, section, against: "truth"}))),
 ]);
 const main = {title: "PSNR / masked PSNR in dB, operators `own` and `exact`",

@@ -34,5 +34,5 @@ expect() {
 
 "$CLIPGS" phantom "$scratch/chest.nrrd" --size 32 --quiet
 "$CLIPGS" phantom "$scratch/abdomen_pelvis_3mm.nii.gz" --size 32 --seed 2 --quiet
-expect paper_tables.sh 107
+expect paper_tables.sh 129
 expect ablation.sh 17

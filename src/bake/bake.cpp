@@ -15,11 +15,13 @@ Gaussians explicit_part(const Gaussians& gaussians) {
 
 }  // namespace
 
-BakedScene bake(const UniaxialModel& model, int state_count, const BakeProgress& progress) {
+BakedScene bake(const UniaxialModel& model, int state_count, float slab_depth,
+                const BakeProgress& progress) {
   const Scene& scene = model.scene;
   const PlaneStates states = choose_states(model, state_count);
   const Gaussians gaussians = explicit_part(scene.gaussians);
-  Consolidator consolidator(gaussians.size(), scene.axis, states);
+  const float depth = slab_depth * (scene.extent.y - scene.extent.x);
+  Consolidator consolidator(gaussians.size(), scene.axis, states, depth);
   UniaxialState state;
   for (int k = 0; k < states.count; ++k) {
     const Plane plane = states.plane(scene.axis, states.position(k));

@@ -200,7 +200,7 @@ TEST(ChooseStates, SlabsFillTheExtent) {
       int slabs = 0;
       for (int k = 0; k < 40; ++k) {
         const float d = position - states.position(k);
-        if (in_slab(states, below ? -d : d)) {
+        if ((Slab{states.spacing}.holds(below ? -d : d))) {
           ++slabs;
           EXPECT_EQ(states.nearest_slab(position), k);
         }
@@ -221,6 +221,30 @@ TEST(ChooseStates, SaysWhatIsWrong) {
   EXPECT_THAT([&] { choose_states(flat, 5); }, ThrowsMessage<Error>(HasSubstr("extent")));
   model.parameters.normal = Vec3(1, 0, 0);
   EXPECT_THAT([&] { bake(model, 5); }, ThrowsMessage<Error>(HasSubstr("across the axis")));
+}
+
+TEST_P(Bake, ADeepSlabTakesWhatThePlaneIsFarFrom) {
+  constexpr float kDepth = 0.1f;  // beyond the narrower window
+  const BakedScene baked = bake(model_, kStates, kDepth);
+  const Scene& scene = baked.scene;
+  EXPECT_EQ(scene.gaussians.size(), bake(model_, kStates).scene.gaussians.size());
+  const float depth = kDepth * (scene.extent.y - scene.extent.x);
+  size_t deep = 0;
+  size_t unchanged = 0;
+  for (size_t n = 0; n < scene.gaussians.size(); ++n) {
+    const Plane plane = scene.states.plane(scene.axis, scene.states.position(scene.layers[n]));
+    const float d = plane.signed_distance(scene.gaussians.mean(n));
+    if (d >= depth && d < depth + scene.states.spacing) {
+      const auto id = static_cast<size_t>(scene.gaussians.plane(Gaussians::kSh)[n]);
+      ++deep;
+      unchanged += scene.gaussians.mean(n) == model_.scene.gaussians.mean(id) ? 1 : 0;
+    }
+  }
+  EXPECT_GE(deep, baked.statistics.from_slab);
+  EXPECT_GT(deep, 1000U);
+  if (std::get<0>(GetParam()) > 0) {
+    EXPECT_GT(unchanged, deep * 99 / 100);
+  }
 }
 
 TEST(Consolidator, TakesTheFirstOfEquals) {

@@ -13,9 +13,11 @@ constexpr size_t kGrain = 4096;
 
 }  // namespace
 
-Consolidator::Consolidator(size_t primitives, const Vec3& axis, const PlaneStates& states)
+Consolidator::Consolidator(size_t primitives, const Vec3& axis, const PlaneStates& states,
+                           float depth)
     : axis_(axis),
       states_(states),
+      slab_{states.spacing, depth},
       best_(primitives, 0),
       sources_(primitives, Source::kNone),
       off_slab_(primitives, 0.0f),
@@ -34,8 +36,8 @@ void Consolidator::add(int k, const Gaussians& gaussians, std::span<const std::u
         continue;
       }
       const float distance = plane.signed_distance(gaussians.mean(n));
-      const Source source = in_slab(states_, distance) ? Source::kSlab : Source::kNearest;
-      const float off = off_slab(states_, distance);
+      const Source source = slab_.holds(distance) ? Source::kSlab : Source::kNearest;
+      const float off = slab_.off_middle(distance);
       ++count.shown;
       count.in_slab += source == Source::kSlab ? 1 : 0;
       const std::uint32_t id = ids[n];

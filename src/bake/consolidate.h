@@ -54,8 +54,8 @@ struct BakedScene {
 /// there are; the result does not depend on the number of threads.
 class Consolidator {
  public:
-  /// `primitives`: of the model. `axis`: see PlaneStates.
-  Consolidator(size_t primitives, const Vec3& axis, const PlaneStates& states);
+  /// `primitives`: of the model. `axis`: see PlaneStates. `depth`: see Slab.
+  Consolidator(size_t primitives, const Vec3& axis, const PlaneStates& states, float depth = 0);
 
   /// Adds state `k`, each once and in ascending order. `ids`: of each Gaussian its index in the
   /// model, each at most once. SH above order 0 may be absent and are not looked at.
@@ -76,6 +76,7 @@ class Consolidator {
 
   Vec3 axis_;
   PlaneStates states_;
+  Slab slab_;
   // Of each primitive: its best version so far.
   Gaussians best_;
   std::vector<Source> sources_;

@@ -15,16 +15,17 @@ constexpr int kMinStates = 2;
 /// its extent is empty, or if `count` is not kMinStates to kMaxStates.
 PlaneStates choose_states(const UniaxialModel& model, int count);
 
-/// Whether a centre at `distance` mm from a state's plane, positive on the kept side, lies in the
-/// state's slab: [0, spacing). That side alone, because the state shows nothing of the other.
-inline bool in_slab(const PlaneStates& states, float distance) {
-  return distance >= 0 && distance < states.spacing;
-}
+/// The part of the kept side of a state's plane that is taken from it: [depth, depth + spacing) mm
+/// from the plane. That side alone, because the state shows nothing of the other.
+struct Slab {
+  float spacing;    ///< mm, of the states
+  float depth = 0;  ///< mm; 0: at the plane, as in the paper
 
-/// How far, mm, such a centre is from the middle of the slab. It orders centres by how central they
-/// lie in a slab and, outside of slabs, by how far they lie from one.
-inline float off_slab(const PlaneStates& states, float distance) {
-  return std::abs(distance - 0.5f * states.spacing);
-}
+  /// Whether a centre at `distance` mm from the plane, positive on the kept side, lies in it.
+  bool holds(float distance) const { return distance >= depth && distance < depth + spacing; }
+  /// How far, mm, such a centre is from the slab's middle. It orders centres by how central they
+  /// lie in a slab and, outside of slabs, by how far they lie from one.
+  float off_middle(float distance) const { return std::abs(distance - depth - 0.5f * spacing); }
+};
 
 }  // namespace clipgs

@@ -28,6 +28,7 @@ struct BakeArguments {
   std::string output;
   std::string export_states;
   int states = kDefaultStates;
+  float slab_depth = 0;
   bool json = false;
 };
 
@@ -46,7 +47,7 @@ BakedScene bake_model(const BakeArguments& arguments) {
   if (!arguments.export_states.empty()) {
     export_states(model, arguments.states, arguments.export_states, progress_bar("export"));
   }
-  return bake(model, arguments.states, progress_bar("bake"));
+  return bake(model, arguments.states, arguments.slab_depth, progress_bar("bake"));
 }
 
 BakedScene bake_folder(const BakeArguments& arguments) {
@@ -135,6 +136,14 @@ void add_bake_command(CLI::App& app) {
       command->add_option("--states", arguments->states, "Plane positions along the axis")
           ->check(CLI::Range(kMinStates, kMaxStates))
           ->capture_default_str();
+  CLI::Option* const depth =
+      command
+          ->add_option(
+              "--slab-depth", arguments->slab_depth,
+              "Share of the extent below a state's plane at which its slab begins (0: at "
+              "the plane, as in the paper; the adjustment's window: what no plane changes)")
+          ->check(CLI::Range(0.0, 1.0))
+          ->capture_default_str();
   CLI::Option* const exported = command->add_option(
       "--export-states", arguments->export_states,
       "Folder to write every state to as well, as 3DGS PLYs with a planes.json (gigabytes)");
@@ -142,6 +151,7 @@ void add_bake_command(CLI::App& app) {
                                 ->add_option("--from-states", arguments->from_states,
                                              "Bake the PLYs of this folder instead of a model")
                                 ->excludes(states)
+                                ->excludes(depth)
                                 ->excludes(exported);
   command
       ->add_option("--planes", arguments->planes,

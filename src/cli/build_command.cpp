@@ -223,7 +223,10 @@ Scene train_bake_refine(const Dataset& dataset, const TrainOptions& options, con
   TrainOptions refining = refine_options();
   refining.steps = std::max<size_t>(1, options.steps - learning.steps);
   refining.seed = options.seed;
-  const Scene layered = bake(read_model(model_path), kDefaultStates).scene;
+  // Each primitive as it is where no plane is near: refinement cuts by the operator, not by
+  // adjusting.
+  const float depth = learning.uniaxial->adjustment.window;
+  const Scene layered = bake(read_model(model_path), kDefaultStates, depth).scene;
   return refine(layered, dataset, refining, checkpoint, faces);
 }
 
