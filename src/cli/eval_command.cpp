@@ -52,16 +52,19 @@ EvaluationOptions evaluation_options(const EvalArguments& arguments) {
   return options;
 }
 
-/// The outputs can be written and are not the scene itself (a PLY's description is a JSON file).
+/// The outputs can be written and are none of the scenes (a PLY's description is a JSON file).
 void check_outputs(const EvalArguments& arguments) {
-  const fs::path scene = arguments.scene;
+  std::vector<std::string> scenes = arguments.others;
+  scenes.push_back(arguments.scene);
+  scenes.push_back(arguments.model);
   for (const fs::path output : {arguments.json, arguments.report}) {
     if (output.empty()) {
       continue;
     }
     std::error_code error;  // a file that does not exist is no other file
-    for (const fs::path& input : {scene, fs::path(scene).replace_extension(".json")}) {
-      if (fs::equivalent(input, output, error)) {
+    for (const std::string& scene : scenes) {
+      if (fs::equivalent(scene, output, error) ||
+          fs::equivalent(fs::path(scene).replace_extension(".json"), output, error)) {
         throw Error("{}: belongs to the scene and would be overwritten; choose another name",
                     output.string());
       }

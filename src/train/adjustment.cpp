@@ -209,13 +209,57 @@ void Adjustment::forward(std::span<const AdjustmentInput> inputs, std::span<Adju
   });
 }
 
+/// ∂L/∂outputs of one block, [points, neurons].
+void Adjustment::start_backward(Scratch& scratch, std::span<const AdjustmentInput> inputs,
+                                std::span<const Adjusted> gradient) const {
+  const size_t width = layers_.back().out;
+  scratch.gradient.assign(kPoints * width, 0.0f);
+  for (size_t p = 0; p < inputs.size(); ++p) {
+    float* row = &scratch.gradient[p * width];
+    const float part = share(inputs[p].distance);
+    const float unit = mean_unit(inputs[p]);
+    for (int a = 0; a < 3; ++a) {
+      row[a] = part * unit * gradient[p].mean[a];
+      row[3 + a] = part * gradient[p].log_scale[a];
+    }
+    for (int a = 0; a < 4; ++a) {
+      row[6 + a] = part * gradient[p].rotation[a];
+    }
+  }
+}
+
+/// From ∂L/∂(outputs of layer `l`) to ∂L/∂(its weights), added to `sum`, and ∂L/∂(its inputs).
+void Adjustment::backward_layer(Scratch& scratch, size_t l, size_t points,
+                                std::vector<float>& sum) const {
+  const Layer& layer = layers_[l];
+  multiply({scratch.gradient.data(), 1, layer.out}, scratch.values[l].data(), layer.out, points,
+           layer.in, true, &sum[layer.begin]);
+  float* bias = &sum[layer.begin + layer.in * layer.out];
+  for (size_t p = 0; p < points; ++p) {
+    for (size_t o = 0; o < layer.out; ++o) {
+      bias[o] += scratch.gradient[p * layer.out + o];
+    }
+  }
+  if (l == 0) {
+    return;
+  }
+  scratch.next.resize(kPoints * layer.in);
+  multiply({scratch.gradient.data(), layer.out, 1}, &weights_[layer.begin], points, layer.out,
+           layer.in, false, scratch.next.data());
+  for (size_t i = 0; i < points * layer.in; ++i) {
+    if (scratch.values[l][i] <= 0) {  // the rectifier
+      scratch.next[i] = 0;
+    }
+  }
+  std::swap(scratch.gradient, scratch.next);
+}
+
 void Adjustment::backward(std::span<const AdjustmentInput> inputs,
                           std::span<const Adjusted> gradient,
                           std::vector<float>& weight_gradient) const {
   const std::vector<float> transposed = transposed_weights();
-  const size_t pieces = (inputs.size() + kGrain - 1) / kGrain;
   // Summed piece by piece, in order: the same at any number of threads.
-  std::vector<std::vector<float>> sums(pieces);
+  std::vector<std::vector<float>> sums((inputs.size() + kGrain - 1) / kGrain);
   parallel_for(inputs.size(), kGrain, [&](size_t begin, size_t end) {
     Scratch scratch;
     scratch.transposed = transposed;
@@ -224,43 +268,9 @@ void Adjustment::backward(std::span<const AdjustmentInput> inputs,
     for (size_t block = begin; block < end; block += kPoints) {
       const size_t points = std::min(kPoints, end - block);
       run(scratch, inputs.subspan(block, points));
-      scratch.gradient.assign(kPoints * layers_.back().out, 0.0f);
-      for (size_t p = 0; p < points; ++p) {
-        float* row = &scratch.gradient[p * layers_.back().out];
-        const AdjustmentInput& input = inputs[block + p];
-        const float part = share(input.distance);
-        const float unit = mean_unit(input);
-        const Adjusted& from = gradient[block + p];
-        for (int a = 0; a < 3; ++a) {
-          row[a] = part * unit * from.mean[a];
-          row[3 + a] = part * from.log_scale[a];
-        }
-        for (int a = 0; a < 4; ++a) {
-          row[6 + a] = part * from.rotation[a];
-        }
-      }
+      start_backward(scratch, inputs.subspan(block, points), gradient.subspan(block, points));
       for (size_t l = layers_.size(); l-- > 0;) {
-        const Layer& layer = layers_[l];
-        multiply({scratch.gradient.data(), 1, layer.out}, scratch.values[l].data(), layer.out,
-                 points, layer.in, true, &sum[layer.begin]);
-        float* bias = &sum[layer.begin + layer.in * layer.out];
-        for (size_t p = 0; p < points; ++p) {
-          for (size_t o = 0; o < layer.out; ++o) {
-            bias[o] += scratch.gradient[p * layer.out + o];
-          }
-        }
-        if (l == 0) {
-          break;
-        }
-        scratch.next.resize(kPoints * layer.in);
-        multiply({scratch.gradient.data(), layer.out, 1}, &weights_[layer.begin], points, layer.out,
-                 layer.in, false, scratch.next.data());
-        for (size_t i = 0; i < points * layer.in; ++i) {
-          if (scratch.values[l][i] <= 0) {
-            scratch.next[i] = 0;
-          }
-        }
-        std::swap(scratch.gradient, scratch.next);
+        backward_layer(scratch, l, points, sum);
       }
     }
   });

@@ -76,6 +76,9 @@ class Adjustment {
 
   void encode(const AdjustmentInput& input, float* out) const;
   void run(Scratch& scratch, std::span<const AdjustmentInput> inputs) const;
+  void start_backward(Scratch& scratch, std::span<const AdjustmentInput> inputs,
+                      std::span<const Adjusted> gradient) const;
+  void backward_layer(Scratch& scratch, size_t l, size_t points, std::vector<float>& sum) const;
   float mean_unit(const AdjustmentInput& input) const;
   std::vector<float> transposed_weights() const;
 

@@ -103,7 +103,10 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     std::memcpy(numbers.data(), bytes.data() + bytes.size() - numbers.size() * sizeof(float),
                 numbers.size() * sizeof(float));
     if (!uniaxial_->load(numbers, header.size)) {
-      throw corrupt();
+      throw Error(
+          "{}: was written with other options, or is corrupt; delete it, or give the ones "
+          "it had",
+          path.string());
     }
   }
   FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};

@@ -190,6 +190,10 @@ TEST_F(TrainerTest, AUniaxialModelIsTheSameAtAnyNumberOfThreadsAndAfterAResume) 
     EXPECT_TRUE(all_of(second) == all_of(whole));
     Trainer other(dataset(), options());
     EXPECT_THROW(other.load_checkpoint(checkpoint), Error);
+    TrainOptions hard = with;
+    hard.uniaxial->truncation = Truncation::kHard;
+    Trainer of_hard(dataset(), hard);
+    EXPECT_THROW(of_hard.load_checkpoint(checkpoint), Error);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "train/uniaxial_learner.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "train/adam.h"
@@ -11,6 +12,12 @@ namespace {
 /// Temperatures away from the plane beyond which a threshold stays as it is: the sigmoid is flat
 /// there, but Adam would make whole steps of its last digits.
 constexpr float kFlat = 8;
+
+/// The options as numbers, so that a checkpoint of others is told.
+std::vector<float> numbers_of(const UniaxialOptions& options) {
+  return {static_cast<float>(options.truncation), options.adjust ? 1.0f : 0.0f,
+          options.coarse_share, options.adjustment.window, options.adjustment.shape ? 1.0f : 0.0f};
+}
 
 }  // namespace
 
@@ -108,7 +115,8 @@ void UniaxialLearner::copied(const std::vector<std::uint32_t>& targets,
 
 std::vector<float> UniaxialLearner::save() const {
   const std::optional<Adjustment>& adjustment = waiting_ ? waiting_ : parameters_.adjustment;
-  std::vector<float> numbers = {waiting_ ? 0.0f : 1.0f};
+  std::vector<float> numbers = numbers_of(options_);
+  numbers.push_back(waiting_ ? 0.0f : 1.0f);
   const auto append = [&](const std::vector<float>& list) {
     numbers.insert(numbers.end(), list.begin(), list.end());
   };
@@ -126,10 +134,12 @@ std::vector<float> UniaxialLearner::save() const {
 
 bool UniaxialLearner::load(const std::vector<float>& numbers, size_t size) {
   const size_t weights = weight_moments_.first.size();
-  if (numbers.size() != 1 + 4 * (size + weights)) {
+  const std::vector<float> options = numbers_of(options_);
+  if (numbers.size() != options.size() + 1 + 4 * (size + weights) ||
+      !std::equal(options.begin(), options.end(), numbers.begin())) {
     return false;
   }
-  const float* at = numbers.data();
+  const float* at = numbers.data() + options.size();
   if (*at++ == 1.0f) {
     start_adjusting();
   }

@@ -51,7 +51,8 @@ class UniaxialLearner {
 
   /// Everything that the next step depends on, as numbers, for a checkpoint.
   std::vector<float> save() const;
-  /// Restores it for `size` Gaussians; false if the numbers cannot be of this learner.
+  /// Restores it for `size` Gaussians; false if the numbers are not of such a learner, or of one
+  /// with other options.
   bool load(const std::vector<float>& numbers, size_t size);
 
  private:
