@@ -70,18 +70,8 @@ EOF2
 
 node - "$folder" "${cases[@]}" <<'JS'
 const fs = require("node:fs");
+const {known, show, mean, line, head} = require("./bench/markdown.cjs");
 const [folder, ...cases] = process.argv.slice(2);
-const known = (value) => value !== null && value !== undefined;
-const show = (value, digits) => (known(value) ? value.toFixed(digits) : "–");
-const mean = (values) => {
-  const defined = values.filter(known);
-  return defined.length > 0 ? defined.reduce((a, b) => a + b, 0) / defined.length : null;
-};
-const line = (cells) => console.log(`| ${cells.join(" | ")} |`);
-const head = (cells) => {
-  line(cells);
-  console.log(`|${"---|".repeat(cells.length)}`);
-};
 const rows = [
   ["lt", "LT only", 34.58],
   ["aam", "AAM only, everywhere", 35.95],

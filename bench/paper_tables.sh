@@ -77,21 +77,11 @@ EOF2
 
 node - "$folder" "${cases[@]}" <<'JS'
 const fs = require("node:fs");
+const {known, show, mean, line, head} = require("./bench/markdown.cjs");
 const [folder, ...cases] = process.argv.slice(2);
 const read = (name, file) => JSON.parse(fs.readFileSync(`${folder}/${name}/${file}`, "utf8"));
 const figures = Object.fromEntries(["refined", "case", "unpacked"].map((table) =>
   [table, Object.fromEntries(cases.map((name) => [name, read(name, `${table}.figures`)]))]));
-const known = (value) => value !== null && value !== undefined;
-const show = (value, digits) => (known(value) ? value.toFixed(digits) : "–");
-const mean = (values) => {
-  const defined = values.filter(known);
-  return defined.length > 0 ? defined.reduce((a, b) => a + b, 0) / defined.length : null;
-};
-const line = (cells) => console.log(`| ${cells.join(" | ")} |`);
-const head = (cells) => {
-  line(cells);
-  console.log(`|${"---|".repeat(cells.length)}`);
-};
 
 // A kind of picture: a table of figures, and what its rows say of themselves.
 const find = (kind, name, split) => figures[kind.table][name].rows.find((row) =>

@@ -99,14 +99,14 @@ std::vector<Case> load_subjects(const EvalArguments& arguments, const Dataset& d
 }
 
 /// What ClipGS-VR's steps leave of the model's states, and the file that is measured.
-std::vector<SizeStage> size_stages(const EvalArguments& arguments, const Scene& scene) {
+std::vector<SizeStage> size_stages(const fs::path& file, const Scene& scene, const Case& model) {
   const int count = scene.states.count > 0 ? scene.states.count : kDefaultStates;
-  const BakeStatistics bytes = bake(read_model(arguments.model), count).statistics;
+  const BakeStatistics bytes = bake({model.scene, *model.model}, count).statistics;
   return {{fmt::format("{} states as PLY", count), bytes.raw_bytes},
           {"view dependence shared", bytes.shared_sh_bytes},
           {"a slab of each state", bytes.slab_bytes},
           {"one scene with layers", bytes.consolidated_bytes},
-          {fs::path(arguments.scene).filename().string(), fs::file_size(arguments.scene)}};
+          {file.filename().string(), fs::file_size(file)}};
 }
 
 void run_eval(const EvalArguments& arguments) {
@@ -124,7 +124,7 @@ void run_eval(const EvalArguments& arguments) {
   Evaluation evaluation = evaluate(subjects, dataset, options);
   evaluation.bytes = fs::file_size(arguments.scene);
   if (!arguments.model.empty()) {
-    evaluation.sizes = size_stages(arguments, cases.front().scene);
+    evaluation.sizes = size_stages(arguments.scene, cases.front().scene, cases.back());
   }
   if (!arguments.json.empty()) {
     write_text(arguments.json, evaluation_json(evaluation));

@@ -1,7 +1,6 @@
 #include "train/adam.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/parallel.h"
 
@@ -31,10 +30,9 @@ void Adam::step(const std::vector<std::uint32_t>& reached, const Gaussians& grad
                 const LearningRates& rates, Gaussians& gaussians) {
   // In index order memory is walked forwards; a mask keeps the inner loop free of gathers.
   const size_t size = gaussians.size();
-  std::vector<float> correction(size, 0.0f);  // 0: not reached
+  std::vector<float> corrections(size, 0.0f);  // 0: not reached
   for (const std::uint32_t i : reached) {
-    const auto t = static_cast<float>(++updates_[i]);
-    correction[i] = std::sqrt(1 - std::pow(kBeta2, t)) / (1 - std::pow(kBeta1, t));
+    corrections[i] = Adam::correction(static_cast<float>(++updates_[i]));
   }
   constexpr size_t kGrain = 4096;
   parallel_for(size, kGrain, [&](size_t begin, size_t end) {
@@ -45,13 +43,10 @@ void Adam::step(const std::vector<std::uint32_t>& reached, const Gaussians& grad
       float* m = first_.plane(p);
       float* v = second_.plane(p);
       for (size_t i = begin; i < end; ++i) {
-        if (correction[i] == 0) {
+        if (corrections[i] == 0) {
           continue;
         }
-        const float g = gradient[i];
-        m[i] = kBeta1 * m[i] + (1 - kBeta1) * g;
-        v[i] = kBeta2 * v[i] + (1 - kBeta2) * g * g;
-        value[i] -= rate * correction[i] * m[i] / (std::sqrt(v[i]) + kEpsilon);
+        value[i] -= advance(gradient[i], rate * corrections[i], m[i], v[i]);
       }
     }
   });

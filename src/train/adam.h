@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -29,6 +30,19 @@ class Adam {
   static constexpr float kBeta1 = 0.9f;
   static constexpr float kBeta2 = 0.999f;
   static constexpr float kEpsilon = 1e-15f;
+
+  /// Bias correction of an update, the `t`-th of what it moves.
+  static float correction(float t) {
+    return std::sqrt(1 - std::pow(kBeta2, t)) / (1 - std::pow(kBeta1, t));
+  }
+  /// Takes `gradient` (a number or a vector) into the moments; returns what to subtract. `rate`:
+  /// corrected.
+  template <typename T>
+  static T advance(const T& gradient, float rate, T& first, T& second) {
+    first = kBeta1 * first + (1 - kBeta1) * gradient;
+    second = kBeta2 * second + (1 - kBeta2) * gradient * gradient;
+    return rate * first / (glm::sqrt(second) + kEpsilon);
+  }
 
   Adam() = default;
   Adam(size_t size, int sh_degree)

@@ -278,16 +278,11 @@ void Trainer::learn_gain(const View& view, float rate) {
   std::array<float, FaceGain::kCoefficients> basis;
   sh_basis(FaceGain::kDegree, view.plane->normal, basis.data());
   const Vec3 of_exponent = rasterizer_.gain_gradient() * gain_.value.at(view.plane->normal);
-  const float t = ++gain_.updates;
-  const float correction =
-      std::sqrt(1 - std::pow(Adam::kBeta2, t)) / (1 - std::pow(Adam::kBeta1, t));
+  const float corrected = rate * Adam::correction(++gain_.updates);
   for (size_t k = 0; k < basis.size(); ++k) {
-    const Vec3 gradient = basis[k] * of_exponent;
-    Vec3& m = gain_.first.coefficients[k];
-    Vec3& v = gain_.second.coefficients[k];
-    m = Adam::kBeta1 * m + (1 - Adam::kBeta1) * gradient;
-    v = Adam::kBeta2 * v + (1 - Adam::kBeta2) * gradient * gradient;
-    gain_.value.coefficients[k] -= rate * correction * m / (glm::sqrt(v) + Adam::kEpsilon);
+    gain_.value.coefficients[k] -=
+        Adam::advance(basis[k] * of_exponent, corrected, gain_.first.coefficients[k],
+                      gain_.second.coefficients[k]);
   }
 }
 

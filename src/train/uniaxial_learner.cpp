@@ -30,12 +30,8 @@ void UniaxialLearner::Moments::resize(size_t size) {
 void UniaxialLearner::Moments::reset(size_t i) { first[i] = second[i] = updates[i] = 0; }
 
 float UniaxialLearner::Moments::move(size_t i, float gradient, float rate) {
-  const float t = ++updates[i];
-  first[i] = Adam::kBeta1 * first[i] + (1 - Adam::kBeta1) * gradient;
-  second[i] = Adam::kBeta2 * second[i] + (1 - Adam::kBeta2) * gradient * gradient;
-  const float correction =
-      std::sqrt(1 - std::pow(Adam::kBeta2, t)) / (1 - std::pow(Adam::kBeta1, t));
-  return -rate * correction * first[i] / (std::sqrt(second[i]) + Adam::kEpsilon);
+  const float corrected = rate * Adam::correction(++updates[i]);
+  return -Adam::advance(gradient, corrected, first[i], second[i]);
 }
 
 UniaxialLearner::UniaxialLearner(const UniaxialOptions& options, const Vec3& normal,
