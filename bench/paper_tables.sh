@@ -9,14 +9,15 @@
 #
 # Takes hours. Stop it whenever you like; run again, it goes on. Everything has a default:
 # BUDGET of Gaussians; STEPS of the neural model; REFINE_BUDGET, what refinement without the section may grow
-# to, and REFINE_STEPS; SECTION_STEPS, those of refinement with
-# the volume's faces in front; what paper_steps.sh says of pictures, CASES and CLIPGS.
+# to, REFINE_STEPS and REFINE_SH_DEGREE; SECTION_STEPS, those of refinement with the volume's faces in front;
+# what paper_steps.sh says of pictures, CASES and CLIPGS.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source bench/paper_steps.sh
 
 readonly budget="${BUDGET:-120000}" steps="${STEPS:-8000}"
-readonly refine_budget="${REFINE_BUDGET:-240000}" refine_steps="${REFINE_STEPS:-10000}" section_steps="${SECTION_STEPS:-6000}"
+readonly refine_budget="${REFINE_BUDGET:-260000}" refine_steps="${REFINE_STEPS:-10000}" refine_sh_degree="${REFINE_SH_DEGREE:-1}"
+readonly section_steps="${SECTION_STEPS:-6000}"
 
 # Leaves FOLDER/CASE/bake.json too.
 bake() {
@@ -35,7 +36,7 @@ make_case() {
   local at="$folder/$1"
   dataset "$1"
   settings "$at/tables.settings" "BUDGET=$budget" "STEPS=$steps" \
-    "REFINE_BUDGET=$refine_budget" "REFINE_STEPS=$refine_steps" \
+    "REFINE_BUDGET=$refine_budget" "REFINE_STEPS=$refine_steps" "REFINE_SH_DEGREE=$refine_sh_degree" \
     "SECTION_STEPS=$section_steps" "SH_DEGREE=$sh_degree"
   # The JSON beside a PLY is written last.
   step "$at/neural" "$at/neural.json" "$clipgs" train "$at/dataset" -o "$at/neural.ply" --model clipgs --no-section \
@@ -43,7 +44,7 @@ make_case() {
   step "$at/bake" "$at/bake.json" bake "$at"
   step "$at/deep" "$at/deep.json" "$clipgs" bake "$at/neural.ply" -o "$at/deep.ply" --slab-depth 0.08
   step "$at/refined" "$at/refined.json" "$clipgs" refine "$at/deep.ply" --dataset "$at/dataset" \
-    -o "$at/refined.ply" --no-section --budget "$refine_budget" --steps "$refine_steps"
+    -o "$at/refined.ply" --no-section --budget "$refine_budget" --steps "$refine_steps" --sh-degree "$refine_sh_degree"
   step "$at/section" "$at/section.json" "$clipgs" refine "$at/deep.ply" --dataset "$at/dataset" \
     -o "$at/section.ply" --steps "$section_steps"
   step "$at/refined.sog" "$at/refined.sog" "$clipgs" pack "$at/refined.ply" -o "$at/refined.sog" --no-section
@@ -62,8 +63,8 @@ cat <<EOF2
 ## The papers' tables
 
 Made by \`CLIPGS_DATA=... bench/paper_tables.sh\` on $(machine) and no graphics card: $budget Gaussians of
-SH degree $sh_degree; $steps steps of the neural model, $refine_steps of refinement (to $refine_budget Gaussians), $section_steps of refinement
-with the section. Means over the cases: ${cases[*]}. [method.md](method.md#7-metrics) defines the columns.
+SH degree $sh_degree; $steps steps of the neural model, $refine_steps of refinement (to $refine_budget Gaussians of
+degree $refine_sh_degree), $section_steps of refinement with the section. Means over the cases: ${cases[*]}. [method.md](method.md#7-metrics) defines the columns.
 Figures under a paper's name are as it states them, of its own volumes and pictures: they say what to expect,
 not who wins.
 

@@ -141,6 +141,7 @@ CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& 
   const SogSummary summary = sog_summary(opened.meta, name);
   info.splats = summary.count;
   info.sh_degree = summary.sh_degree;
+  info.has_face_colors = summary.face_colors;
   info.has_layers = has_layers(opened.block);
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
     info.section = section_info(*section, opened.files, section_name(name));

@@ -34,6 +34,7 @@ struct CaseInfo {
   int sh_degree = 0;
   std::optional<SectionInfo> section;
   bool has_layers = false;
+  bool has_face_colors = false;
   size_t bytes = 0;
   std::string generator;  ///< the program that wrote it, with its version
   Bytes thumbnail;        ///< WebP; empty if the case has none

@@ -20,9 +20,12 @@ using clipgs::ZipEntry;
 /// A valid case with entry `which` replaced, under checksums that hold: past the archive's own
 /// checks, which a mutation hardly ever survives.
 Bytes case_with(std::span<const std::uint8_t> content, size_t which) {
-  static const auto kEntries = clipgs::read_zip(
-      clipgs::encode_case({clipgs::layered_scene(40, 1, 1), clipgs::test::ball_section()}, nullptr),
-      "seed");
+  static const auto kEntries = [] {
+    clipgs::Scene scene = clipgs::layered_scene(40, 1, 1);
+    scene.gaussians = clipgs::random_faces(40, 1, 1);
+    return clipgs::read_zip(
+        clipgs::encode_case({std::move(scene), clipgs::test::ball_section()}, nullptr), "seed");
+  }();
   std::vector<ZipEntry> entries;
   for (const auto& [name, bytes] : kEntries) {
     const bool replaced = entries.size() == which % kEntries.size();

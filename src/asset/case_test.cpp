@@ -273,7 +273,9 @@ TEST(Case, RefusesOtherFilesInOneLine) {
   refuses(write_zip({{"meta.json", {'{', '"'}}}), "not JSON");
   refuses(write_zip({{"meta.json", {'{', '}'}}}), "clipgs");
 
-  const Bytes whole = encode_case({random_scene(50, 1, 25)}, nullptr);
+  Scene scene = random_scene(50, 1, 25);
+  scene.gaussians = random_faces(50, 1, 25);
+  const Bytes whole = encode_case({scene}, nullptr);
   const json meta = meta_of(whole);
   const auto changed = [&](const char* pointer, const json& value) {
     json copy = meta;
@@ -292,7 +294,11 @@ TEST(Case, RefusesOtherFilesInOneLine) {
   refuses(changed("/scales/codebook/7", 1e9), "codebook");
   refuses(changed("/shN/bands", 3), "× ");
   refuses(changed("/shN/bands", 4), "bands");
-  refuses(changed("/shN/count", 1), "names colour");
+  refuses(changed("/shN/count", 1), "names entry");
+  refuses(changed("/clipgs_faces/bands", 2), "bands");
+  refuses(changed("/clipgs_faces/count", 1), "clipgs_faces");
+  refuses(changed("/clipgs_faces/codebook", 1), "codebook");
+  refuses(changed("/clipgs_faces/files/0", "absent.webp"), "absent.webp");
   refuses(changed("/quats/files/0", "sh0.webp"), "rotation");
   refuses(changed("/clipgs/version", 2), "newer clipgs");
   refuses(changed("/clipgs/axis", {0, 0, 0}), "axis");

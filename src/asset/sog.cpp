@@ -24,6 +24,8 @@ constexpr int kSogVersion = 2;
 constexpr int kMaxCode = 65535;
 constexpr size_t kGrain = 8192;
 constexpr int kCentroidsPerRow = 64;
+constexpr const char* kShKey = "shN";
+constexpr const char* kFaceKey = "clipgs_faces";  // ours, as shN
 constexpr std::uint8_t kFirstRotationTag = 252;
 // Limits beyond which floats would overflow in a renderer.
 constexpr float kMaxLogMean = 20;  // ln(|x| + 1), x in metres
@@ -204,13 +206,12 @@ struct Writer {
     images.emplace_back("sh0.webp", std::move(image));
   }
 
-  /// The coefficients above degree 0 as a palette of whole sets.
-  void add_directional_colors() {
-    const auto coefficients = static_cast<size_t>(sh_coefficients(g.sh_degree()) - 1);
+  /// What `coefficients` RGB coefficients from plane `first` are, as a palette of whole sets.
+  void add_color_sets(int first, size_t coefficients, int bands, const std::string& key) {
     const size_t dimension = 3 * coefficients;
     std::vector<float> points(g.size() * dimension);
     for (size_t d = 0; d < dimension; ++d) {
-      const float* plane = g.plane(Gaussians::kSh + 3 + static_cast<int>(d));
+      const float* plane = g.plane(first + static_cast<int>(d));
       for (size_t i = 0; i < g.size(); ++i) {
         points[i * dimension + d] = std::clamp(plane[i], -kMaxSh, kMaxSh);
       }
@@ -230,12 +231,14 @@ struct Writer {
       labels.rgba[4 * i] = static_cast<std::uint8_t>(palette.labels[i]);
       labels.rgba[4 * i + 1] = static_cast<std::uint8_t>(palette.labels[i] >> 8);
     }
-    meta["shN"] = {{"count", palette.size()},
-                   {"bands", g.sh_degree()},
-                   {"codebook", to_json(codebook.values)},
-                   {"files", {"shN_centroids.webp", "shN_labels.webp"}}};
-    images.emplace_back("shN_centroids.webp", std::move(centroids));
-    images.emplace_back("shN_labels.webp", std::move(labels));
+    const std::string centroids_file = key + "_centroids.webp";
+    const std::string labels_file = key + "_labels.webp";
+    meta[key] = {{"count", palette.size()},
+                 {"bands", bands},
+                 {"codebook", to_json(codebook.values)},
+                 {"files", {centroids_file, labels_file}}};
+    images.emplace_back(centroids_file, std::move(centroids));
+    images.emplace_back(labels_file, std::move(labels));
   }
 
   /// One centroid for about 16 splats, as a power of two.
@@ -263,8 +266,12 @@ class MetaReader {
     integer(meta_, "version", kSogVersion, kSogVersion);
     SogSummary result;
     result.count = static_cast<size_t>(integer(meta_, "count", 1, kMaxSplats));
-    if (meta_.contains("shN")) {
-      result.sh_degree = integer(section("shN"), "bands", 1, kMaxShDegree);
+    if (meta_.contains(kShKey)) {
+      result.sh_degree = integer(section(kShKey), "bands", 1, kMaxShDegree);
+    }
+    result.face_colors = meta_.contains(kFaceKey);
+    if (result.face_colors) {
+      integer(section(kFaceKey), "bands", Gaussians::kFaceDegree, Gaussians::kFaceDegree);
     }
     return result;
   }
@@ -331,14 +338,18 @@ class Decoder {
     const Texels rotations = image("quats", 0);
     const Texels scales = image("scales", 0);
     const Texels colors = image("sh0", 0);
-    Gaussians g(count_, summary_.sh_degree);
+    Gaussians g(count_, summary_.sh_degree, summary_.face_colors);
     decode_means(low, high, g);
     decode_rotations(rotations, g);
     decode_codes(scales, codebook("scales", kMaxLogScale), Gaussians::kLogScale, g);
     decode_codes(colors, codebook("sh0", kMaxSh), Gaussians::kSh, g);
     decode_opacities(colors, g);
     if (summary_.sh_degree > 0) {
-      decode_directional_colors(g);
+      decode_color_sets(kShKey, static_cast<size_t>(sh_coefficients(summary_.sh_degree)) - 1,
+                        Gaussians::kSh + 3, g);
+    }
+    if (summary_.face_colors) {
+      decode_color_sets(kFaceKey, sh_coefficients(Gaussians::kFaceDegree), g.face(), g);
     }
     return g;
   }
@@ -423,25 +434,23 @@ class Decoder {
     }
   }
 
-  void decode_directional_colors(Gaussians& g) const {
-    const auto coefficients = static_cast<size_t>(sh_coefficients(g.sh_degree()) - 1);
+  void decode_color_sets(const char* key, size_t coefficients, int first, Gaussians& g) const {
     const auto palette =
-        static_cast<size_t>(meta_.integer(meta_.section("shN"), "count", 1, kMaxPaletteSize));
+        static_cast<size_t>(meta_.integer(meta_.section(key), "count", 1, kMaxPaletteSize));
     const auto rows = static_cast<int>((palette + kCentroidsPerRow - 1) / kCentroidsPerRow);
-    const Texels centroids =
-        image("shN", 0, kCentroidsPerRow * static_cast<int>(coefficients), rows);
-    const Texels labels = image("shN", 1);
-    const std::vector<float> values = codebook("shN", kMaxSh);
+    const Texels centroids = image(key, 0, kCentroidsPerRow * static_cast<int>(coefficients), rows);
+    const Texels labels = image(key, 1);
+    const std::vector<float> values = codebook(key, kMaxSh);
     for (size_t i = 0; i < count_; ++i) {
       const auto label = static_cast<size_t>(labels.rgba[4 * i] | (labels.rgba[4 * i + 1] << 8));
       if (label >= palette) {
-        throw Error("{}: splat {} names colour {} of {}; the file is corrupt", meta_.name(), i,
-                    label, palette);
+        throw Error("{}: splat {} names entry {} of the {} of {}; the file is corrupt",
+                    meta_.name(), i, label, palette, key);
       }
       for (size_t k = 0; k < coefficients; ++k) {
         const std::uint8_t* texel = &centroids.rgba[4 * (label * coefficients + k)];
         for (size_t c = 0; c < 3; ++c) {
-          g.plane(Gaussians::kSh + static_cast<int>(3 * (k + 1) + c))[i] = values[texel[c]];
+          g.plane(first + static_cast<int>(3 * k + c))[i] = values[texel[c]];
         }
       }
     }
@@ -474,7 +483,13 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
   writer.add_rotations();
   writer.add_colors();
   if (ordered.sh_degree() > 0) {
-    writer.add_directional_colors();
+    writer.add_color_sets(Gaussians::kSh + 3,
+                          static_cast<size_t>(sh_coefficients(ordered.sh_degree())) - 1,
+                          ordered.sh_degree(), kShKey);
+  }
+  if (ordered.has_face_colors()) {
+    writer.add_color_sets(ordered.face(), sh_coefficients(Gaussians::kFaceDegree),
+                          Gaussians::kFaceDegree, kFaceKey);
   }
   const size_t first = files.size();
   files.resize(first + writer.images.size());

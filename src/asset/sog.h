@@ -14,15 +14,17 @@ namespace clipgs {
 struct SogSummary {
   size_t count = 0;  ///< splats
   int sh_degree = 0;
+  bool face_colors = false;
 };
 
 /// Splats that a SOG may hold here.
 constexpr size_t kMaxSplats = size_t{4} << 20;
 
 /// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
-/// meta.json. Splats come out in Morton order; the result depends neither on the order they came
-/// in nor on the number of threads. `order`, unless null, is set to the index in `gaussians` of
-/// each splat of the SOG. Throws Error if there are none, too many, or one that is not finite.
+/// meta.json; face colours are a key of our own in it. Splats come out in Morton order; the result
+/// depends neither on the order they came in nor on the number of threads. `order`, unless null, is
+/// set to the index in `gaussians` of each splat of the SOG. Throws Error if there are none, too
+/// many, or one that is not finite.
 nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
                           std::vector<size_t>* order = nullptr);
 

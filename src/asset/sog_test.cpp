@@ -94,6 +94,20 @@ TEST(Sog, EveryParameterSurvivesWithinItsQuantisation) {
   }
 }
 
+TEST(Sog, FaceColoursSurviveAsAPalette) {
+  const Gaussians faces = random_faces(kCount, 1, 11);
+  Gaussians g = metric_gaussians(kCount, 1, 11).reshaped(1, true);
+  for (int p = g.face(); p < g.planes(); ++p) {
+    std::copy_n(faces.plane(p), kCount, g.plane(p));
+  }
+  const RoundTrip t = round_trip(g);
+  ASSERT_TRUE(t.after.has_face_colors());
+  EXPECT_EQ(t.files.size(), 9u);
+  EXPECT_LT(rms_difference(t, Gaussians::kSh + 3, 9), 0.05);
+  EXPECT_LT(rms_difference(t, g.face(), Gaussians::kFacePlanes), 0.1);  // that of a palette of one
+  EXPECT_GT(rms_difference(t, g.face(), Gaussians::kFacePlanes), 0);
+}
+
 TEST(Sog, HasTheLayoutOfVersion2) {
   const RoundTrip t = round_trip(metric_gaussians(kCount, 2, 12));
   EXPECT_EQ(t.meta["version"], 2);

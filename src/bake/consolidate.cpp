@@ -108,7 +108,7 @@ BakedScene Consolidator::finish(Scene uncut) {
   Scene& scene = result.scene;
   scene.axis = axis_;
   scene.states = states_;
-  scene.gaussians = Gaussians(kept.size(), shared.sh_degree());
+  scene.gaussians = shared.like(kept.size());
   scene.layers.resize(kept.size());
   parallel_for(kept.size(), kGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < scene.gaussians.planes(); ++p) {

@@ -60,11 +60,11 @@ class StateReader {
     Gaussians state = transform(read_ply(path), planes_.world);
     if (known_.empty()) {
       first_file_ = file;
-      common_ = Gaussians(state.size(), state.sh_degree());
+      common_ = state.like(state.size());
       std::fill_n(common_.plane(Gaussians::kOpacity), common_.size(), kHiddenLogit);
       known_.assign(state.size(), 0);
     }
-    if (state.size() != common_.size() || state.sh_degree() != common_.sh_degree()) {
+    if (state.size() != common_.size() || !state.is_like(common_)) {
       throw Error(
           "{}: has {} splats of SH degree {}, {} has {} of degree {}; all states must be of one "
           "model",

@@ -19,8 +19,10 @@ struct ExportArguments {
 
 void run_export(const ExportArguments& arguments) {
   require_writable(arguments.output);
-  const Scene scene = load_case(arguments.input).scene;
-  write_ply(arguments.output, transform(scene.gaussians, scene_to_world().inverse()));
+  const Gaussians gaussians = load_case(arguments.input).scene.gaussians;
+  // Other programs cut nothing: face colours are of no use to them.
+  write_ply(arguments.output, transform(gaussians.reshaped(gaussians.sh_degree(), false),
+                                        scene_to_world().inverse()));
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ Json describe_case(const std::filesystem::path& path) {
   json["kind"] = "case";
   json["splats"] = info.splats;
   json["sh_bands"] = info.sh_degree;
+  json["face_colors"] = info.has_face_colors;
   json["bytes"] = info.bytes;
   if (info.section) {
     const IVec3& dims = info.section->dims;
@@ -60,6 +61,7 @@ Json describe_scene(const std::filesystem::path& path) {
   json["kind"] = "scene";
   json["splats"] = scene.gaussians.size();
   json["sh_bands"] = scene.gaussians.sh_degree();
+  json["face_colors"] = scene.gaussians.has_face_colors();
   json["bytes"] = std::filesystem::file_size(path);
   describe_common(scene, !scene.layers.empty(), json);
   return json;

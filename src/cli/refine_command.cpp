@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 
 #include "cli/commands.h"
 #include "cli/section_step.h"
@@ -18,6 +19,7 @@ struct RefineArguments {
   std::string output;
   std::string clip = "exact";
   bool no_section = false;
+  std::optional<int> sh_degree;
   TrainOptions options = refine_options();
 };
 
@@ -27,7 +29,11 @@ void run_refine(const RefineArguments& arguments) {
     throw Error("{}: is a neural model; make a scene of it with clipgs bake first",
                 arguments.scene);
   }
-  const Scene scene = read_scene(arguments.scene);
+  Scene scene = read_scene(arguments.scene);
+  if (arguments.sh_degree) {
+    scene.gaussians =
+        scene.gaussians.reshaped(*arguments.sh_degree, scene.gaussians.has_face_colors());
+  }
   const Dataset dataset = load_dataset(arguments.dataset);
   TrainOptions options = arguments.options;
   options.clip = parse_clip_operator(arguments.clip);
@@ -59,6 +65,10 @@ void add_refine_command(CLI::App& app) {
       ->add_option("--budget", options.budget,
                    "Gaussians at most (default: as many as the scene has)")
       ->check(CLI::Range(1000, 2000000));
+  command
+      ->add_option("--sh-degree", arguments->sh_degree,
+                   "Degree of the colours' view dependence (default: the scene's)")
+      ->check(CLI::Range(0, kMaxShDegree));
   command->add_option("--clip", arguments->clip, "Clip operator in the loop: hard, soft or exact")
       ->capture_default_str();
   command->add_flag("--no-section", arguments->no_section,

@@ -1,5 +1,6 @@
 #include "splat/gaussians.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace clipgs {
@@ -27,13 +28,23 @@ Mat3 Gaussians::covariance(size_t i) const {
 float Gaussians::opacity(size_t i) const { return 1.0f / (1.0f + std::exp(-plane(kOpacity)[i])); }
 
 Gaussians Gaussians::gather(const std::vector<size_t>& order) const {
-  Gaussians result(order.size(), sh_degree_);
+  Gaussians result = like(order.size());
   for (int p = 0; p < planes(); ++p) {
     const float* from = plane(p);
     float* to = result.plane(p);
     for (size_t i = 0; i < order.size(); ++i) {
       to[i] = from[order[i]];
     }
+  }
+  return result;
+}
+
+Gaussians Gaussians::reshaped(int sh_degree, bool face_colors) const {
+  Gaussians result(size_, sh_degree, face_colors);
+  std::copy_n(data_.begin(), size_ * static_cast<size_t>(std::min(face(), result.face())),
+              result.data_.begin());
+  if (face_colors_ && face_colors) {
+    std::copy_n(plane(face()), size_ * kFacePlanes, result.plane(result.face()));
   }
   return result;
 }

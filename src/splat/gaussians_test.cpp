@@ -63,6 +63,41 @@ TEST(Gaussians, GatherReordersEveryPlane) {
   }
 }
 
+TEST(Gaussians, FaceColoursComeAfterTheRest) {
+  Gaussians g(2, 1);
+  for (size_t k = 0; k < g.data().size(); ++k) {
+    g.data()[k] = static_cast<float>(k);
+  }
+  const Gaussians with = g.reshaped(1, true);
+  EXPECT_TRUE(with.has_face_colors());
+  EXPECT_FALSE(with.is_like(g));
+  ASSERT_EQ(with.planes(), g.planes() + 12);
+  ASSERT_EQ(with.face(), g.planes());
+  for (int p = 0; p < with.planes(); ++p) {
+    EXPECT_EQ(with.plane(p)[1], p < g.planes() ? g.plane(p)[1] : 0);
+  }
+  const Gaussians more = with.like(5);
+  EXPECT_TRUE(more.is_like(with));
+  EXPECT_EQ(more.size(), 5u);
+  EXPECT_EQ(with.gather({1}).planes(), with.planes());
+  EXPECT_EQ(with.reshaped(1, false).data(), g.data());
+}
+
+TEST(Gaussians, ReshapingDropsHigherCoefficients) {
+  Gaussians g(2, 2, true);
+  for (size_t k = 0; k < g.data().size(); ++k) {
+    g.data()[k] = static_cast<float>(k);
+  }
+  const Gaussians lower = g.reshaped(1, true);
+  EXPECT_EQ(lower.sh_degree(), 1);
+  EXPECT_EQ(lower.plane(Gaussians::kSh + 11)[1], g.plane(Gaussians::kSh + 11)[1]);
+  EXPECT_EQ(lower.plane(lower.face())[1], g.plane(g.face())[1]);
+  EXPECT_EQ(lower.plane(lower.face() + 11)[0], g.plane(g.face() + 11)[0]);
+  const Gaussians higher = lower.reshaped(2, true);
+  EXPECT_EQ(higher.plane(Gaussians::kSh + 12)[1], 0);
+  EXPECT_EQ(higher.plane(higher.face() + 11)[0], g.plane(g.face() + 11)[0]);
+}
+
 // The basis is orthonormal over the sphere: a wrong constant or a missing term shows here.
 TEST(ShBasis, IsOrthonormal) {
   constexpr int kCount = sh_coefficients(kMaxShDegree);

@@ -116,8 +116,8 @@ Header parse_header(std::span<const std::uint8_t> bytes, const std::string& name
   return header;
 }
 
-/// Property name of each plane of a Gaussians of `degree`; f_rest is channel-major.
-std::vector<std::string> plane_properties(int degree) {
+/// Property name of each plane; f_rest and f_face are channel-major.
+std::vector<std::string> plane_properties(int degree, bool face_colors) {
   std::vector<std::string> names = {"x",       "y",      "z",      "scale_0", "scale_1",
                                     "scale_2", "rot_0",  "rot_1",  "rot_2",   "rot_3",
                                     "opacity", "f_dc_0", "f_dc_1", "f_dc_2"};
@@ -126,6 +126,9 @@ std::vector<std::string> plane_properties(int degree) {
     for (int channel = 0; channel < 3; ++channel) {
       names.push_back(fmt::format("f_rest_{}", channel * rest + k));
     }
+  }
+  for (int p = 0; face_colors && p < Gaussians::kFacePlanes; ++p) {
+    names.push_back(fmt::format("f_face_{}", p % 3 * (Gaussians::kFacePlanes / 3) + p / 3));
   }
   return names;
 }
@@ -164,8 +167,8 @@ void read_property(const std::uint8_t* body, const Header& header, size_t offset
   });
 }
 
-/// The order in which 3DGS itself writes its properties.
-std::vector<std::string> written_order(int degree) {
+/// The order in which 3DGS itself writes its properties, and then ours.
+std::vector<std::string> written_order(int degree, bool face_colors) {
   std::vector<std::string> names = {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"};
   for (int k = 0; k < 3 * (sh_coefficients(degree) - 1); ++k) {
     names.push_back(fmt::format("f_rest_{}", k));
@@ -173,6 +176,9 @@ std::vector<std::string> written_order(int degree) {
   for (const char* name :
        {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
     names.emplace_back(name);
+  }
+  for (int p = 0; face_colors && p < Gaussians::kFacePlanes; ++p) {
+    names.push_back(fmt::format("f_face_{}", p));
   }
   return names;
 }
@@ -182,7 +188,8 @@ std::vector<std::string> written_order(int degree) {
 Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name, PlyColumns* more) {
   const Header header = parse_header(bytes, name);
   const int degree = degree_of(header, name);
-  const std::vector<std::string> properties = plane_properties(degree);
+  const bool face_colors = header.floats.contains("f_face_0");
+  const std::vector<std::string> properties = plane_properties(degree, face_colors);
   std::vector<size_t> offsets;
   for (const std::string& property : properties) {
     const auto found = header.floats.find(property);
@@ -196,7 +203,7 @@ Gaussians read_ply(std::span<const std::uint8_t> bytes, const std::string& name,
     throw Error("{}: is truncated: {} splats are announced, {} are there", name, header.vertices,
                 available / header.stride);
   }
-  Gaussians gaussians(header.vertices, degree);
+  Gaussians gaussians(header.vertices, degree, face_colors);
   const std::uint8_t* body = bytes.data() + header.body;
   for (size_t p = 0; p < offsets.size(); ++p) {
     const std::span<float> values(gaussians.plane(static_cast<int>(p)), header.vertices);
@@ -220,15 +227,19 @@ Gaussians read_ply(const std::filesystem::path& path, PlyColumns* more) {
   return read_ply(read_file(path), path.string(), more);
 }
 
-size_t ply_splat_bytes(int sh_degree) { return written_order(sh_degree).size() * sizeof(float); }
+size_t ply_splat_bytes(int sh_degree) {
+  return written_order(sh_degree, false).size() * sizeof(float);
+}
 
 void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,
                const PlyColumns& more) {
-  std::vector<std::string> order = written_order(gaussians.sh_degree());
+  std::vector<std::string> order =
+      written_order(gaussians.sh_degree(), gaussians.has_face_colors());
   for (const auto& column : more) {
     order.push_back(column.first);
   }
-  const std::vector<std::string> planes = plane_properties(gaussians.sh_degree());
+  const std::vector<std::string> planes =
+      plane_properties(gaussians.sh_degree(), gaussians.has_face_colors());
   std::map<std::string, int> plane_of;
   for (size_t p = 0; p < planes.size(); ++p) {
     plane_of[planes[p]] = static_cast<int>(p);

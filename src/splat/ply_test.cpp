@@ -53,6 +53,15 @@ TEST(Ply, RoundTripIsExactAtEveryDegree) {
   }
 }
 
+TEST(Ply, FaceColoursGoRoundToo) {
+  const Gaussians written = random_faces(100, 1, 7);
+  const auto path = temporary("faces.ply");
+  write_ply(path, written);
+  const Gaussians read = read_ply(path);
+  EXPECT_TRUE(read.is_like(written));
+  EXPECT_EQ(read.data(), written.data());
+}
+
 TEST(Ply, WritesThe62FloatsOf3dgs) {
   const auto path = temporary("floats.ply");
   write_ply(path, random_gaussians(3, 3, 7));
@@ -115,6 +124,10 @@ TEST(Ply, RefusesWhatItCannotRead) {
   std::vector<std::string> rest = kShuffled;
   rest.emplace_back("f_rest_0");
   refuses(one_vertex(rest), "f_rest");
+
+  std::vector<std::string> faces = kShuffled;
+  faces.emplace_back("f_face_0");
+  refuses(one_vertex(faces), "f_face_4");
 
   std::vector<std::uint8_t> truncated = one_vertex(kShuffled);
   truncated.pop_back();

@@ -186,17 +186,26 @@ bool cut(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes
   return true;
 }
 
-/// What the planes' faces multiply the colour of a Gaussian by.
-Vec3 face_gain(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes) {
-  Vec3 product(1);
+/// What the planes' faces make of a Gaussian's own colour: (colour + added)·factor.
+struct FaceLight {
+  Vec3 added{0};
+  Vec3 factor{1};
+};
+
+FaceLight face_light(const Gaussians& gaussians, size_t i, const Projection& p, const Vec3& mean,
+                     std::span<const LitPlane> planes) {
+  FaceLight light;
   for (const LitPlane& plane : planes) {
-    if (plane.gain != Vec3(1)) {
-      const PlaneView v = see_plane(p, mean, plane);
-      const float share = FaceGain::share(v.d / std::sqrt(v.variance));
-      product *= Vec3(1) + share * (plane.gain - Vec3(1));
+    const PlaneView v = see_plane(p, mean, plane);
+    const float share = FaceGain::share(v.d / std::sqrt(v.variance));
+    if (share > 0) {
+      light.factor *= Vec3(1) + share * (plane.gain - Vec3(1));
+      if (gaussians.has_face_colors()) {
+        light.added += share * face_color(gaussians, i, plane.normal);
+      }
     }
   }
-  return product;
+  return light;
 }
 
 float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
@@ -237,8 +246,9 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   splat.qb = -p.conic.xy;
   splat.qc = -0.5f * p.conic.yy;
   splat.depth = t.z;
-  const Vec3 color =
-      sh_color(gaussians, i, glm::normalize(mean - camera.position)) * face_gain(p, mean, planes);
+  const FaceLight light = face_light(gaussians, i, p, mean, planes);
+  const Vec3 own = sh_color(gaussians, i, glm::normalize(mean - camera.position));
+  const Vec3 color = (own + light.added) * light.factor;
   splat.r = std::max(0.0f, color.x);
   splat.g = std::max(0.0f, color.y);
   splat.b = std::max(0.0f, color.z);
@@ -304,6 +314,7 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
   // Colour; a channel clamped at 0 has no gradient.
   Vec3 g_color(splat.r > 0 ? g.r : 0, splat.g > 0 ? g.g : 0, splat.b > 0 ? g.b : 0);
   Vec3 g_gain(0);
+  Vec3 g_face(0);
   if (plane != nullptr) {
     const PlaneView v = see_plane(p, mean, *plane);
     const float deviation = std::sqrt(v.variance);
@@ -314,10 +325,19 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
     const Vec3 g_factor = g_color * Vec3(splat.r, splat.g, splat.b) / factor;
     g_gain = share * g_factor;
     g_color *= factor;
-    const float g_depth = glm::dot(g_factor, plane->gain - Vec3(1)) * FaceGain::share_slope(depth);
+    float g_share = glm::dot(g_factor, plane->gain - Vec3(1));
+    if (gaussians.has_face_colors()) {
+      g_face = share * g_color;
+      g_share += glm::dot(g_color, face_color(gaussians, i, plane->normal));
+    }
+    const float g_depth = g_share * FaceGain::share_slope(depth);
     g_mean += (g_depth / deviation) * plane->normal;
     const float g_variance = -0.5f * g_depth * depth / v.variance;
     g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);
+  }
+
+  if (gaussians.has_face_colors()) {
+    face_color_backward(i, plane != nullptr ? plane->normal : Vec3(0, 0, 1), g_face, gradients);
   }
 
   // Σ₂⁻¹ → Σ₂ = B Bᵀ + blur: ∂Σ₂ = −Q·∂Q·Q.

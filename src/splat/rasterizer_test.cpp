@@ -16,7 +16,7 @@ namespace {
 
 /// A cloud that fills the frame, with splats cut by, kept by and removed by the plane.
 Gaussians random_cloud(size_t count, int degree, std::uint64_t seed) {
-  Gaussians gaussians(count, degree);
+  Gaussians gaussians(count, degree, true);
   Rng rng(seed);
   for (size_t i = 0; i < count; ++i) {
     for (int a = 0; a < 3; ++a) {
@@ -27,8 +27,8 @@ Gaussians random_cloud(size_t count, int degree, std::uint64_t seed) {
       gaussians.plane(Gaussians::kRotation + a)[i] = 1.7f * rng.normal();
     }
     gaussians.plane(Gaussians::kOpacity)[i] = 2 * rng.normal();
-    for (int k = 0; k < 3 * sh_coefficients(degree); ++k) {
-      gaussians.plane(Gaussians::kSh + k)[i] = 0.4f * rng.normal();
+    for (int p = Gaussians::kSh; p < gaussians.planes(); ++p) {
+      gaussians.plane(p)[i] = 0.4f * rng.normal();
     }
   }
   return gaussians;
@@ -68,7 +68,7 @@ TEST_P(ClipTest, FastPictureEqualsReference) {
     Rasterizer rasterizer;
     const Image& fast = rasterizer.forward(cloud, camera, plane, options);
     const std::vector<double> slow =
-        reference_render(as_doubles(cloud), cloud.size(), 3, camera, plane, options);
+        reference_render(as_doubles(cloud), cloud, camera, plane, options);
     double worst = 0;
     double total = 0;
     for (size_t i = 0; i < slow.size(); ++i) {
@@ -94,7 +94,7 @@ TEST_P(ClipTest, SeveralPlanesEqualTheReference) {
     Rasterizer rasterizer;
     const Image& fast = rasterizer.forward(cloud, camera, cut, options);
     const std::vector<double> slow =
-        reference_render(as_doubles(cloud), cloud.size(), 1, camera, cut, options);
+        reference_render(as_doubles(cloud), cloud, camera, cut, options);
     double total = 0;
     double light = 0;
     for (size_t i = 0; i < slow.size(); ++i) {
@@ -174,13 +174,12 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   const Image front = random_front(camera, 5);
   Rasterizer rasterizer;
   rasterizer.forward(cloud, camera, kPlane, options, &front);
-  Gaussians gradients(cloud.size(), kDegree);
+  Gaussians gradients = cloud.like(cloud.size());
   rasterizer.backward(cloud, weight, gradients);
 
   std::vector<double> parameters = as_doubles(cloud);
   const auto loss = [&] {
-    std::vector<double> image =
-        reference_render(parameters, cloud.size(), kDegree, camera, kPlane, options);
+    std::vector<double> image = reference_render(parameters, cloud, camera, kPlane, options);
     double sum = 0;
     for (size_t i = 0; i < image.size(); i += 4) {
       if (front.data[i + 3] < kOpaqueFace) {
@@ -270,7 +269,7 @@ TEST_P(ClipTest, SameBytesAtOneAndTwoThreads) {
     set_thread_count(threads);
     Rasterizer rasterizer;
     const Image image = rasterizer.forward(cloud, camera, kPlane, options);
-    Gaussians g(cloud.size(), 1);
+    Gaussians g = cloud.like(cloud.size());
     rasterizer.backward(cloud, image, g);
     images[threads - 1] = image.data;
     gradients[threads - 1] = g.data();
@@ -320,8 +319,8 @@ TEST(ExactClip, EqualsTheHalfSpaceIntegralAlongTheRay) {
   options.alpha_min = 1e-6f;
   options.clip_sigma = 8;
   const std::vector<double> p = as_doubles(one);
-  const auto cut = reference_render(p, 1, 0, camera, kPlane, options);
-  const auto uncut = reference_render(p, 1, 0, camera, std::nullopt, options);
+  const auto cut = reference_render(p, one, camera, kPlane, options);
+  const auto uncut = reference_render(p, one, camera, std::nullopt, options);
   const glm::dmat3 precision = glm::inverse(glm::dmat3(one.covariance(0)));
   const double distance = glm::length(camera.position);
   int compared = 0;

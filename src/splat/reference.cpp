@@ -95,8 +95,8 @@ DVec3 gain_at(const FaceGain& gain, const DVec3& normal) {
 
 class ReferenceScene {
  public:
-  ReferenceScene(const std::vector<double>& parameters, size_t count, int degree)
-      : p_(parameters), count_(count), degree_(degree) {}
+  ReferenceScene(const std::vector<double>& parameters, const Gaussians& shape)
+      : p_(parameters), shape_(shape), count_(shape.size()), degree_(shape.sh_degree()) {}
 
   double plane(int k, size_t i) const { return p_[static_cast<size_t>(k) * count_ + i]; }
 
@@ -134,13 +134,17 @@ class ReferenceScene {
     std::vector<double> shares;
     std::vector<const Plane*> planes;
     DVec3 gain(1);
+    DVec3 face(0);
     for (const Plane& plane : cut.planes()) {
       const DVec3 n(plane.normal);
       const double distance = glm::dot(n, mean) - plane.offset;
       const double s_n = std::sqrt(glm::dot(n, sigma * n));
       planes.push_back(&plane);
-      gain *=
-          DVec3(1) + FaceGain::share(distance / s_n) * (gain_at(options.face_gain, n) - DVec3(1));
+      const double at_face = FaceGain::share(distance / s_n);
+      gain *= DVec3(1) + at_face * (gain_at(options.face_gain, n) - DVec3(1));
+      if (shape_.has_face_colors()) {
+        face += at_face * face_color(i, n);
+      }
       shares.push_back(std::clamp(0.5 + distance / (2 * s_n), 0.0, 1.0));
       if (options.clip == ClipOperator::kHard && distance < 0) {
         return false;
@@ -168,25 +172,36 @@ class ReferenceScene {
       for (int k = 0; k < sh_coefficients(degree_); ++k) {
         value += y[k] * plane(Gaussians::kSh + 3 * k + c, i);
       }
-      out.color[c] = std::max(0.0, value * gain[c]);
+      out.color[c] = std::max(0.0, (value + face[c]) * gain[c]);
     }
     return true;
   }
 
  private:
+  DVec3 face_color(size_t i, const DVec3& normal) const {
+    double y[sh_coefficients(Gaussians::kFaceDegree)];
+    basis(Gaussians::kFaceDegree, normal, y);
+    DVec3 color(0);
+    for (int p = 0; p < Gaussians::kFacePlanes; ++p) {
+      color[p % 3] += y[p / 3] * plane(shape_.face() + p, i);
+    }
+    return color;
+  }
+
   const std::vector<double>& p_;
+  const Gaussians& shape_;
   size_t count_;
   int degree_;
 };
 
 }  // namespace
 
-std::vector<double> reference_render(const std::vector<double>& parameters, size_t count,
-                                     int sh_degree, const Camera& camera, const Cut& cut,
+std::vector<double> reference_render(const std::vector<double>& parameters, const Gaussians& shape,
+                                     const Camera& camera, const Cut& cut,
                                      const RasterOptions& options) {
-  const ReferenceScene scene(parameters, count, sh_degree);
+  const ReferenceScene scene(parameters, shape);
   std::vector<ReferenceSplat> splats;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < shape.size(); ++i) {
     ReferenceSplat splat{};
     if (scene.project(i, camera, cut, options, splat)) {
       splats.push_back(splat);

@@ -68,8 +68,7 @@ Image render_reference(const Gaussians& gaussians, const Camera& camera, const C
   options.clip = clip;
   options.face_gain = gain;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
-  std::vector<double> image =
-      reference_render(parameters, gaussians.size(), gaussians.sh_degree(), camera, cut, options);
+  std::vector<double> image = reference_render(parameters, gaussians, camera, cut, options);
   for (size_t i = 0; front != nullptr && i < image.size(); i += 4) {
     put_behind(&front->data[i], &image[i], &image[i]);
   }

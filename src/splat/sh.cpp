@@ -74,4 +74,23 @@ Vec3 sh_color_backward(const Gaussians& gaussians, size_t i, const Vec3& offset,
   return (g_direction - glm::dot(g_direction, direction) * direction) / distance;
 }
 
+Vec3 face_color(const Gaussians& gaussians, size_t i, const Vec3& normal) {
+  float basis[sh_coefficients(Gaussians::kFaceDegree)];
+  sh_basis(Gaussians::kFaceDegree, normal, basis);
+  Vec3 color(0);
+  for (int p = 0; p < Gaussians::kFacePlanes; ++p) {
+    color[p % 3] += basis[p / 3] * gaussians.plane(gaussians.face() + p)[i];
+  }
+  return color;
+}
+
+void face_color_backward(size_t i, const Vec3& normal, const Vec3& color_gradient,
+                         Gaussians& gradients) {
+  float basis[sh_coefficients(Gaussians::kFaceDegree)];
+  sh_basis(Gaussians::kFaceDegree, normal, basis);
+  for (int p = 0; p < Gaussians::kFacePlanes; ++p) {
+    gradients.plane(gradients.face() + p)[i] = basis[p / 3] * color_gradient[p % 3];
+  }
+}
+
 }  // namespace clipgs

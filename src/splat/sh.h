@@ -13,4 +13,12 @@ Vec3 sh_color(const Gaussians& gaussians, size_t i, const Vec3& direction);
 Vec3 sh_color_backward(const Gaussians& gaussians, size_t i, const Vec3& offset,
                        const Vec3& color_gradient, Gaussians& gradients);
 
+/// Σ Yₖ(normal)·cₖ of the face colours of Gaussian `i`, display sRGB: what a plane with that
+/// normal (unit, towards the kept side) adds to the colour where it cuts the Gaussian.
+Vec3 face_color(const Gaussians& gaussians, size_t i, const Vec3& normal);
+
+/// Chain rule through `face_color`: writes the planes of face colours of `gradients`.
+void face_color_backward(size_t i, const Vec3& normal, const Vec3& color_gradient,
+                         Gaussians& gradients);
+
 }  // namespace clipgs

@@ -1,5 +1,6 @@
 #include "splat/similarity.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -50,14 +51,17 @@ std::array<BandMatrix, kMaxShDegree + 1> sh_rotation(int degree, const glm::dmat
   return bands;
 }
 
-/// c'ⱼ = Σₖ Mₖⱼ cₖ for every band, channel and Gaussian.
-void rotate_sh(const Gaussians& from, const glm::dmat3& rotation, Gaussians& to) {
-  const int degree = from.sh_degree();
+/// c'ⱼ = Σₖ Mₖⱼ cₖ for every band, channel and Gaussian, of the SH that begin at `first_plane`.
+void rotate_sh(const Gaussians& from, int first_plane, int degree, const glm::dmat3& rotation,
+               Gaussians& to) {
+  for (int p = first_plane; p < first_plane + 3; ++p) {
+    std::copy_n(from.plane(p), from.size(), to.plane(p));
+  }
   const auto bands = sh_rotation(degree, rotation);
   parallel_for(from.size(), kGrain, [&](size_t begin, size_t end) {
     for (int l = 1; l <= degree; ++l) {
       const int count = 2 * l + 1;
-      const int first = Gaussians::kSh + 3 * l * l;
+      const int first = first_plane + 3 * l * l;
       for (int channel = 0; channel < 3; ++channel) {
         for (int j = 0; j < count; ++j) {
           float* out = to.plane(first + 3 * j + channel);
@@ -121,7 +125,7 @@ Similarity scene_to_world() {
 }
 
 Gaussians transform(const Gaussians& gaussians, const Similarity& similarity) {
-  Gaussians result(gaussians.size(), gaussians.sh_degree());
+  Gaussians result = gaussians.like(gaussians.size());
   const auto log_scale = static_cast<float>(std::log(similarity.scale));
   const glm::dquat turn = glm::quat_cast(similarity.rotation);
   parallel_for(gaussians.size(), kGrain, [&](size_t begin, size_t end) {
@@ -132,7 +136,6 @@ Gaussians transform(const Gaussians& gaussians, const Similarity& similarity) {
         result.plane(Gaussians::kMean + axis)[i] = mean[axis];
         result.plane(Gaussians::kLogScale + axis)[i] =
             gaussians.plane(Gaussians::kLogScale + axis)[i] + log_scale;
-        result.plane(Gaussians::kSh + axis)[i] = gaussians.plane(Gaussians::kSh + axis)[i];
       }
       result.plane(Gaussians::kRotation)[i] = static_cast<float>(rotation.w);
       result.plane(Gaussians::kRotation + 1)[i] = static_cast<float>(rotation.x);
@@ -141,7 +144,10 @@ Gaussians transform(const Gaussians& gaussians, const Similarity& similarity) {
       result.plane(Gaussians::kOpacity)[i] = gaussians.plane(Gaussians::kOpacity)[i];
     }
   });
-  rotate_sh(gaussians, similarity.rotation, result);
+  rotate_sh(gaussians, Gaussians::kSh, gaussians.sh_degree(), similarity.rotation, result);
+  if (gaussians.has_face_colors()) {
+    rotate_sh(gaussians, gaussians.face(), Gaussians::kFaceDegree, similarity.rotation, result);
+  }
   return result;
 }
 

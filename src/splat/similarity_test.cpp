@@ -69,6 +69,19 @@ TEST(Transform, ColourTurnsWithTheGaussian) {
   }
 }
 
+TEST(Transform, FaceColourTurnsWithThePlane) {
+  const Gaussians before = random_faces(20, 2, 1);
+  for (const Similarity& s : {oblique(), scene_to_world()}) {
+    const Gaussians after = transform(before, s);
+    for (size_t i = 0; i < before.size(); ++i) {
+      const Vec3 n = fibonacci_sphere(static_cast<int>(i), 20);
+      const Vec3 turned(s.rotation * glm::dvec3(n));
+      EXPECT_GT(glm::length(face_color(before, i, n)), 1e-3f);
+      EXPECT_LT(glm::length(face_color(before, i, n) - face_color(after, i, turned)), 2e-6f);
+    }
+  }
+}
+
 TEST(Transform, CovarianceTurnsAndScales) {
   const Gaussians before = random_gaussians(20, 0, 2);
   const Similarity s = oblique();

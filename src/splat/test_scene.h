@@ -34,6 +34,18 @@ inline Gaussians random_gaussians(size_t count, int sh_degree, std::uint64_t see
   return g;
 }
 
+/// … with face colours too.
+inline Gaussians random_faces(size_t count, int sh_degree, std::uint64_t seed) {
+  Gaussians g = random_gaussians(count, sh_degree, seed).reshaped(sh_degree, true);
+  Rng rng(seed + 1);
+  for (int p = g.face(); p < g.planes(); ++p) {
+    for (size_t i = 0; i < count; ++i) {
+      g.plane(p)[i] = 0.1f * rng.normal();
+    }
+  }
+  return g;
+}
+
 inline Scene random_scene(size_t count, int sh_degree, std::uint64_t seed) {
   Scene scene;
   scene.gaussians = random_gaussians(count, sh_degree, seed);

@@ -8,7 +8,7 @@ namespace clipgs {
 
 namespace {
 
-float rate_of(int plane, const LearningRates& rates) {
+float rate_of(int plane, const Gaussians& gaussians, const LearningRates& rates) {
   if (plane < Gaussians::kLogScale) {
     return rates.mean;
   }
@@ -20,6 +20,9 @@ float rate_of(int plane, const LearningRates& rates) {
   }
   if (plane < Gaussians::kSh) {
     return rates.opacity;
+  }
+  if (plane >= gaussians.face()) {
+    return rates.face;
   }
   return plane < Gaussians::kSh + 3 ? rates.sh0 : rates.sh_rest;
 }
@@ -37,7 +40,7 @@ void Adam::step(const std::vector<std::uint32_t>& reached, const Gaussians& grad
   constexpr size_t kGrain = 4096;
   parallel_for(size, kGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < gaussians.planes(); ++p) {
-      const float rate = rate_of(p, rates);
+      const float rate = rate_of(p, gaussians, rates);
       float* value = gaussians.plane(p);
       const float* gradient = gradients.plane(p);
       float* m = first_.plane(p);
@@ -67,7 +70,7 @@ void Adam::resize(size_t size) {
 }
 
 Gaussians resized(const Gaussians& from, size_t size) {
-  Gaussians to(size, from.sh_degree());
+  Gaussians to = from.like(size);
   for (int p = 0; p < from.planes(); ++p) {
     std::copy_n(from.plane(p), std::min(size, from.size()), to.plane(p));
   }

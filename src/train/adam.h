@@ -19,6 +19,7 @@ struct LearningRates {
   float opacity = 5e-2f;
   float sh0 = 2e-2f;
   float sh_rest = 1e-2f;
+  float face = 1e-2f;
 };
 
 /// Adam over the Gaussians that reached a pixel. Others keep their moments: a Gaussian that was cut
@@ -45,8 +46,9 @@ class Adam {
   }
 
   Adam() = default;
-  Adam(size_t size, int sh_degree)
-      : first_(size, sh_degree), second_(size, sh_degree), updates_(size, 0) {}
+  /// For `gaussians` and those that are like them.
+  explicit Adam(const Gaussians& gaussians)
+      : first_(gaussians.like(gaussians.size())), second_(first_), updates_(gaussians.size(), 0) {}
 
   /// One step for the Gaussians in `reached` (indices, any order).
   void step(const std::vector<std::uint32_t>& reached, const Gaussians& gradients,

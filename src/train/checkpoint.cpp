@@ -10,7 +10,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '3'};
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '4'};
 
 struct Header {
   char magic[8];
@@ -26,7 +26,7 @@ struct Header {
   std::uint64_t uniaxial;                     // numbers of the learner at the end of the file
   float gain[3][FaceGain::kCoefficients][3];  // value, first and second moments
   float gain_updates;
-  float unused;
+  std::uint32_t face_colors;
 };
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
@@ -55,6 +55,7 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
     std::memcpy(header.gain[g], gains[g]->coefficients.data(), sizeof header.gain[g]);
   }
   header.gain_updates = gain_.updates;
+  header.face_colors = gaussians_.has_face_colors() ? 1 : 0;
   std::vector<std::uint8_t> bytes;
   append(bytes, &header, sizeof header);
   for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
@@ -84,11 +85,12 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
       header.budget != options_.budget || header.sh_degree != options_.sh_degree ||
       header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size() ||
       header.has_section != (has_section_ ? 1U : 0U) ||
+      header.face_colors != (gaussians_.has_face_colors() ? 1U : 0U) ||
       (header.uniaxial > 0) != uniaxial_.has_value()) {
     throw Error("{}: was written with other options; delete it, or give the ones it had",
                 path.string());
   }
-  const auto planes = static_cast<size_t>(Gaussians::planes(options_.sh_degree));
+  const auto planes = static_cast<size_t>(gaussians_.planes());
   const size_t per_gaussian = 3 * planes * sizeof(float) + 2 * sizeof(std::uint32_t);
   const auto corrupt = [&] {
     return Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
@@ -115,9 +117,9 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
   }
   gain_.updates = header.gain_updates;
   step_ = header.step;
-  gaussians_ = Gaussians(header.size, options_.sh_degree);
-  gradients_ = Gaussians(header.size, options_.sh_degree);
-  adam_ = Adam(header.size, options_.sh_degree);
+  gaussians_ = gaussians_.like(header.size);
+  gradients_ = gaussians_;
+  adam_ = Adam(gaussians_);
   const std::uint8_t* at = bytes.data() + sizeof header;
   for (Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
     std::memcpy(cloud->data().data(), at, cloud->data().size() * sizeof(float));

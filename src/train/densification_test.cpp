@@ -30,7 +30,7 @@ TEST(Densification, RelocationKeepsThePictureAndRevivesTheDead) {
   g.plane(Gaussians::kOpacity)[0] = logit(0.7f);
   const Camera camera = frame_sphere({{0, 0, 0}, 20}, View{}, 64, 64);
   Image before = Rasterizer().forward(g, camera, std::nullopt, {});
-  Adam adam(3, 0);
+  Adam adam(g);
   EXPECT_EQ(relocate_dead(g, adam, Rng(1)).targets.size(), 2U);
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(g.mean(i), Vec3(0));
@@ -49,13 +49,13 @@ TEST(Densification, RelocationKeepsThePictureAndRevivesTheDead) {
 
 TEST(Densification, GrowthStopsAtTheBudget) {
   Gaussians g = row_of(100, 0.5f);
-  Adam adam(100, 0);
+  Adam adam(g);
   EXPECT_EQ(grow(g, adam, 103, Rng(1)).targets.size(), 3U);
   EXPECT_EQ(g.size(), 103U);
   EXPECT_EQ(adam.updates().size(), 103U);
   EXPECT_EQ(grow(g, adam, 103, Rng(2)).targets.size(), 0U);
   Gaussians large = row_of(100, 0.5f);
-  Adam large_adam(100, 0);
+  Adam large_adam(large);
   EXPECT_EQ(grow(large, large_adam, 1000, Rng(1)).targets.size(), 5U);
 }
 
@@ -70,7 +70,7 @@ TEST(Densification, NoiseMovesOnlyTheFaint) {
 
 TEST(Densification, AllDeadChangesNothing) {
   Gaussians g = row_of(4, 0.001f);
-  Adam adam(4, 0);
+  Adam adam(g);
   EXPECT_EQ(relocate_dead(g, adam, Rng(1)).targets.size(), 0U);
 }
 

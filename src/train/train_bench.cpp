@@ -40,7 +40,7 @@ void training_step(benchmark::State& state) {
   const auto degree = static_cast<int>(state.range(2));
   Gaussians gaussians = solid_ball(count, degree);
   Gaussians gradients(count, degree);
-  Adam adam(count, degree);
+  Adam adam(gaussians);
   Rasterizer rasterizer;
   ImageLoss loss;
   Image truth(size, size, 4);

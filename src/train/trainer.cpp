@@ -139,6 +139,9 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
                                 : start_from_points(load_seed_points(dataset.folder),
                                                     std::min(options_.start, options_.budget),
                                                     options_.sh_degree, options_.seed);
+  if (!options.uniaxial && section == nullptr) {
+    gaussians_ = gaussians_.reshaped(gaussians_.sh_degree(), true);
+  }
   options_.sh_degree = gaussians_.sh_degree();
   options_.budget = std::max(options_.budget, gaussians_.size());
   if (options.uniaxial) {
@@ -149,8 +152,8 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
   if (start != nullptr) {
     gain_.value = start->face_gain;
   }
-  gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
-  adam_ = Adam(gaussians_.size(), options_.sh_degree);
+  gradients_ = gaussians_.like(gaussians_.size());
+  adam_ = Adam(gaussians_);
   last_reached_.assign(gaussians_.size(), 0);
 }
 
@@ -252,6 +255,7 @@ double Trainer::step() {
   rates.opacity *= decay;
   rates.sh0 *= decay;
   rates.sh_rest *= decay;
+  rates.face *= decay;
   adam_.step(reached(), gradients_, rates, gaussians_);
   if (uniaxial_) {
     uniaxial_->step(decay);
@@ -335,7 +339,7 @@ void Trainer::densify() {
     }
   }
   if (gradients_.size() != gaussians_.size()) {
-    gradients_ = Gaussians(gaussians_.size(), options_.sh_degree);
+    gradients_ = gaussians_.like(gaussians_.size());
     last_reached_.resize(gaussians_.size(), static_cast<std::uint32_t>(step_));
   }
 }

@@ -67,7 +67,7 @@ const Gaussians& UniaxialLearner::forward(const Gaussians& gaussians, std::optio
 void UniaxialLearner::backward(Rasterizer& rasterizer, const Image& image_gradient,
                                Gaussians& gradients) {
   if (state_gradients_.size() != state_.gaussians.size()) {
-    state_gradients_ = Gaussians(state_.gaussians.size(), state_.gaussians.sh_degree());
+    state_gradients_ = state_.gaussians.like(state_.gaussians.size());
   }
   rasterizer.backward(state_.gaussians, image_gradient, state_gradients_);
   reached_ = rasterizer.reached();

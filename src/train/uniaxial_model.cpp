@@ -24,8 +24,8 @@ bool shows(const UniaxialParameters& parameters, const Gaussians& gaussians, siz
 }
 
 void gather_into(const Gaussians& from, const std::vector<std::uint32_t>& ids, Gaussians& to) {
-  if (to.size() != ids.size() || to.sh_degree() != from.sh_degree()) {
-    to = Gaussians(ids.size(), from.sh_degree());
+  if (to.size() != ids.size() || !to.is_like(from)) {
+    to = from.like(ids.size());
   }
   parallel_for(ids.size(), kGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < from.planes(); ++p) {

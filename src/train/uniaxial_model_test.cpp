@@ -153,7 +153,8 @@ class UniaxialGradientsTest : public testing::Test {
         shown[p * n + state_.adjusted[a]] += added[p];
       }
     }
-    const std::vector<double> image = reference_render(shown, n, 1, camera_, std::nullopt, raster_);
+    const std::vector<double> image =
+        reference_render(shown, state_.gaussians, camera_, std::nullopt, raster_);
     double sum = 0;
     for (size_t i = 0; i < image.size(); ++i) {
       sum += image[i] * weight_.data[i];

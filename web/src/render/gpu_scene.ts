@@ -1,15 +1,18 @@
 import {
   DataTexture,
+  DataUtils,
   FloatType,
   HalfFloatType,
   NearestFilter,
   type PixelFormat,
   RedFormat,
   RedIntegerFormat,
+  RGBAFormat,
   RGBAIntegerFormat,
   type TextureDataType,
   UnsignedByteType,
   UnsignedIntType,
+  UnsignedShortType,
   WebGLRenderTarget,
 } from "three";
 
@@ -18,12 +21,12 @@ import type { PackedScene } from "../sog/sog";
 const kWidth = 2048;
 
 function dataTexture(
-  data: Uint8Array | Uint32Array | Float32Array,
+  data: Uint8Array | Uint16Array | Uint32Array | Float32Array,
   width: number,
   height: number,
   format: PixelFormat,
   type: TextureDataType,
-  internalFormat: "RGBA32UI" | "R32UI" | "RGBA8UI" | "R32F",
+  internalFormat: "RGBA32UI" | "R32UI" | "R16UI" | "RGBA8UI" | "R32F" | "RGBA16F",
 ): DataTexture {
   const texture = new DataTexture(
     data as BufferSource as Uint8Array<ArrayBuffer>,
@@ -43,13 +46,13 @@ function codebook(values: Float32Array): DataTexture {
 }
 
 /** `data` with zeros to a length of `length`. */
-function padded<T extends Uint8Array | Uint32Array>(data: T, length: number): T {
+function padded<T extends Uint8Array | Uint16Array | Uint32Array>(data: T, length: number): T {
   const result = new (data.constructor as new (length: number) => T)(length);
   result.set(data);
   return result;
 }
 
-/** The textures of a scene: 20 bytes a splat and the palette, 8 for the colours of one view, 4 for the order. */
+/** The textures of a scene: 20 bytes a splat, 2 with face colours, and the palettes, 8 for the colours of one view, 4 for the order. */
 export class GpuScene {
   readonly count: number;
   /** Splats that the textures have room for. */
@@ -60,6 +63,9 @@ export class GpuScene {
   readonly packed: DataTexture;
   readonly sh0: DataTexture;
   readonly centroids: DataTexture;
+  readonly hasFaceColors: boolean;
+  readonly faceLabels: DataTexture;
+  readonly facePalette: DataTexture;
   readonly scaleCodebook: DataTexture;
   readonly sh0Codebook: DataTexture;
   readonly shNCodebook: DataTexture;
@@ -99,6 +105,24 @@ export class GpuScene {
       "RGBA8UI",
     );
     this.shCoefficients = scene.shN?.coefficients ?? 0;
+    this.hasFaceColors = scene.faces !== null;
+    this.faceLabels = dataTexture(
+      scene.faces ? padded(scene.faces.labels, this.capacity) : new Uint16Array(1),
+      scene.faces ? kWidth : 1,
+      scene.faces ? height : 1,
+      RedIntegerFormat,
+      UnsignedShortType,
+      "R16UI",
+    );
+    const faces = scene.faces?.palette ?? { width: 1, height: 1, rgba: new Float32Array(4) };
+    this.facePalette = dataTexture(
+      Uint16Array.from(faces.rgba, (value) => DataUtils.toHalfFloat(value)),
+      faces.width,
+      faces.height,
+      RGBAFormat,
+      HalfFloatType,
+      "RGBA16F",
+    );
     this.scaleCodebook = codebook(scene.scaleCodebook);
     this.sh0Codebook = codebook(scene.sh0Codebook);
     this.shNCodebook = codebook(scene.shN?.codebook ?? new Float32Array(1));
@@ -123,6 +147,8 @@ export class GpuScene {
       this.packed,
       this.sh0,
       this.centroids,
+      this.faceLabels,
+      this.facePalette,
       this.scaleCodebook,
       this.sh0Codebook,
       this.shNCodebook,

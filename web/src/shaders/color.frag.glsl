@@ -1,4 +1,4 @@
-// The colour of every Gaussian as seen from one point, one texel each: 0.5 + Σ Yₖ·cₖ, at least 0.
+// The colour of every Gaussian as seen from one point, one texel each: 0.5 + Σ Yₖ·cₖ.
 // Runs when the camera moves, not for every corner of every quad.
 precision highp float;
 precision highp int;
@@ -38,5 +38,5 @@ void main() {
   for (int k = 0; k < uShCoefficients; ++k) {
     color += basis[k + 1] * lookUp(uShNCodebook, texelFetch(uCentroids, first + ivec2(k, 0), 0).rgb);
   }
-  fragColor = vec4(max(color, 0.0), 1.0);
+  fragColor = vec4(color, 1.0);
 }

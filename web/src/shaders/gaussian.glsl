@@ -16,8 +16,8 @@ const float kClipSigma = 3.0;               // further from the plane nothing is
 const float kCdfLinear = 1.5976;
 const float kCdfCubic = 0.07056;
 const float kMinConditionalVariance = 1e-6;
-const float kGainWhole = 1.5;               // s_n below a plane down to which its face's gain is taken wholly
-const float kGainNone = 3.0;                // … and from which on not at all
+const float kFaceWhole = 1.5;               // s_n below a plane down to which a splat lies at its face wholly
+const float kFaceNone = 3.0;                // … and from which on not at all
 const float kUncut = 30.0;                  // a plane distance in s at which Φ is 1
 
 const int kClipNone = 0;
@@ -50,7 +50,7 @@ struct Splat {
   vec2 sigma;     // px
   float reach;    // beyond this many sigma α < kAlphaMin
   float opacity;
-  vec3 gain;      // of the colour, by the faces it lies at
+  float face[kPlanes];  // whether it lies at a plane's face: 0 to 1
   float z[kPlanes];
   vec2 slope[kPlanes];
 };
@@ -103,11 +103,10 @@ float keptShare(float z[kPlanes], int slabs) {
   return jointShare(shares, slabs);
 }
 
-// Planes keep dot(plane.xyz, x) − plane.w >= 0; what all of them keep is kept. gains: of the planes' faces.
-Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], vec3 gains[kPlanes], int count, int slabs, int clip) {
+// Planes keep dot(plane.xyz, x) − plane.w >= 0; what all of them keep is kept.
+Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int slabs, int clip) {
   Splat s;
   s.visible = false;
-  s.gain = vec3(1.0);
   vec3 t = camera.rotation * (g.mean - camera.position);
   s.depth = t.z;
   bool removed = false;
@@ -117,6 +116,7 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], vec3 gains[kPlane
   float shares[kPlanes];
   for (int i = 0; i < kPlanes; ++i) {
     shares[i] = 1.0;
+    s.face[i] = 0.0;
     if (clip == kClipNone || i >= count) {
       continue;
     }
@@ -125,7 +125,7 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], vec3 gains[kPlane
     variance[i] = dot(local[i], local[i]);
     float deviation = sqrt(variance[i]);
     shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation), 0.0, 1.0) : 1.0;
-    s.gain *= mix(vec3(1.0), gains[i], 1.0 - smoothstep(kGainWhole, kGainNone, d[i] / deviation));
+    s.face[i] = 1.0 - smoothstep(kFaceWhole, kFaceNone, d[i] / deviation);
     removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation);
   }
   s.opacity = g.opacity * jointShare(shares, slabs);

@@ -5,6 +5,17 @@ export const kMaxSplats = 4 << 20;
 const kCodebookSize = 256;
 const kPaletteRow = 64;
 const kShCoefficients = [0, 3, 8, 15] as const;
+/** Of face colours: SH of degree 1 in the plane's normal. */
+export const kFaceCoefficients = 4;
+const kFaceKey = "clipgs_faces";
+
+/** Sets of colours, of which each splat has one. */
+interface PaletteMeta {
+  entries: number;
+  coefficients: number;
+  codebook: number[];
+  files: string[];
+}
 
 /** What meta.json says, checked: every list has its length, every number is finite, every file is there. */
 export interface SogMeta {
@@ -13,7 +24,8 @@ export interface SogMeta {
   scales: { codebook: number[]; files: string[] };
   quats: { files: string[] };
   sh0: { codebook: number[]; files: string[] };
-  shN: { entries: number; coefficients: number; codebook: number[]; files: string[] } | null;
+  shN: PaletteMeta | null;
+  faces: PaletteMeta | null;
   /** The block that clipgs adds, as it stands: see case_info.ts. */
   clipgs: unknown;
 }
@@ -25,6 +37,11 @@ export interface Texels {
   rgba: Uint8Array;
 }
 
+interface PaletteImages {
+  centroids: Texels;
+  labels: Texels;
+}
+
 /** The images of a SOG, decoded. */
 export interface SogImages {
   meansLow: Texels;
@@ -32,7 +49,8 @@ export interface SogImages {
   scales: Texels;
   quats: Texels;
   sh0: Texels;
-  shN: { centroids: Texels; labels: Texels } | null;
+  shN: PaletteImages | null;
+  faces: PaletteImages | null;
 }
 
 /**
@@ -48,6 +66,8 @@ export interface PackedScene {
   scaleCodebook: Float32Array; // 256 standard deviations, scene units
   sh0Codebook: Float32Array; // 256
   shN: { coefficients: number; codebook: Float32Array; centroids: Texels } | null;
+  /** Face colours: a palette entry of every splat, and kFaceCoefficients RGBA texels an entry, kPaletteRow entries a row. */
+  faces: { labels: Uint16Array; palette: { width: number; height: number; rgba: Float32Array } } | null;
 }
 
 type Json = Record<string, unknown>;
@@ -93,6 +113,25 @@ function files(parent: Json, length: number, where: string, archive: ReadonlyMap
   return value as string[];
 }
 
+function paletteMeta(
+  meta: Json,
+  key: string,
+  bands: [number, number],
+  coefficients: (bands: number) => number,
+  archive: ReadonlyMap<string, unknown>,
+): PaletteMeta | null {
+  if (meta[key] === undefined) {
+    return null;
+  }
+  const block = object(meta, key);
+  return {
+    entries: integer(block, "count", 1, 65536, `${key}.`),
+    coefficients: coefficients(integer(block, "bands", ...bands, `${key}.`)),
+    codebook: numbers(block, "codebook", kCodebookSize, key),
+    files: files(block, 2, key, archive),
+  };
+}
+
 /** Checks meta.json of an archive. Throws CaseError. */
 export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta {
   const text = archive.get("meta.json");
@@ -117,16 +156,6 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
   const scales = object(meta, "scales");
   const sh0 = object(meta, "sh0");
   const quats = object(meta, "quats");
-  let shN: SogMeta["shN"] = null;
-  if (meta["shN"] !== undefined) {
-    const block = object(meta, "shN");
-    shN = {
-      entries: integer(block, "count", 1, 65536, "shN."),
-      coefficients: kShCoefficients[integer(block, "bands", 1, 3, "shN.") as 1 | 2 | 3],
-      codebook: numbers(block, "codebook", kCodebookSize, "shN"),
-      files: files(block, 2, "shN", archive),
-    };
-  }
   return {
     count: integer(meta, "count", 1, kMaxSplats, ""),
     means: {
@@ -140,7 +169,8 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
     },
     quats: { files: files(quats, 1, "quats", archive) },
     sh0: { codebook: numbers(sh0, "codebook", kCodebookSize, "sh0"), files: files(sh0, 1, "sh0", archive) },
-    shN,
+    shN: paletteMeta(meta, "shN", [1, 3], (bands) => kShCoefficients[bands as 1 | 2 | 3], archive),
+    faces: paletteMeta(meta, kFaceKey, [1, 1], () => kFaceCoefficients, archive),
     clipgs: meta["clipgs"],
   };
 }
@@ -166,7 +196,7 @@ export function packScene(meta: SogMeta, images: SogImages): PackedScene {
   const scales = images.scales.rgba;
   const quats = images.quats.rgba;
   const sh0 = images.sh0.rgba;
-  const labels = packLabels(meta, images);
+  const labels = packLabels(count, meta.shN, images.shN);
   const packed = new Uint32Array(count * 4);
   const colors = new Uint8Array(count * 4);
   for (let i = 0, b = 0; i < count; ++i, b += 4) {
@@ -199,31 +229,45 @@ export function packScene(meta: SogMeta, images: SogImages): PackedScene {
             centroids: images.shN.centroids,
           }
         : null,
+    faces: packFaces(meta, images),
   };
 }
 
-/** Palette entry of every splat, checked to exist; null without higher harmonics. */
-function packLabels(meta: SogMeta, images: SogImages): Uint16Array | null {
-  if (!meta.shN || !images.shN) {
+/** Palette entry of every splat, checked to exist; null without a palette. */
+function packLabels(
+  count: number,
+  meta: PaletteMeta | null,
+  images: PaletteImages | null,
+): Uint16Array | null {
+  if (!meta || !images) {
     return null;
   }
-  const { centroids, labels } = images.shN;
-  requireTexels(labels, meta.count, meta.shN.files[1]!);
-  const rows = Math.ceil(meta.shN.entries / kPaletteRow);
-  if (centroids.width !== kPaletteRow * meta.shN.coefficients || centroids.height < rows) {
+  const { centroids, labels } = images;
+  requireTexels(labels, count, meta.files[1]!);
+  const rows = Math.ceil(meta.entries / kPaletteRow);
+  if (centroids.width !== kPaletteRow * meta.coefficients || centroids.height < rows) {
     throw new CaseError(
-      `${meta.shN.files[0]!} does not hold ${meta.shN.entries} palette entries; build the case again`,
+      `${meta.files[0]!} does not hold ${meta.entries} palette entries; build the case again`,
     );
   }
-  const result = new Uint16Array(meta.count);
-  for (let i = 0; i < meta.count; ++i) {
+  const result = new Uint16Array(count);
+  for (let i = 0; i < count; ++i) {
     const label = labels.rgba[4 * i]! | (labels.rgba[4 * i + 1]! << 8);
-    if (label >= meta.shN.entries) {
-      throw new CaseError(
-        `${meta.shN.files[1]!}: splat ${i} names palette entry ${label} of ${meta.shN.entries}`,
-      );
+    if (label >= meta.entries) {
+      throw new CaseError(`${meta.files[1]!}: splat ${i} names palette entry ${label} of ${meta.entries}`);
     }
     result[i] = label;
   }
   return result;
+}
+
+/** The palette through its codebook: it is looked up while planes move. */
+function packFaces(meta: SogMeta, images: SogImages): PackedScene["faces"] {
+  const labels = packLabels(meta.count, meta.faces, images.faces);
+  if (!labels) {
+    return null;
+  }
+  const { width, height, rgba } = images.faces!.centroids;
+  const { codebook } = meta.faces!;
+  return { labels, palette: { width, height, rgba: Float32Array.from(rgba, (code) => codebook[code]!) } };
 }

@@ -68,6 +68,8 @@ async function download(url: string, ticket: number): Promise<Uint8Array> {
 async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<SogImages> {
   const decoder = new ImageDecoder();
   const decode = (name: string) => decoder.decode(archive.get(name)!, name);
+  const palette = async (meta: { files: string[] } | null) =>
+    meta && { centroids: await decode(meta.files[0]!), labels: await decode(meta.files[1]!) };
   try {
     return {
       meansLow: await decode(meta.means.files[0]!),
@@ -75,10 +77,8 @@ async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Pr
       scales: await decode(meta.scales.files[0]!),
       quats: await decode(meta.quats.files[0]!),
       sh0: await decode(meta.sh0.files[0]!),
-      shN: meta.shN && {
-        centroids: await decode(meta.shN.files[0]!),
-        labels: await decode(meta.shN.files[1]!),
-      },
+      shN: await palette(meta.shN),
+      faces: await palette(meta.faces),
     };
   } finally {
     decoder.dispose();
@@ -118,6 +118,9 @@ async function load(ticket: number, url: string): Promise<void> {
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
+    }
+    if (scene.faces) {
+      transfer.push(scene.faces.labels.buffer, scene.faces.palette.rgba.buffer);
     }
     if (section) {
       transfer.push(section.voxels.buffer);

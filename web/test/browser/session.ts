@@ -57,6 +57,14 @@ export async function makePhantomCase(work: string, out: string): Promise<void> 
   await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
 }
 
+/** A case of the same pictures without a section: its splats are solid and have face colours. */
+export async function makeSolidCase(work: string, out: string): Promise<void> {
+  const scene = join(work, "solid.ply");
+  const options = "--no-section --steps 300 --budget 20000 --sh-degree 1".split(" ");
+  await clipgs("train", join(work, "dataset"), "-o", scene, ...options);
+  await clipgs("pack", scene, "-o", out, "--title", "Solid phantom");
+}
+
 /** A case of colour photographs: a ball with stripes of three colours, and a hole in it, on black. */
 export async function makePhotoCase(work: string, out: string): Promise<void> {
   const n = 48;

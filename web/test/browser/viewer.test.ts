@@ -7,7 +7,7 @@ import type { FaceSource } from "../../src/model/faces";
 import type { Triple } from "../../src/model/geometry";
 import type { ClipOperator } from "../../src/worker/protocol";
 import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
-import { clipgs, makePhantomCase, makePhotoCase, missing, Session } from "./session";
+import { clipgs, makePhantomCase, makePhotoCase, makeSolidCase, missing, Session } from "./session";
 
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
@@ -53,6 +53,21 @@ const kShots: Shot[] = [
     }),
   ),
   ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
+  // Face colours, at one plane and at three.
+  ...(["hard", "soft", "exact"] as const).map(
+    (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
+  ),
+  {
+    name: "solid",
+    view: [-40, 30, 1],
+    plane: [0, -1, 0, 0],
+    more: [
+      [0, 0, -1, -30],
+      [1, 0.1, 0, -20, 30],
+    ],
+    clip: "exact",
+    section: "splats",
+  },
   ...[0, 1].map(
     (grey): Shot => ({
       name: "photo",
@@ -86,6 +101,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   beforeAll(async () => {
     await session.start(async (cases) => {
       await makePhantomCase(session.folder, join(cases, "phantom.sog"));
+      await makeSolidCase(session.folder, join(cases, "solid.sog"));
       await makePhotoCase(join(session.folder, "photo"), join(cases, "photo.sog"));
     });
     page = await session.open("", errors);

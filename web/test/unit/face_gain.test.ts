@@ -19,7 +19,12 @@ describe("the gain of faces", () => {
   it("is none where a case has none, and refused where it says nothing", () => {
     const none = readFaceGain(new JsonReader({}, "clipgs"));
     expect(gainAt(none, new Vector3(0, 1, 0)).toArray()).toEqual([1, 1, 1]);
-    for (const value of [1, coefficients.slice(1), [...coefficients.slice(1), [1, 2]], [...coefficients.slice(1), [1, 2, 99]]]) {
+    for (const value of [
+      1,
+      coefficients.slice(1),
+      [...coefficients.slice(1), [1, 2]],
+      [...coefficients.slice(1), [1, 2, 99]],
+    ]) {
       expect(() => read(value)).toThrow(/face_gain/);
     }
   });

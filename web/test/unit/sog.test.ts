@@ -20,6 +20,8 @@ describe("parseSogMeta", () => {
     expect(meta.count).toBe(20);
     expect(meta.shN?.coefficients).toBe(3);
     expect(parseSogMeta(changed("shN", undefined)).shN).toBeNull();
+    expect(meta.faces?.coefficients).toBe(4);
+    expect(parseSogMeta(changed("clipgs_faces", undefined)).faces).toBeNull();
   });
 
   it.each([
@@ -38,6 +40,8 @@ describe("parseSogMeta", () => {
     ["quats", [], /"quats"/],
     ["shN.bands", 4, /shN\.bands/],
     ["shN.count", 65537, /shN\.count/],
+    ["clipgs_faces.bands", 2, /clipgs_faces\.bands/],
+    ["clipgs_faces.files", [], /clipgs_faces\.files/],
   ])("refuses %s = %j", (path, value, message) => {
     expect(() => parseSogMeta(changed(path, value))).toThrow(CaseError);
     expect(() => parseSogMeta(changed(path, value))).toThrow(message);
@@ -69,6 +73,11 @@ describe("packScene", () => {
       expect(w >>> 24).toBe(images.sh0.rgba[b + 3]);
       expect([...scene.sh0.subarray(b, b + 3)]).toEqual([...images.sh0.rgba.subarray(b, b + 3)]);
     }
+    expect([...scene.faces!.labels]).toEqual(
+      Array.from({ length: 20 }, (_, i) => images.faces!.labels.rgba[4 * i]),
+    );
+    const code = images.faces!.centroids.rgba[0]!;
+    expect(scene.faces!.palette.rgba[0]).toBeCloseTo(code / 255 - 0.5, 6);
     expect(scene.scaleCodebook[0]).toBeCloseTo(Math.exp(-7), 8);
   });
 
@@ -90,5 +99,8 @@ describe("packScene", () => {
     const label = makeImages(meta);
     label.shN!.labels.rgba[4 * 5 + 1] = 1;
     expect(() => packScene(meta, label)).toThrow(/splat 5 .* of 3/);
+    const face = makeImages(meta);
+    face.faces!.labels.rgba[4 * 6] = 2;
+    expect(() => packScene(meta, face)).toThrow(/splat 6 .* of 2/);
   });
 });

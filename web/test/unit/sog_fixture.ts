@@ -62,11 +62,18 @@ export function makeMeta(count: number): Record<string, unknown> {
     quats: { files: ["quats.webp"] },
     sh0: { codebook: codebook(-2, 2), files: ["sh0.webp"] },
     shN: { count: 3, bands: 1, codebook: codebook(-1, 1), files: ["shN_centroids.webp", "shN_labels.webp"] },
+    clipgs_faces: {
+      count: 2,
+      bands: 1,
+      codebook: codebook(-0.5, 0.5),
+      files: ["clipgs_faces_centroids.webp", "clipgs_faces_labels.webp"],
+    },
   };
 }
 
 export function makeArchive(meta: unknown): Map<string, Uint8Array> {
   const names = ["means_l", "means_u", "scales", "quats", "sh0", "shN_centroids", "shN_labels"];
+  names.push("clipgs_faces_centroids", "clipgs_faces_labels");
   const archive = new Map(names.map((name) => [`${name}.webp`, new Uint8Array(4)]));
   archive.set("meta.json", new TextEncoder().encode(typeof meta === "string" ? meta : JSON.stringify(meta)));
   return archive;
@@ -97,16 +104,20 @@ export function makeImages(meta: SogMeta, seed = 1): SogImages {
   for (let i = 0; i < width * height; ++i) {
     quats.rgba[4 * i + 3] = 252 + Math.floor(4 * random());
   }
-  const labels = texels(width, height, () => 0);
-  for (let i = 0; i < width * height; ++i) {
-    labels.rgba[4 * i] = Math.floor(3 * random());
-  }
+  const labels = (entries: number) => {
+    const image = texels(width, height, () => 0);
+    for (let i = 0; i < width * height; ++i) {
+      image.rgba[4 * i] = Math.floor(entries * random());
+    }
+    return image;
+  };
   return {
     meansLow: texels(width, height, byte),
     meansHigh: texels(width, height, byte),
     scales: texels(width, height, byte),
     quats,
     sh0: texels(width, height, byte),
-    shN: { centroids: texels(192, 1, byte), labels },
+    shN: { centroids: texels(192, 1, byte), labels: labels(3) },
+    faces: { centroids: texels(256, 1, byte), labels: labels(2) },
   };
 }
