@@ -6,7 +6,7 @@
 #                                  already are not built again
 #
 # QUALITY (default standard, draft for the phantom) and SPP (default 512, of the path tracer) trade time for looks.
-# CLIPGS_MR may name an MR scan for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
+# PAPER names what bench/paper_tables.sh made (default build/paper), for the stages. CLIPGS_MR may name an MR scan for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -149,6 +149,30 @@ stills() {
   convert "$folder"/still-{floor,lens,glass,cut}.png +append -quality 80 "$out/stills.webp"
 }
 
+# stages: what becomes of the head on the papers' way, from what bench/paper_tables.sh left in PAPER; a cut across the
+# axis above, an oblique one, which the neural model cannot draw, below.
+stages() {
+  local paper="$1" view=20,35,1.3 row=0 plane name label file
+  echo "gallery: stages of $paper"
+  for plane in 0,0,-1,-115 0.36,-0.7,-0.62,20; do
+    row=$((row + 1))
+    shot "$folder/stage-$row-truth.png" truth "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset "$(from_case "$paper/case.sog" c.preset)" \
+      --view "$view" --plane "$plane"
+    for name in neural.ply layered.ply deep.ply refined.sog case.sog; do
+      file="$folder/stage-$row-${name%.*}.png"
+      label="${name%.*}"
+      if ! "$clipgs" --quiet render "$paper/$name" -o "$file" --view "$view" --size 300 --plane "$plane" 2>/dev/null; then
+        convert -size 300x300 xc:none "$file"
+        label="$label: none"
+      fi
+      convert "$file" -background 'rgb(18,20,26)' -flatten -gravity south -fill '#c8ccd4' -pointsize 15 \
+        -annotate +0+8 "$label" "$file"
+    done
+    convert "$folder/stage-$row-"{truth,neural,layered,deep,refined,case}.png +append "$folder/stage-$row.png"
+  done
+  convert "$folder/stage-1.png" "$folder/stage-2.png" -append -quality 80 "$out/stages.webp"
+}
+
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
@@ -161,4 +185,7 @@ if [ -n "${CLIPGS_DATA:-}" ]; then
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
   sheets
   stills -262,-150,60
+  if [ -f "${PAPER:-build/paper}/head/case.sog" ]; then
+    stages "${PAPER:-build/paper}/head"
+  fi
 fi

@@ -10,7 +10,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '4'};
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '5'};
 
 struct Header {
   char magic[8];
@@ -64,6 +64,7 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
   for (const std::vector<std::uint32_t>* counts : {&adam_.updates(), &last_reached_}) {
     append(bytes, counts->data(), counts->size() * sizeof(std::uint32_t));
   }
+  append(bytes, need_.data(), need_.size() * sizeof(float));
   append(bytes, uniaxial.data(), uniaxial.size() * sizeof(float));
   write_file(path, bytes.data(), bytes.size());
 }
@@ -91,7 +92,7 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
                 path.string());
   }
   const auto planes = static_cast<size_t>(gaussians_.planes());
-  const size_t per_gaussian = 3 * planes * sizeof(float) + 2 * sizeof(std::uint32_t);
+  const size_t per_gaussian = (3 * planes + 1) * sizeof(float) + 2 * sizeof(std::uint32_t);
   const auto corrupt = [&] {
     return Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
   };
@@ -130,6 +131,8 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     std::memcpy(counts->data(), at, counts->size() * sizeof(std::uint32_t));
     at += counts->size() * sizeof(std::uint32_t);
   }
+  need_.resize(header.size);
+  std::memcpy(need_.data(), at, need_.size() * sizeof(float));
   order_.clear();
   return true;
 }

@@ -10,40 +10,20 @@ namespace clipgs {
 
 namespace {
 
-constexpr int kMaxCopies = 51;
-
-/// Equation 9 of 3DGS-MCMC: what opacity and scale factor N coincident copies need to look like the
-/// one they replace.
-struct SharedLook {
-  float opacity;
-  float scale;
-};
-
-SharedLook share(float opacity, int copies) {
-  const double each = 1.0 - std::pow(1.0 - opacity, 1.0 / copies);
-  double denominator = 0;
-  for (int i = 1; i <= copies; ++i) {
-    double binomial = 1;  // C(i−1, k), built up over k
-    for (int k = 0; k < i; ++k) {
-      const double sign = k % 2 == 0 ? 1.0 : -1.0;
-      denominator += binomial * sign * std::pow(each, k + 1) / std::sqrt(k + 1.0);
-      binomial *= static_cast<double>(i - 1 - k) / (k + 1);
-    }
-  }
-  return {static_cast<float>(each), static_cast<float>(opacity / denominator)};
-}
-
 float logit(float p) { return std::log(p / (1 - p)); }
 
-/// Draws `count` indices from `alive` with probability ∝ opacity (cumulative sums, binary search).
+/// Draws `count` indices from `alive` with probability ∝ opacity·need (cumulative sums, binary
+/// search).
 std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
-                                        const std::vector<std::uint32_t>& alive, size_t count,
-                                        Rng& rng) {
+                                        const std::vector<std::uint32_t>& alive,
+                                        const std::vector<float>& need, size_t count, Rng& rng) {
+  // So small that it counts only where nothing has a need.
+  constexpr double kLeastNeed = 1e-30;
   std::vector<double> cumulative;
   cumulative.reserve(alive.size());
   double total = 0;
   for (const std::uint32_t i : alive) {
-    total += gaussians.opacity(i);
+    total += gaussians.opacity(i) * (need[i] + kLeastNeed);
     cumulative.push_back(total);
   }
   std::vector<std::uint32_t> sources;
@@ -57,37 +37,48 @@ std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
   return sources;
 }
 
-/// Makes copies; each source and its copies share its look.
-void make_copies(Gaussians& gaussians, Adam& adam, const Copies& made) {
-  const auto& [targets, sources] = made;
-  std::vector<int> copies(gaussians.size(), 1);
-  for (const std::uint32_t s : sources) {
-    ++copies[s];
+/// Makes two of Gaussian `source`, side by side along its longest axis; the second is `target`.
+void split(Gaussians& gaussians, std::uint32_t source, std::uint32_t target) {
+  const Vec3 scale = gaussians.scale(source);
+  int longest = 0;
+  for (int a = 1; a < 3; ++a) {
+    if (scale[a] > scale[longest]) {
+      longest = a;
+    }
   }
-  for (const std::uint32_t s : sources) {
-    if (copies[s] == 1) {
-      continue;  // this source has been thinned already
-    }
-    const SharedLook look = share(gaussians.opacity(s), std::min(copies[s], kMaxCopies));
-    gaussians.plane(Gaussians::kOpacity)[s] =
-        logit(std::clamp(look.opacity, Densification::kDeadOpacity, 1.0f - 1e-6f));
-    for (int a = 0; a < 3; ++a) {
-      gaussians.plane(Gaussians::kLogScale + a)[s] += std::log(look.scale);
-    }
-    adam.reset(s);
-    copies[s] = 1;
+  // Together they have the variance of the one.
+  constexpr float kOffset = Densification::kSplitOffset;
+  const Vec3 offset =
+      kOffset * scale[longest] * glm::mat3_cast(gaussians.rotation(source))[longest];
+  gaussians.plane(Gaussians::kLogScale + longest)[source] += 0.5f * std::log(1 - kOffset * kOffset);
+  gaussians.plane(Gaussians::kOpacity)[source] =
+      logit(std::clamp(Densification::kSplitOpacity * gaussians.opacity(source),
+                       Densification::kDeadOpacity, 1.0f - 1e-6f));
+  for (int p = 0; p < gaussians.planes(); ++p) {
+    gaussians.plane(p)[target] = gaussians.plane(p)[source];
   }
-  for (size_t k = 0; k < targets.size(); ++k) {
-    for (int p = 0; p < gaussians.planes(); ++p) {
-      gaussians.plane(p)[targets[k]] = gaussians.plane(p)[sources[k]];
-    }
-    adam.reset(targets[k]);
+  for (int a = 0; a < 3; ++a) {
+    gaussians.plane(Gaussians::kMean + a)[source] += offset[a];
+    gaussians.plane(Gaussians::kMean + a)[target] -= offset[a];
+  }
+}
+
+/// One after the other: a source that is named often is halved again and again.
+void make_copies(Gaussians& gaussians, Adam& adam, std::vector<float>& need, const Copies& made) {
+  for (size_t k = 0; k < made.targets.size(); ++k) {
+    const std::uint32_t source = made.sources[k];
+    const std::uint32_t target = made.targets[k];
+    split(gaussians, source, target);
+    need[source] *= 0.5f;
+    need[target] = need[source];
+    adam.reset(source);
+    adam.reset(target);
   }
 }
 
 }  // namespace
 
-Copies relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
+Copies relocate_dead(Gaussians& gaussians, Adam& adam, std::vector<float>& need, Rng rng) {
   std::vector<std::uint32_t> dead;
   std::vector<std::uint32_t> alive;
   for (size_t i = 0; i < gaussians.size(); ++i) {
@@ -98,12 +89,12 @@ Copies relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng) {
     return {};
   }
   Copies made{std::move(dead), {}};
-  made.sources = draw_sources(gaussians, alive, made.targets.size(), rng);
-  make_copies(gaussians, adam, made);
+  made.sources = draw_sources(gaussians, alive, need, made.targets.size(), rng);
+  make_copies(gaussians, adam, need, made);
   return made;
 }
 
-Copies grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng) {
+Copies grow(Gaussians& gaussians, Adam& adam, std::vector<float>& need, size_t budget, Rng rng) {
   const size_t old_size = gaussians.size();
   const size_t size = std::min(budget, old_size + old_size / Densification::kGrowthDivisor);
   if (size <= old_size) {
@@ -117,10 +108,11 @@ Copies grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng) {
   for (size_t i = old_size; i < size; ++i) {
     made.targets.push_back(static_cast<std::uint32_t>(i));
   }
-  made.sources = draw_sources(gaussians, alive, made.targets.size(), rng);
+  made.sources = draw_sources(gaussians, alive, need, made.targets.size(), rng);
   gaussians = resized(gaussians, size);
   adam.resize(size);
-  make_copies(gaussians, adam, made);
+  need.resize(size);
+  make_copies(gaussians, adam, need, made);
   return made;
 }
 

@@ -9,26 +9,29 @@
 
 namespace clipgs {
 
-/// Densification after 3DGS-MCMC (Kheradmand et al. 2024): Gaussians are samples of the scene,
-/// those that have died are moved onto living ones, new ones are added up to a budget, and faint
-/// ones wander. Memory is bounded by the budget.
+/// Densification, after 3DGS-MCMC (Kheradmand et al. 2024): those that have died are moved to where
+/// Gaussians are needed, new ones are added up to a budget, and faint ones wander. Memory is
+/// bounded by the budget. Need and splitting are ours (method.md §5).
 struct Densification {
   static constexpr float kDeadOpacity = 0.005f;
   static constexpr size_t kGrowthDivisor = 20;  ///< one call grows the cloud by a twentieth
   static constexpr float kNoiseRate = 5e5f;     ///< of `add_noise`, relative to the means' rate
+  static constexpr float kSplitOffset = 0.7f;   ///< of halves from the whole, in its deviations
+  static constexpr float kSplitOpacity = 0.8f;  ///< of a half, relative to the whole's
 };
 
-/// Gaussian targets[k] became a copy of sources[k].
+/// Gaussian targets[k] became half of sources[k].
 struct Copies {
   std::vector<std::uint32_t> targets, sources;
 };
 
-/// Moves every dead Gaussian onto a living one, drawn with probability ∝ opacity; source and copies
-/// share the opacity and shrink so that the picture stays the same. Returns which moved where.
-Copies relocate_dead(Gaussians& gaussians, Adam& adam, Rng rng);
+/// Splits a living Gaussian for every dead one, which becomes its other half. They are drawn with
+/// probability ∝ opacity·need (≥ 0, of each Gaussian: how much the loss pulls at it); a need is
+/// split too. Returns which moved where.
+Copies relocate_dead(Gaussians& gaussians, Adam& adam, std::vector<float>& need, Rng rng);
 
-/// Adds copies of living Gaussians the same way, at most to `budget`. Returns which.
-Copies grow(Gaussians& gaussians, Adam& adam, size_t budget, Rng rng);
+/// Adds halves of living Gaussians the same way, at most to `budget`. Returns which.
+Copies grow(Gaussians& gaussians, Adam& adam, std::vector<float>& need, size_t budget, Rng rng);
 
 /// Adds noise shaped by each Gaussian's covariance to its mean, fading out as opacity rises.
 /// `rate` is the means' current relative learning rate divided by the scene's extent, 1/mm (a

@@ -155,6 +155,7 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
   gradients_ = gaussians_.like(gaussians_.size());
   adam_ = Adam(gaussians_);
   last_reached_.assign(gaussians_.size(), 0);
+  need_.assign(gaussians_.size(), 0);
 }
 
 void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
@@ -308,9 +309,13 @@ void Trainer::add_penalties() {
   });
 }
 
+/// When pictures asked for each Gaussian, and how much the loss pulled at it: |∂L/∂μ| times its
+/// largest deviation.
 void Trainer::note_reached() {
   for (const std::uint32_t i : reached()) {
     last_reached_[i] = static_cast<std::uint32_t>(step_);
+    const Vec3 scale = gaussians_.scale(i);
+    need_[i] += glm::length(gradients_.mean(i)) * std::max(scale.x, std::max(scale.y, scale.z));
   }
 }
 
@@ -332,8 +337,8 @@ void Trainer::densify() {
   }
   const Rng relocation(options_.seed, Rng::mix(step_) ^ kRelocation);
   const Rng growth(options_.seed, Rng::mix(step_) ^ kGrowth);
-  for (const Copies& made : {relocate_dead(gaussians_, adam_, relocation),
-                             grow(gaussians_, adam_, options_.budget, growth)}) {
+  for (const Copies& made : {relocate_dead(gaussians_, adam_, need_, relocation),
+                             grow(gaussians_, adam_, need_, options_.budget, growth)}) {
     if (uniaxial_) {
       uniaxial_->copied(made.targets, made.sources);
     }
@@ -341,6 +346,10 @@ void Trainer::densify() {
   if (gradients_.size() != gaussians_.size()) {
     gradients_ = gaussians_.like(gaussians_.size());
     last_reached_.resize(gaussians_.size(), static_cast<std::uint32_t>(step_));
+  }
+  constexpr float kMemory = 0.9f;  // what was needed long ago is so no more
+  for (float& need : need_) {
+    need *= kMemory;
   }
 }
 

@@ -106,6 +106,7 @@ class Trainer {
   };
   LearntGain gain_;
   std::vector<std::uint32_t> last_reached_;  // step, of each Gaussian
+  std::vector<float> need_;                  // of each Gaussian, see relocate_dead()
   std::optional<UniaxialLearner> uniaxial_;
   Rasterizer rasterizer_;
   ImageLoss loss_;
