@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <tbb/parallel_sort.h>
 
 #include "asset/codebook.h"
@@ -165,7 +166,7 @@ struct Writer {
       for (size_t c = 0; c < 4; ++c) {
         if (c != largest) {
           image.rgba[4 * i + channel++] =
-              byte_from_unit(0.5 * (sign * wxyz[c] * std::sqrt(2.0) + 1));
+              byte_from_unit(0.5 * (sign * wxyz[c] * std::numbers::sqrt2 + 1));
         }
       }
       image.rgba[4 * i + 3] = static_cast<std::uint8_t>(kFirstRotationTag + largest);
@@ -406,7 +407,7 @@ class Decoder {
       int channel = 0;
       for (int c = 0; c < 4; ++c) {
         if (c != largest) {
-          const double value = (texel[channel++] / 255.0 - 0.5) * std::sqrt(2.0);
+          const double value = (texel[channel++] / 255.0 - 0.5) * std::numbers::sqrt2;
           g.plane(Gaussians::kRotation + c)[i] = static_cast<float>(value);
           rest -= value * value;
         }
