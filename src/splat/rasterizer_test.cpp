@@ -156,7 +156,7 @@ FaceGain random_gain() {
 
 TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   constexpr int kDegree = 3;
-  const Gaussians cloud = random_cloud(24, kDegree, 3);
+  const Gaussians cloud = random_cloud(14, kDegree, 3);
   const Camera camera = test_camera(40, 36);
   // No step to differentiate across: every contribution counts, every Gaussian is cut.
   RasterOptions options;

@@ -22,12 +22,12 @@ struct ReferenceSplat {
   DVec3 color;
   double depth;
   struct Conditional {
-    const Plane* plane;
     double distance;  // d(μ)
     DVec2 k;
     double s;
   };
   std::vector<Conditional> cuts;
+  std::vector<const Plane*> planes;  // of the cuts
 };
 
 /// What planes leave together, each leaving share(k): opposite ones what is between them.
@@ -131,6 +131,7 @@ class ReferenceScene {
     out.depth = t.z;
     out.opacity = 1 / (1 + std::exp(-plane(Gaussians::kOpacity, i)));
     out.cuts.clear();
+    out.planes.clear();
     std::vector<double> shares;
     std::vector<const Plane*> planes;
     DVec3 gain(1);
@@ -156,7 +157,8 @@ class ReferenceScene {
         if (distance < options.clip_sigma * s_n) {
           const DVec2 c = a * (sigma * n);
           const DVec2 k = out.conic * c;
-          out.cuts.push_back({&plane, distance, k,
+          out.planes.push_back(&plane);
+          out.cuts.push_back({distance, k,
                               std::sqrt(std::max(s_n * s_n - glm::dot(c, k),
                                                  double{kMinConditionalVariance} * s_n * s_n))});
         }
@@ -217,11 +219,7 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
       for (const ReferenceSplat& s : splats) {
         const DVec2 delta = DVec2(px + 0.5, py + 0.5) - s.center;
         double alpha = s.opacity * std::exp(-0.5 * glm::dot(delta, s.conic * delta));
-        std::vector<const Plane*> planes;
-        for (const auto& conditional : s.cuts) {
-          planes.push_back(conditional.plane);
-        }
-        alpha *= share_of_planes(planes, [&](size_t k) {
+        alpha *= share_of_planes(s.planes, [&](size_t k) {
           const auto& e = s.cuts[k];
           return normal_cdf((e.distance + glm::dot(e.k, delta)) / e.s);
         });
