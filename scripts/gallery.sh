@@ -6,7 +6,8 @@
 #                                  already are not built again
 #
 # QUALITY (default standard, draft for the phantom) and SPP (default 512, of the path tracer) trade time for looks.
-# PAPER names what bench/paper_tables.sh made (default build/paper), for the stages. CLIPGS_MR may name an MR scan for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
+# PAPER names what bench/paper_tables.sh made (default build/paper), for the stages. CLIPGS_MR may name an MR scan
+# for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -196,6 +196,9 @@ FaceLight face_light(const Gaussians& gaussians, size_t i, const Projection& p, 
                      std::span<const LitPlane> planes) {
   FaceLight light;
   for (const LitPlane& plane : planes) {
+    if (plane.gain == Vec3(1) && !gaussians.has_face_colors()) {
+      continue;  // its face looks like the rest
+    }
     const PlaneView v = see_plane(p, mean, plane);
     const float share = FaceGain::share(v.d / std::sqrt(v.variance));
     if (share > 0) {
