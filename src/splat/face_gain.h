@@ -27,14 +27,29 @@ struct FaceGain {
   /// to kWhole, then a smooth step to 0 at kNone.
   template <typename T>
   static T share(T depth) {
-    const T u = (T{kNone} - depth) / T{kNone - kWhole};
-    return u <= 0 ? T{0} : u >= 1 ? T{1} : u * u * (3 - 2 * u);
+    return step((T{kNone} - depth) / T{kNone - kWhole});
   }
   /// Its derivative.
   static float share_slope(float depth) {
-    const float u = (kNone - depth) / (kNone - kWhole);
-    return u <= 0 || u >= 1 ? 0 : -6 * u * (1 - u) / (kNone - kWhole);
+    return -step_slope((kNone - depth) / (kNone - kWhole)) / (kNone - kWhole);
   }
+
+  /// A face is seen from the removed side alone: from there to where the cosine of the angle
+  /// between the plane's normal and the way from the eye to the splat is this …
+  static constexpr float kFacing = 0.03f;
+  /// … a smooth step takes what share() leaves from 0 to 1.
+  template <typename T>
+  static T facing(T cosine) {
+    return step(cosine / T{kFacing});
+  }
+  static float facing_slope(float cosine) { return step_slope(cosine / kFacing) / kFacing; }
+
+ private:
+  template <typename T>
+  static T step(T u) {
+    return u <= 0 ? T{0} : u >= 1 ? T{1} : u * u * (3 - 2 * u);
+  }
+  static float step_slope(float u) { return u <= 0 || u >= 1 ? 0 : 6 * u * (1 - u); }
 };
 
 }  // namespace clipgs

@@ -192,15 +192,17 @@ struct FaceLight {
   Vec3 factor{1};
 };
 
+/// `direction`: unit, from the eye to the mean.
 FaceLight face_light(const Gaussians& gaussians, size_t i, const Projection& p, const Vec3& mean,
-                     std::span<const LitPlane> planes) {
+                     const Vec3& direction, std::span<const LitPlane> planes) {
   FaceLight light;
   for (const LitPlane& plane : planes) {
     if (plane.gain == Vec3(1) && !gaussians.has_face_colors()) {
       continue;  // its face looks like the rest
     }
     const PlaneView v = see_plane(p, mean, plane);
-    const float share = FaceGain::share(v.d / std::sqrt(v.variance));
+    const float share = FaceGain::share(v.d / std::sqrt(v.variance)) *
+                        FaceGain::facing(glm::dot(plane.normal, direction));
     if (share > 0) {
       light.factor *= Vec3(1) + share * (plane.gain - Vec3(1));
       if (gaussians.has_face_colors()) {
@@ -249,8 +251,9 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   splat.qb = -p.conic.xy;
   splat.qc = -0.5f * p.conic.yy;
   splat.depth = t.z;
-  const FaceLight light = face_light(gaussians, i, p, mean, planes);
-  const Vec3 own = sh_color(gaussians, i, glm::normalize(mean - camera.position));
+  const Vec3 direction = glm::normalize(mean - camera.position);
+  const FaceLight light = face_light(gaussians, i, p, mean, direction, planes);
+  const Vec3 own = sh_color(gaussians, i, direction);
   const Vec3 color = (own + light.added) * light.factor;
   splat.r = std::max(0.0f, color.x);
   splat.g = std::max(0.0f, color.y);
@@ -322,7 +325,9 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
     const PlaneView v = see_plane(p, mean, *plane);
     const float deviation = std::sqrt(v.variance);
     const float depth = v.d / deviation;
-    const float share = FaceGain::share(depth);
+    const Vec3 away = mean - camera.position;
+    const float cosine = glm::dot(plane->normal, away) / glm::length(away);
+    const float share = FaceGain::share(depth) * FaceGain::facing(cosine);
     const Vec3 factor = Vec3(1) + share * (plane->gain - Vec3(1));
     // Where a channel is not clamped its colour is what is drawn, and the factor is positive.
     const Vec3 g_factor = g_color * Vec3(splat.r, splat.g, splat.b) / factor;
@@ -333,7 +338,9 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
       g_face = share * g_color;
       g_share += glm::dot(g_color, face_color(gaussians, i, plane->normal));
     }
-    const float g_depth = g_share * FaceGain::share_slope(depth);
+    const float g_cosine = g_share * FaceGain::share(depth) * FaceGain::facing_slope(cosine);
+    g_mean += (g_cosine / glm::length(away)) * (plane->normal - cosine * glm::normalize(away));
+    const float g_depth = g_share * FaceGain::facing(cosine) * FaceGain::share_slope(depth);
     g_mean += (g_depth / deviation) * plane->normal;
     const float g_variance = -0.5f * g_depth * depth / v.variance;
     g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);

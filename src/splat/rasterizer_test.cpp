@@ -230,6 +230,26 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   }
 }
 
+TEST(Rasterizer, AFaceIsSeenFromTheRemovedSideAlone) {
+  const Gaussians cloud = random_cloud(200, 1, 8);
+  ASSERT_TRUE(cloud.has_face_colors());
+  const Gaussians plain = cloud.reshaped(1, false);
+  RasterOptions options;
+  options.clip = ClipOperator::kExact;
+  const Plane plane{{0, 0, -1}, 0};  // keeps what is below
+  Rasterizer rasterizer;
+  for (const float elevation : {40.0f, -40.0f}) {
+    const Camera camera = frame_sphere({{0, 0, 0}, 45}, View{10, elevation, 1}, 64, 64);
+    const Image with = rasterizer.forward(cloud, camera, plane, options);
+    const Image without = rasterizer.forward(plain, camera, plane, options);
+    if (elevation > 0) {
+      EXPECT_NE(with.data, without.data);
+    } else {
+      EXPECT_EQ(with.data, without.data);
+    }
+  }
+}
+
 TEST(Rasterizer, OnlyGaussiansThatReachAPixelHaveAGradient) {
   // Along the view: three opaque ones, one hidden behind them, and one on the removed side.
   Gaussians cloud(5, 0);

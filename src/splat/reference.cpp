@@ -96,9 +96,9 @@ DVec3 gain_at(const FaceGain& gain, const DVec3& normal) {
 class ReferenceScene {
  public:
   ReferenceScene(const std::vector<double>& parameters, const Gaussians& shape)
-      : p_(parameters), shape_(shape), count_(shape.size()), degree_(shape.sh_degree()) {}
+      : p_(parameters), shape_(shape) {}
 
-  double plane(int k, size_t i) const { return p_[static_cast<size_t>(k) * count_ + i]; }
+  double plane(int k, size_t i) const { return p_[static_cast<size_t>(k) * shape_.size() + i]; }
 
   bool project(size_t i, const Camera& camera, const Cut& cut, const RasterOptions& options,
                ReferenceSplat& out) const {
@@ -134,6 +134,7 @@ class ReferenceScene {
     out.planes.clear();
     std::vector<double> shares;
     std::vector<const Plane*> planes;
+    const DVec3 direction = glm::normalize(mean - position);
     DVec3 gain(1);
     DVec3 face(0);
     for (const Plane& plane : cut.planes()) {
@@ -141,7 +142,8 @@ class ReferenceScene {
       const double distance = glm::dot(n, mean) - plane.offset;
       const double s_n = std::sqrt(glm::dot(n, sigma * n));
       planes.push_back(&plane);
-      const double at_face = FaceGain::share(distance / s_n);
+      const double at_face =
+          FaceGain::share(distance / s_n) * FaceGain::facing(glm::dot(n, direction));
       gain *= DVec3(1) + at_face * (gain_at(options.face_gain, n) - DVec3(1));
       if (shape_.has_face_colors()) {
         face += at_face * face_color(i, n);
@@ -168,10 +170,10 @@ class ReferenceScene {
       out.opacity *= share_of_planes(planes, [&](size_t k) { return shares[k]; });
     }
     double y[sh_coefficients(kMaxShDegree)];
-    basis(degree_, glm::normalize(mean - position), y);
+    basis(shape_.sh_degree(), direction, y);
     for (int c = 0; c < 3; ++c) {
       double value = 0.5;
-      for (int k = 0; k < sh_coefficients(degree_); ++k) {
+      for (int k = 0; k < sh_coefficients(shape_.sh_degree()); ++k) {
         value += y[k] * plane(Gaussians::kSh + 3 * k + c, i);
       }
       out.color[c] = std::max(0.0, (value + face[c]) * gain[c]);
@@ -192,8 +194,6 @@ class ReferenceScene {
 
   const std::vector<double>& p_;
   const Gaussians& shape_;
-  size_t count_;
-  int degree_;
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ const float kCdfCubic = 0.07056;
 const float kMinConditionalVariance = 1e-6;
 const float kFaceWhole = 1.5;               // s_n below a plane down to which a splat lies at its face wholly
 const float kFaceNone = 3.0;                // … and from which on not at all
+const float kFacing = 0.03;                 // cosine of n and the view from which on a face is seen wholly
 const float kUncut = 30.0;                  // a plane distance in s at which Φ is 1
 
 const int kClipNone = 0;
@@ -125,7 +126,8 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int sl
     variance[i] = dot(local[i], local[i]);
     float deviation = sqrt(variance[i]);
     shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation), 0.0, 1.0) : 1.0;
-    s.face[i] = 1.0 - smoothstep(kFaceWhole, kFaceNone, d[i] / deviation);
+    s.face[i] = (1.0 - smoothstep(kFaceWhole, kFaceNone, d[i] / deviation)) *
+                smoothstep(0.0, kFacing, dot(planes[i].xyz, normalize(g.mean - camera.position)));
     removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation);
   }
   s.opacity = g.opacity * jointShare(shares, slabs);
