@@ -383,11 +383,28 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--state", "-1"},
                                                 {"--state", "x"},
                                                 {"--state", "5", "--plane", "0,0,-1,0"},
+                                                {"--camera", "x.json", "--view", "0,0"},
+                                                {"--camera", "x.json", "--turntable"},
                                                 {"--state", "5", "--slab", "0,0,-1,0,9"}}) {
     std::vector<std::string> arguments = {"render", at("case.sog"), "-o", at("none.png")};
     arguments.insert(arguments.end(), wrong.begin(), wrong.end());
     EXPECT_EQ(run_clipgs(arguments).status, 2) << wrong.back();
   }
+
+  // Any camera, as a frame of the dataset has it.
+  const auto transforms =
+      nlohmann::json::parse(read_text(at("case.clipgs-work/dataset/transforms.json")));
+  nlohmann::json frame = transforms.at("frames").at(0);
+  write_text(at("camera.json"), frame.dump());
+  const std::vector<std::string> posed = {"render",        at("case.sog"), "-o",
+                                          at("posed.png"), "--camera",     at("camera.json")};
+  ASSERT_EQ(run_clipgs(posed).status, 0);
+  const Image picture = read_png(at("posed.png"));
+  EXPECT_EQ(picture.width, frame.at("w"));
+  EXPECT_GT(*std::max_element(picture.data.begin(), picture.data.end()), 0.5f);
+  frame.erase("fl_x");
+  write_text(at("camera.json"), frame.dump());
+  expect_failure(posed, "camera.json: \"fl_x\"");
 
   // What moves is a WebP, and nothing else.
   ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("spin.webp"), "--size", "64",
@@ -412,6 +429,7 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   ASSERT_EQ(run_clipgs({"unpack", at("case.sog"), "-o", at("again.ply")}).status, 0);
   EXPECT_EQ(section_of({})["dims"], nlohmann::json::parse(info.out)["section"]["dims"]);
   EXPECT_EQ(section_of({"--section-size", "12"})["dims"][2], 12);
+  EXPECT_GT(section_of({"--section-quality", "100"})["bytes"], section_of({})["bytes"]);
   EXPECT_TRUE(section_of({"--no-section"}).is_null());
   expect_failure({"render", at("again.sog"), "-o", at("none.png"), "--section", "volume"},
                  "no section", at("none.png"));

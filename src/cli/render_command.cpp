@@ -7,6 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
+#include "core/camera_file.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
@@ -20,6 +21,7 @@ struct RenderArguments {
   std::string scene;
   std::string output;
   std::string view = "0,0";
+  std::string camera;
   CutArguments cut;
   std::optional<int> state;
   AnimationArguments animation;
@@ -69,6 +71,10 @@ void run_render(const RenderArguments& arguments) {
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
   options.reference = arguments.reference;
+  std::optional<Camera> placed;
+  if (!arguments.camera.empty()) {
+    placed = read_camera(arguments.camera);
+  }
   std::vector<Vec3> pins;
   for (const std::string& text : arguments.pins) {
     const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
@@ -87,7 +93,8 @@ void run_render(const RenderArguments& arguments) {
                value_text(*contents.section, pin));
   }
   const auto draw = [&](const View& from, const Cut& kept) {
-    const Camera camera = frame_sphere(contents.scene.sphere, from, size.x, size.y);
+    const Camera camera =
+        placed ? *placed : frame_sphere(contents.scene.sphere, from, size.x, size.y);
     Image picture = draw_case(contents, camera, kept, options);
     if (arguments.annotate) {
       annotate(picture, *contents.section, camera, kept, options.style, pins);
@@ -111,8 +118,13 @@ void add_render_command(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
       ->required();
-  command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
-      ->capture_default_str();
+  CLI::Option* const view =
+      command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
+          ->capture_default_str();
+  CLI::Option* const camera = command->add_option("--camera", arguments->camera,
+                                                  "JSON file of any other camera, with the keys of "
+                                                  "a frame of a dataset's transforms.json: w, h, "
+                                                  "fl_x, fl_y, cx, cy and transform_matrix");
   add_cut_options(*command, arguments->cut);
   command
       ->add_option("--state", arguments->state,
@@ -122,6 +134,7 @@ void add_render_command(CLI::App& app) {
       ->excludes("--plane")
       ->excludes("--slab");
   add_animation_options(*command, arguments->animation);
+  camera->excludes(view)->excludes("--turntable");
   command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
       ->capture_default_str();
   command
@@ -148,7 +161,9 @@ void add_render_command(CLI::App& app) {
                    "Print the value at a point: R,A,S in mm; may be given again")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
+  command->add_option("--size", arguments->size, "Width x height in pixels")
+      ->capture_default_str()
+      ->excludes(camera);
   command->add_flag("--reference", arguments->reference,
                     "Draw with the slow double-precision reference renderers (cinematic faces)");
   command->footer(
