@@ -89,8 +89,9 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, float section_qu
   return write_zip(files);
 }
 
-void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail) {
-  const Bytes bytes = encode_case(contents, thumbnail);
+void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
+                float section_quality) {
+  const Bytes bytes = encode_case(contents, thumbnail, section_quality);
   write_file(path, bytes.data(), bytes.size());
 }
 

@@ -45,7 +45,8 @@ struct CaseInfo {
 Bytes encode_case(const Case& contents, const Image* thumbnail,
                   float section_quality = kSectionQuality);
 /// The same into a file, whole or not at all.
-void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail);
+void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
+                float section_quality = kSectionQuality);
 
 /// Reads a case into world space (RAS mm). Throws Error, as one line with `name` in it, on a file
 /// that is no case, truncated or corrupt; nothing larger than its images warrant is allocated.

@@ -11,8 +11,8 @@
 
 namespace clipgs {
 
-/// Quality of the image that holds a section's voxels: 100 is lossless. The default loses 0.1 dB on
-/// the picture of a face and half of the bytes (docs/benchmarks.md).
+/// Quality of the image that holds a section's voxels: 100 is lossless. The default loses 0.1 to
+/// 0.3 dB of a picture and half of the bytes (docs/benchmarks.md).
 constexpr float kSectionQuality = 90;
 constexpr float kLossless = 100;
 

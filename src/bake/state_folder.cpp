@@ -25,6 +25,11 @@ constexpr float kShTolerance = 1e-4f;    // between states of one Gaussian
 constexpr std::uintmax_t kSpare = 4096;  // bytes of a file beyond its splats
 constexpr const char* kUncutFile = "uncut.ply";
 
+std::string describe(const Gaussians& g) {
+  return fmt::format("{} splats of SH degree {}{}", g.size(), g.sh_degree(),
+                     g.has_face_colors() ? " with face colours" : "");
+}
+
 /// All Gaussians of the model, as the state has them.
 void spread(const UniaxialState& state, const Gaussians& model, Gaussians& all) {
   std::copy_n(model.data().begin(), Gaussians::kOpacity * model.size(), all.data().begin());
@@ -65,11 +70,8 @@ class StateReader {
       known_.assign(state.size(), 0);
     }
     if (state.size() != common_.size() || !state.is_like(common_)) {
-      throw Error(
-          "{}: has {} splats of SH degree {}, {} has {} of degree {}; all states must be of one "
-          "model",
-          path.string(), state.size(), state.sh_degree(), first_file_, common_.size(),
-          common_.sh_degree());
+      throw Error("{}: has {}, {} has {}; all states must be of one model", path.string(),
+                  describe(state), first_file_, describe(common_));
     }
     collect(state, path);
     return state;

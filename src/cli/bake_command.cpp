@@ -50,11 +50,13 @@ BakedScene bake_model(const BakeArguments& arguments) {
   return bake(model, arguments.states, arguments.slab_depth, progress_bar("bake"));
 }
 
+fs::path planes_of(const BakeArguments& arguments) {
+  return arguments.planes.empty() ? fs::path(arguments.from_states) / kPlanesFile
+                                  : fs::path(arguments.planes);
+}
+
 BakedScene bake_folder(const BakeArguments& arguments) {
-  const fs::path folder = arguments.from_states;
-  const fs::path planes =
-      arguments.planes.empty() ? folder / kPlanesFile : fs::path(arguments.planes);
-  return bake_states(folder, planes, progress_bar("bake"));
+  return bake_states(arguments.from_states, planes_of(arguments), progress_bar("bake"));
 }
 
 Json to_json(const BakedScene& baked) {
@@ -102,14 +104,23 @@ void hand_on_section(const BakeArguments& arguments) {
   write_scene_section(arguments.output, &section);
 }
 
-void run_bake(const BakeArguments& arguments) {
-  if (arguments.model.empty() == arguments.from_states.empty()) {
-    throw CLI::ValidationError("bake", "give either a MODEL or --from-states");
-  }
+/// Throws if the scene, or the JSON beside it, would be written over what it is made of.
+void require_apart(const BakeArguments& arguments) {
   std::error_code absent;
   if (fs::equivalent(arguments.output, arguments.model, absent)) {
     throw CLI::ValidationError("--output", "the scene would replace the model");
   }
+  const fs::path sidecar = fs::path(arguments.output).replace_extension(".json");
+  if (arguments.model.empty() && fs::equivalent(sidecar, planes_of(arguments), absent)) {
+    throw CLI::ValidationError("--output", "the JSON beside the scene would replace the planes");
+  }
+}
+
+void run_bake(const BakeArguments& arguments) {
+  if (arguments.model.empty() == arguments.from_states.empty()) {
+    throw CLI::ValidationError("bake", "give either a MODEL or --from-states");
+  }
+  require_apart(arguments);
   require_writable(arguments.output);
   const BakedScene baked = arguments.model.empty() ? bake_folder(arguments) : bake_model(arguments);
   hand_on_section(arguments);

@@ -90,6 +90,10 @@ TEST_F(BakeCommand, StatesGoOutAndComeBack) {
                         at("x.ply")})
                 .status,
             0);
+  const Finished over = run_clipgs({"bake", "--from-states", at("states"), "--planes",
+                                    at("planes.json"), "-o", at("planes.ply")});
+  EXPECT_EQ(over.status, 2);
+  EXPECT_THAT(over.err, HasSubstr("would replace the planes"));
 }
 
 TEST_F(BakeCommand, WrongUseAndWrongFiles) {

@@ -28,6 +28,14 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
                    "No section: splats fill the cut faces (always so with --labels)");
 }
 
+void add_section_quality(CLI::App& command, SectionChoice& choice) {
+  command
+      .add_option("--section-quality", choice.quality,
+                  "Of the section's image in the case: 100 is lossless, at twice the bytes")
+      ->check(CLI::Range(1.0, 100.0))
+      ->capture_default_str();
+}
+
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
   if (choice.none) {
     return;
