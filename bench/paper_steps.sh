@@ -79,6 +79,11 @@ step() {
   count_time "$name" "$(LC_ALL=C date +%s.%N)"
 }
 
+# bytes NAME FILE...: leaves in NAME.bytes how large the files are together.
+bytes() {
+  stat -c %s "${@:2}" | awk '{ sum += $1 } END { print sum }' >"$1.bytes"
+}
+
 # dataset CASE: the pictures, in FOLDER/CASE/dataset.
 dataset() {
   local at="$folder/$1" size="${SIZE:-256}" train="${TRAIN_FRAMES:-3000}" spp="${TRAIN_SPP:-6}" test="${TEST_FRAMES:-20}"
