@@ -10,6 +10,7 @@ import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
+import type { EyePicture, Surroundings } from "./xr/headset";
 
 /** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */
 export interface ApiCut {
@@ -68,6 +69,16 @@ export interface ClipgsApi {
   readonly stats: Readonly<ViewerStats>;
   /** The picture alone, as `clipgs render` writes it; `moving`: as it is drawn while something moves. */
   renderToPixels(width: number, height: number, moving?: boolean): Promise<Picture>;
+  /** The case in a headset. Entering rejects with a line for a person, and needs a click of the user's. */
+  readonly headset: {
+    readonly worn: boolean;
+    enter(surroundings?: Surroundings): Promise<void>;
+    leave(): Promise<void>;
+    /** Of the case, 1: life size. */
+    readonly scale: number;
+    /** What the eyes see of the case in the next frame. */
+    capture(): Promise<EyePicture[]>;
+  };
   /** Where a point appears on the page, CSS px; null behind the camera. */
   project(point: Triple): { x: number; y: number } | null;
 }
@@ -87,7 +98,7 @@ function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number }
 }
 
 export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
-  const { viewer } = app;
+  const { viewer, headset } = app;
   return {
     ready,
     stats: viewer.stats,
@@ -137,6 +148,17 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       };
     },
     renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
+    headset: {
+      get worn() {
+        return headset.worn;
+      },
+      enter: (surroundings = "immersive-vr") => headset.enter(surroundings),
+      leave: () => headset.leave(),
+      get scale() {
+        return headset.stage.scale;
+      },
+      capture: () => headset.capture(),
+    },
     project: (point) => {
       const at = viewer.project(new Vector3(...point));
       const box = viewer.canvas.getBoundingClientRect();

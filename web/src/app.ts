@@ -10,13 +10,20 @@ import { OrientationCube } from "./ui/orientation_cube";
 import { PlanePanel } from "./ui/plane_panel";
 import { PointerControls } from "./ui/pointer";
 import { Viewer } from "./viewer";
+import { Headset, offeredSurroundings, type Surroundings } from "./xr/headset";
 
 const kLinkDelayMs = 300;
 const kStatsIntervalMs = 250;
 
+const kHeadsetTitles: Record<Surroundings, string> = {
+  "immersive-vr": "Show it in the headset (V)",
+  "immersive-ar": "Show it in the headset, in the room where one is",
+};
+
 /** The page: the viewer's canvas, the panels around it, and the address that says what is shown. */
 export class App {
   readonly viewer: Viewer;
+  readonly headset: Headset;
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
@@ -27,6 +34,7 @@ export class App {
   readonly #stats = h("output", { class: "stats", "aria-label": "Statistics" });
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
+  readonly #headsetButtons = h("span", { class: "buttons" });
   #cases: CaseSummary[] = [];
   #opening = 0;
   #linkTimer = 0;
@@ -46,6 +54,8 @@ export class App {
     );
     root.append(canvas);
     this.viewer = new Viewer(canvas);
+    this.headset = new Headset(this.viewer);
+    this.headset.changed = () => this.#update();
     this.#overlay = new FaceOverlay(this.viewer);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.button);
     this.#panel = new PlanePanel(this.viewer, this.#facePanel.element);
@@ -65,6 +75,7 @@ export class App {
         h(
           "span",
           { class: "buttons" },
+          this.#headsetButtons,
           link,
           h(
             "button",
@@ -93,7 +104,18 @@ export class App {
     addEventListener("keydown", (event) => this.#key(event));
     // By now the address may have been written over.
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
+    navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset());
+    void this.#offerHeadset();
     this.#update();
+  }
+
+  /** Shows the case in a headset; says on the page where that fails. */
+  async enterHeadset(surroundings: Surroundings): Promise<void> {
+    try {
+      await this.headset.enter(surroundings);
+    } catch (error) {
+      this.#fail((error as CaseError).message, () => void this.enterHeadset(surroundings));
+    }
   }
 
   /** Shows what the address names, or else the first case. Rejects with CaseError. */
@@ -206,7 +228,24 @@ export class App {
     });
   }
 
+  async #offerHeadset(): Promise<void> {
+    const offered = await offeredSurroundings();
+    this.#headsetButtons.replaceChildren(
+      ...offered.map((one) =>
+        h(
+          "button",
+          { class: "plain", title: kHeadsetTitles[one], onclick: () => void this.enterHeadset(one) },
+          icon(one === "immersive-vr" ? kIcons.headset : kIcons.passthrough),
+        ),
+      ),
+    );
+  }
+
+  /** Not while a headset is worn: nobody looks at the page. */
   #update(): void {
+    if (this.headset.worn) {
+      return;
+    }
     this.#panel.update();
     this.#facePanel.update();
     this.#cube.update(this.viewer.state.view);
@@ -316,6 +355,7 @@ export class App {
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
       r: () => this.#panel.reset(),
       m: () => void this.#showMenu(),
+      v: () => this.#headsetButtons.querySelector("button")?.click(),
       "?": () => this.#help.showModal(),
       "1": () => this.viewer.setClip("hard"),
       "2": () => this.viewer.setClip("soft"),

@@ -9,35 +9,29 @@ import {
   WebGLRenderer,
 } from "three";
 
-import { type CaseInfo, parseCaseInfo } from "./model/case_info";
+import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
-import { type Window, windowPresets } from "./model/grey";
+import type { Window } from "./model/grey";
 import type { Grip } from "./model/plane_drag";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
+import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
-import { GpuScene } from "./render/gpu_scene";
+import { kMostRays, OpenCase, type Style } from "./render/open_case";
 import { PlaneWidget } from "./render/plane_widget";
-import { writeSortView } from "./render/scene_camera";
-import { SectionFaces } from "./render/section_faces";
 import { type Picture, SplatLayer, type Subject } from "./render/splat_layer";
-import { SplatMesh } from "./render/splat_mesh";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import { CaseClient } from "./worker/case_client";
-import { type ClipOperator, kViewFloats } from "./worker/protocol";
+import type { ClipOperator } from "./worker/protocol";
 
-export interface ViewerState {
+export interface ViewerState extends Style {
   view: View;
   mode: Mode; // uniaxial: no more than one plane, which is that of a state
-  cuts: readonly Cut[]; // what all of them keep is shown
   active: number; // the cut that is moved, by its index
-  clip: ClipOperator;
-  section: FaceSource;
-  grey: number; // how faces look: 0 cinematic … 1 grey
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
   pins: readonly Reading[]; // points that are marked, the oldest first
@@ -55,26 +49,12 @@ export interface ViewerStats {
   sectionMs: number; // decoding it
 }
 
-interface OpenCase {
-  name: string;
-  info: CaseInfo;
-  bytes: number;
-  ticket: number;
-  mesh: SplatMesh;
-  faces: SectionFaces | null;
-  spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
-}
-
 /** Without changes for this long the picture is drawn at full resolution. */
 const kSettleMs = 160;
 /** While something moves, resolution is given up for frames of this length. */
 const kFrameMs = 30;
 const kMinScale = 0.35;
-/** The first frames of a case compile and upload: they say nothing about speed. */
-const kWarmUpFrames = 4;
 const kMaxPixelRatio = 2;
-/** Rays through a pixel of a face once nothing moves (FaceOptions::kMostRays of src/section/faces.h). */
-const kMostRays = 8;
 /** Of one case. */
 const kMaxPins = 20;
 /** A pin belongs to a face this near to it, mm. */
@@ -109,6 +89,8 @@ export class Viewer {
     sectionBytes: 0,
     sectionMs: 0,
   };
+  /** Counts what changes the picture. */
+  version = 0;
   changed: () => void = () => {};
   drawnFrame: () => void = () => {};
 
@@ -123,8 +105,6 @@ export class Viewer {
   });
   readonly #client = new CaseClient();
   #case: OpenCase | null = null;
-  #noSection: string | null = null;
-  #windows: ReadonlyMap<string, Window> = new Map();
   #width = 1; // CSS px
   #height = 1;
 
@@ -132,15 +112,14 @@ export class Viewer {
   #splatsStale = false;
   #coarse = false; // what is shown was drawn for speed
   #canvasStale = true;
-  #capturing = false;
+  #captured: Promise<void> | null = null; // while a picture is drawn apart
   #lastChange = 0;
-  #movingScale = 1; // resolution while something moves
+  readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #inset: Inset = { right: 0, bottom: 0 };
-  #ticks = 0; // animation frames, and of the last one that drew splats: its number and time
-  #splatTick = -1;
-  #splatTime = 0;
-  #splatFrames = 0; // of this case
-  #firstFrame: (() => void)[] = [];
+  #ticks = 0; // animation frames
+  #ordered = false; // whether the case's splats have an order
+  readonly #firstFrame: (() => void)[] = [];
+  #worn = false; // a headset draws
 
   constructor(canvas: HTMLCanvasElement) {
     ColorManagement.enabled = false; // colours are display sRGB from the file to the screen
@@ -171,6 +150,14 @@ export class Viewer {
     requestAnimationFrame(this.#frame);
   }
 
+  get renderer(): WebGLRenderer {
+    return this.#renderer;
+  }
+
+  get openCase(): OpenCase | null {
+    return this.#case;
+  }
+
   get caseName(): string | null {
     return this.#case?.name ?? null;
   }
@@ -181,7 +168,7 @@ export class Viewer {
 
   /** Why faces are not drawn from a volume, whatever the state asks for; null: they are. */
   get noSection(): string | null {
-    return this.#noSection;
+    return this.#case?.noSection ?? null;
   }
 
   /** The volume that faces can be drawn from. */
@@ -191,34 +178,29 @@ export class Viewer {
 
   /** The windows that the case is usually seen through; none for photographs and without a section. */
   get windows(): ReadonlyMap<string, Window> {
-    return this.#windows;
+    return this.#case?.windows ?? new Map();
   }
 
   /** The window in use. */
   get window(): Window | null {
-    return this.#windows.size > 0 ? (this.state.window ?? [...this.#windows.values()][0]!) : null;
+    const [usual] = this.windows.values();
+    return usual ? (this.state.window ?? usual) : null;
   }
 
   /** Shows the case at `url`; the view and plane stay. Resolves with its first picture; rejects with CaseError. */
   async open(name: string, url: string, progress: (share: number) => void = () => {}): Promise<void> {
     const loaded = await this.#client.load(url, progress);
-    const info = parseCaseInfo(loaded.clipgs);
     await this.#sortDone();
-    this.#freeCase();
-    const scene = new GpuScene(loaded.scene);
-    const mesh = new SplatMesh(scene, info.sceneToPatient, info.mmPerUnit, info.faceGain);
-    mesh.matrix.multiplyMatrices(kWorldFromPatient, info.sceneToPatient);
-    mesh.matrixWorld.copy(mesh.matrix);
-    const spare = new Uint32Array(scene.capacity);
-    const faces = this.#makeFaces(loaded.section);
-    this.#windows = faces ? windowPresets(faces.section) : new Map();
+    const opened = new OpenCase(name, loaded, this.#client, this.#renderer);
+    this.#case?.free();
+    this.#case = opened;
+    this.#ordered = false;
     this.state.window = null;
     this.state.pins = [];
-    this.#case = { name, info, bytes: loaded.bytes, ticket: loaded.ticket, mesh, faces, spare };
-    this.stats.sectionBytes = faces?.bytes ?? 0;
+    this.stats.sectionBytes = opened.faces?.bytes ?? 0;
     this.stats.sectionMs = loaded.sectionMs;
-    this.#splatFrames = 0;
-    this.#widget.setSphere(info.sphere);
+    this.#rate.restart();
+    this.#widget.setSphere(opened.info.sphere);
     this.stats.total = loaded.scene.count;
     this.setCuts(this.state.cuts, this.state.active);
     await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
@@ -428,30 +410,48 @@ export class Viewer {
   async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
     await this.#sortDone();
     const current = this.#case;
-    if (!current) {
-      throw new Error("no case is open");
+    if (!current || this.#worn) {
+      throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
     }
-    this.#capturing = true;
+    const picture = this.#capture(current, width, height, moving ? 1 : kMostRays);
+    this.#captured = picture.then(
+      () => {},
+      () => {},
+    );
     try {
-      const noInset = { right: 0, bottom: 0 };
-      this.#placeCamera(width, height, noInset);
-      await this.#sort(current, width, height);
-      this.#placeCamera(width, height, noInset);
-      return await this.#layer.read(
-        this.#subject(current, moving ? 1 : kMostRays, height),
-        this.#camera,
-        width,
-        height,
-      );
+      return await picture;
     } finally {
-      this.#capturing = false;
+      this.#captured = null;
       this.#touch();
+    }
+  }
+
+  /** Who draws: a headset, in its own frames, or the page. */
+  yieldTo(headset: object | null): void {
+    this.#worn = headset !== null;
+    if (!this.#worn) {
+      this.#case?.mesh.invalidateColors();
+      this.resize(this.#inset);
+    }
+  }
+
+  /** At the start of every frame, by who draws it: it is the first one of a case whose order has come. */
+  tick(): void {
+    if (this.#ordered) {
+      this.#firstFrame.splice(0).forEach((resolve) => resolve());
+    }
+  }
+
+  /** Begins to cull and sort for `camera` and a picture of width × height px, unless that is being done. */
+  sortFor(camera: PerspectiveCamera, width: number, height: number): void {
+    if (this.#case && !this.#client.sorting) {
+      void this.#sort(this.#case, camera, width, height);
     }
   }
 
   dispose(): void {
     this.#client.dispose();
-    this.#freeCase();
+    this.#case?.free();
     this.#widget.dispose();
     this.#layer.dispose();
     this.#background.dispose();
@@ -480,6 +480,7 @@ export class Viewer {
   }
 
   #touch(): void {
+    ++this.version;
     this.#orderStale = true;
     this.#splatsStale = true;
     this.#canvasStale = true;
@@ -494,45 +495,48 @@ export class Viewer {
   }
 
   async #sortDone(): Promise<void> {
-    while (this.#client.sorting || this.#capturing) {
-      await new Promise(requestAnimationFrame);
+    while (this.#client.sorting || this.#captured) {
+      await (this.#client.sorting ?? this.#captured);
     }
   }
 
-  /** Culls and sorts for the camera and plane of now, and hands the order to the GPU. */
-  async #sort(current: OpenCase, width: number, height: number): Promise<void> {
-    const { mesh } = current;
-    const view = new Float32Array(kViewFloats);
-    mesh.setClip(planesOf(this.state.cuts), this.state.clip);
-    writeSortView(view, mesh.sceneCamera(this.#camera, width, height), mesh.planes);
-    const sorted = await this.#client.sort(current.ticket, view, mesh.clip, current.spare);
-    if (sorted.count < 0) {
-      current.spare = sorted.order;
-      return;
+  async #capture(current: OpenCase, width: number, height: number, rays: number): Promise<Picture> {
+    const noInset = { right: 0, bottom: 0 };
+    this.#placeCamera(width, height, noInset);
+    await this.#sort(current, this.#camera, width, height);
+    this.#placeCamera(width, height, noInset);
+    return this.#layer.read(this.#subject(current, rays, height), this.#camera, width, height);
+  }
+
+  async #sort(current: OpenCase, camera: PerspectiveCamera, width: number, height: number): Promise<void> {
+    const sorted = await current.sort(camera, width, height, this.state);
+    if (sorted) {
+      this.#ordered = current === this.#case;
+      this.stats.sortMs = sorted.milliseconds;
+      this.stats.drawn = sorted.count;
+      this.#splatsStale = true;
     }
-    current.spare = mesh.setOrder(sorted.order, sorted.count);
-    this.stats.sortMs = sorted.milliseconds;
-    this.stats.drawn = sorted.count;
-    this.#splatsStale = true;
   }
 
   readonly #frame = (now: number): void => {
     requestAnimationFrame(this.#frame);
     ++this.#ticks;
-    if (this.#capturing) {
+    if (this.#captured || this.#worn) {
       return;
     }
+    this.tick();
     const current = this.#case;
     if (current) {
       this.#placeCamera();
       if (this.#orderStale && !this.#client.sorting) {
         this.#orderStale = false;
-        void this.#sort(current, this.#width, this.#height).then(() => this.#firstOrder());
+        void this.#sort(current, this.#camera, this.#width, this.#height);
       }
       // Where a frame takes long, so do the pauses within a movement.
       const moving = now - this.#lastChange < Math.max(kSettleMs, 2 * this.stats.frameMs);
       if (this.#splatsStale || (!moving && this.#coarse)) {
-        this.#measure(now);
+        this.#rate.count(now, this.#ticks);
+        this.stats.frameMs = this.#rate.frameMs;
         this.#drawSplats(current, moving);
       }
     }
@@ -545,74 +549,23 @@ export class Viewer {
       current !== null && !this.#orderStale && !this.#client.sorting && !this.#splatsStale && !this.#coarse;
   };
 
-  #firstOrder(): void {
-    const waiting = this.#firstFrame;
-    this.#firstFrame = [];
-    if (waiting.length > 0) {
-      requestAnimationFrame(() => waiting.forEach((resolve) => resolve()));
-    }
-  }
-
-  /** From the time between two frames in a row: how long one takes, and the resolution for the next. */
-  #measure(now: number): void {
-    const elapsed = now - this.#splatTime;
-    const inRow = this.#splatTick === this.#ticks - 1;
-    this.#splatTick = this.#ticks;
-    this.#splatTime = now;
-    if (!inRow || ++this.#splatFrames < kWarmUpFrames) {
-      return;
-    }
-    const { stats } = this;
-    stats.frameMs = stats.frameMs > 0 ? 0.8 * stats.frameMs + 0.2 * elapsed : elapsed;
-    const step = Math.min(1.05, Math.max(0.7, Math.sqrt(kFrameMs / stats.frameMs)));
-    this.#movingScale = Math.min(1, Math.max(kMinScale, this.#movingScale * step));
-  }
-
   #drawSplats(current: OpenCase, moving: boolean): void {
     this.#splatsStale = false;
     this.#canvasStale = true;
-    this.stats.scale = moving ? this.#movingScale : 1;
+    this.stats.scale = moving ? this.#rate.scale : 1;
     const subject = this.#subject(current, moving ? 1 : kMostRays, this.#height);
     this.#coarse = moving && (this.stats.scale < 1 || subject.faces !== null);
     this.#layer.draw(subject, this.#camera, this.stats.scale);
   }
 
   /** What is drawn of a case, as the state says, with `rays` a pixel of a face, in a picture of `height` px. */
-  #subject({ mesh, faces, info }: OpenCase, rays: number, height: number): Subject {
-    const { cuts, clip, section, grey } = this.state;
-    const planes = planesOf(cuts);
-    mesh.setClip(planes, clip);
-    if (!faces || section === "splats") {
-      return { mesh, faces: null };
-    }
-    // A pixel at the far side of the case, mm.
-    const reach = this.#eye.distanceTo(info.sphere.center) + info.sphere.radius;
-    const pixel = (2 * reach * Math.tan((this.#camera.fov * Math.PI) / 360)) / height;
-    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0);
-    faces.setStyle(grey, this.window);
-    faces.rays = rays;
-    return { mesh, faces };
+  #subject(current: OpenCase, rays: number, height: number): Subject {
+    return current.subject(this.#camera, height, this.state, this.window, rays);
   }
 
   /** What exposes faces: the cut, and the ends of the volume. */
   get #facePlanes(): Plane[] {
     return [...planesOf(this.state.cuts), ...(this.#case?.faces?.ends ?? [])];
-  }
-
-  #makeFaces(section: Section | null): SectionFaces | null {
-    this.#noSection = null;
-    const gl = this.#renderer.getContext() as WebGL2RenderingContext;
-    if (!section) {
-      this.#noSection = "This case has no section volume: its splats draw the faces.";
-    } else if (Math.max(...section.dims) > (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number)) {
-      this.#noSection = "This device cannot hold the section volume: splats draw the faces.";
-    }
-    return section && !this.#noSection ? new SectionFaces(section) : null;
-  }
-
-  #freeCase(): void {
-    this.#case?.mesh.free();
-    this.#case?.faces?.free();
   }
 
   #placeWidget(): void {
@@ -621,7 +574,7 @@ export class Viewer {
 
   #drawCanvas(): void {
     this.#placeWidget();
-    this.#widget.update(this.#camera, this.#height);
+    this.#widget.update(this.#eye, (2 * Math.tan((this.#camera.fov * Math.PI) / 360)) / this.#height);
     this.#renderer.clear();
     if (this.background) {
       const { uSize, uCenter } = this.#background.uniforms;

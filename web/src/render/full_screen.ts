@@ -48,12 +48,15 @@ export class FullScreenPass {
     this.#scene.add(this.#mesh);
   }
 
-  /** `target` null: the canvas. */
+  /** `target` null: the canvas. In a headset's frame too, where three.js would draw for its eyes. */
   render(renderer: WebGLRenderer, target: WebGLRenderTarget | null): void {
     const before = renderer.getRenderTarget();
+    const { enabled } = renderer.xr;
+    renderer.xr.enabled = false;
     renderer.setRenderTarget(target);
     renderer.render(this.#scene, this.#camera);
     renderer.setRenderTarget(before);
+    renderer.xr.enabled = enabled;
   }
 
   dispose(): void {

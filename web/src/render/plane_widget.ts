@@ -12,7 +12,6 @@ import {
   OneFactor,
   OneMinusSrcAlphaFactor,
   PlaneGeometry,
-  type PerspectiveCamera,
   RawShaderMaterial,
   SphereGeometry,
   Vector3,
@@ -20,21 +19,24 @@ import {
 
 import { kWorldFromPatient, type Plane, projectOnto, type Sphere } from "../model/geometry";
 import type { Grip } from "../model/plane_drag";
+import { kBeforeSplats, kBehindSplats, kOnTop } from "./draw_order";
 import { shader } from "./shaders";
 
 const kColor = new Color(0.36, 0.84, 0.95); // display values, shown as they are
 /** Sizes in radii of the bounding sphere. */
-const kRim = 0.98;
+export const kRim = 0.98;
 const kDisc = 1.1;
 const kArrow = 0.3;
 /** A grip within this many CSS px of the pointer is taken. */
 const kGripPixels = 14;
 const kRimSamples = 256;
 
-/** Order of drawing around the splats' picture, which has 0. */
-export const kBehindSplats = -1;
-export const kBeforeSplats = 1;
-const kOnTop = 2;
+/** Two unit vectors in a plane, right-handed with its normal, with the second as upright as can be. */
+export function tangents(normal: Vector3): [Vector3, Vector3] {
+  const up = Math.abs(normal.z) < 0.999 ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
+  const x = new Vector3().crossVectors(up, normal).normalize();
+  return [x, new Vector3().crossVectors(normal, x)];
+}
 
 function arrowMaterial(): RawShaderMaterial {
   return new RawShaderMaterial({
@@ -110,6 +112,11 @@ export class PlaneWidget {
     return kRim * this.#sphere.radius;
   }
 
+  /** Whether there is a plane. */
+  get shown(): boolean {
+    return this.#plane !== null;
+  }
+
   setSphere(sphere: Sphere): void {
     this.#sphere = sphere;
   }
@@ -119,7 +126,7 @@ export class PlaneWidget {
     this.#plane = plane;
     this.object.visible = plane !== null;
     if (plane) {
-      const [x, y] = this.#tangents(plane.normal);
+      const [x, y] = tangents(plane.normal);
       const frame = new Matrix4()
         .makeBasis(x, y, plane.normal)
         .scale(new Vector3().setScalar(this.#sphere.radius));
@@ -134,16 +141,14 @@ export class PlaneWidget {
     this.#arrowMaterial.uniforms["uHover"]!.value = grip === "arrow" ? 1 : 0;
   }
 
-  /** Before drawing: from which side the camera looks, and how large a pixel is. */
-  update(camera: PerspectiveCamera, canvasHeight: number): void {
+  /** Before drawing: from where it is looked at (RAS mm), and the tangent of a pixel's angle. */
+  update(eye: Vector3, pixelAngle: number): void {
     if (!this.#plane) {
       return;
     }
-    const eye = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert());
     const removedSide = this.#plane.normal.dot(eye) < this.#plane.offset;
     this.#disc.renderOrder = removedSide ? kBeforeSplats : kBehindSplats;
-    const distance = eye.distanceTo(this.#sphere.center);
-    const pixel = (2 * distance * Math.tan((camera.fov * Math.PI) / 360)) / canvasHeight;
+    const pixel = eye.distanceTo(this.#sphere.center) * pixelAngle;
     this.#disc.material.uniforms["uPixel"]!.value = pixel / this.#sphere.radius;
   }
 
@@ -164,7 +169,7 @@ export class PlaneWidget {
         return "arrow";
       }
     }
-    const [u, v] = this.#tangents(this.#plane.normal);
+    const [u, v] = tangents(this.#plane.normal);
     let nearest = Infinity;
     for (let i = 0; i < kRimSamples; ++i) {
       const angle = (2 * Math.PI * i) / kRimSamples;
@@ -182,12 +187,5 @@ export class PlaneWidget {
     });
     this.#disc.material.dispose();
     this.#arrowMaterial.dispose();
-  }
-
-  /** Two unit vectors in the plane, right-handed with its normal, with the second as upright as can be. */
-  #tangents(normal: Vector3): [Vector3, Vector3] {
-    const up = Math.abs(normal.z) < 0.999 ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
-    const x = new Vector3().crossVectors(up, normal).normalize();
-    return [x, new Vector3().crossVectors(normal, x)];
   }
 }

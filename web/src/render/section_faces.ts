@@ -10,9 +10,11 @@ import {
   type IUniform,
   LessDepth,
   LinearFilter,
+  Matrix4,
   Mesh,
   NoBlending,
   OneFactor,
+  OneMinusSrcAlphaFactor,
   RawShaderMaterial,
   RedFormat,
   RGBAFormat,
@@ -30,6 +32,7 @@ import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type Section } from "../sog/section";
+import { kBehindSplats, kOverSplats } from "./draw_order";
 import { shader } from "./shaders";
 
 const kTableRows = 4;
@@ -136,10 +139,12 @@ function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels:
     blendDst: OneFactor,
   });
   const mesh = new Mesh(new BufferGeometry(), material);
-  mesh.renderOrder = -1;
+  mesh.renderOrder = kBehindSplats;
   mesh.frustumCulled = false;
   mesh.matrixAutoUpdate = false;
   mesh.matrix.copy(kWorldFromPatient);
+  const inverse = uniforms["uPatientFromWorld"]!.value as Matrix4;
+  mesh.onBeforeRender = () => inverse.copy(mesh.matrixWorld).invert();
   return mesh;
 }
 
@@ -168,7 +173,7 @@ export class SectionFaces {
     const first = steps[0]!.length;
     const voxels = volumeTexture(section.voxels, section, UnsignedByteType);
     this.#uniforms = {
-      uPatientFromWorld: { value: kWorldFromPatient.clone().invert() },
+      uPatientFromWorld: { value: new Matrix4() },
       uIndexFromPatient: { value: indexFromPatient(section) },
       uVoxels: { value: voxels },
       uValues: { value: section.channels === 3 ? voxels : valueTexture(section) },
@@ -223,8 +228,17 @@ export class SectionFaces {
     this.opaque.geometry.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry = geometry;
-      mesh.visible = corners.length > 0;
     }
+  }
+
+  setVisible(visible: boolean): void {
+    this.#meshes.forEach((mesh) => (mesh.visible = visible));
+  }
+
+  /** Whether those that are not opaque lie over the splats in one picture, or in a picture of their own. */
+  setBlended(over: boolean): void {
+    this.partial.material.blendDst = over ? OneMinusSrcAlphaFactor : OneFactor;
+    this.partial.renderOrder = over ? kOverSplats : kBehindSplats;
   }
 
   /** How faces look: 0 cinematic … 1 grey values through a window; null for photographs, which have colours. */

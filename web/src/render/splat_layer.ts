@@ -28,6 +28,15 @@ export interface Picture {
   data: Uint8ClampedArray;
 }
 
+/** The picture of what WebGL reads: rows from the bottom. */
+export function pictureOf(rows: Uint8Array, width: number, height: number): Picture {
+  const data = new Uint8ClampedArray(rows.length);
+  for (let y = 0; y < height; ++y) {
+    data.set(rows.subarray((height - 1 - y) * width * 4, (height - y) * width * 4), y * width * 4);
+  }
+  return { width, height, data };
+}
+
 /** What a picture shows: the splats and, where they are not left to the splats, the exposed faces. */
 export interface Subject {
   mesh: SplatMesh;
@@ -101,11 +110,7 @@ export class SplatLayer {
     await this.#renderer.readRenderTargetPixelsAsync(bytes, 0, 0, width, height, rows);
     straight.dispose();
     bytes.dispose();
-    const data = new Uint8ClampedArray(rows.length);
-    for (let y = 0; y < height; ++y) {
-      data.set(rows.subarray((height - 1 - y) * width * 4, (height - y) * width * 4), y * width * 4);
-    }
-    return { width, height, data };
+    return pictureOf(rows, width, height);
   }
 
   dispose(): void {

@@ -166,6 +166,11 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     return result;
   }
 
+  /** A point of the world in scene space. */
+  scenePoint(point: Vector3): Vector3 {
+    return point.clone().applyMatrix4(this.matrixWorld.clone().invert());
+  }
+
   /** Takes an order of `count` splats, far to near; returns the array that it replaces. */
   setOrder(order: Uint32Array, count: number): Uint32Array {
     const texture = this.#scene.order;

@@ -22,6 +22,7 @@ const kHelp: [string, string][] = [
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],
   ["M", "cases"],
+  ["V", "show the case in a headset, where there is one"],
   ["?", "this help"],
 ];
 

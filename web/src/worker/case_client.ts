@@ -20,6 +20,7 @@ export class CaseClient {
     }
   >();
   #sorted: ((value: Sorted) => void) | null = null;
+  #sorting: Promise<Sorted> | null = null;
   #tickets = 0;
 
   constructor() {
@@ -37,16 +38,18 @@ export class CaseClient {
     });
   }
 
-  get sorting(): boolean {
-    return this.#sorted !== null;
+  /** What is being sorted; null: nothing. */
+  get sorting(): Promise<unknown> | null {
+    return this.#sorting;
   }
 
   /** One at a time. `order` is given away until the answer brings it back. */
   sort(scene: number, view: Float32Array, clip: number, order: Uint32Array): Promise<Sorted> {
-    return new Promise((resolve) => {
+    this.#sorting = new Promise((resolve) => {
       this.#sorted = resolve;
       this.#post({ kind: "sort", scene, view, clip, order }, [order.buffer]);
     });
+    return this.#sorting;
   }
 
   dispose(): void {
@@ -68,6 +71,7 @@ export class CaseClient {
     if (reply.kind === "sorted") {
       const resolve = this.#sorted;
       this.#sorted = null;
+      this.#sorting = null;
       resolve?.(reply);
       return;
     }

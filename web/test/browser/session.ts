@@ -133,9 +133,29 @@ export class Session {
     });
   }
 
+  /** Opens the viewer in a browser with an emulated Quest 3, whose eyes see pictures of half that size. */
+  async openInHeadset(hash = "", errors: string[] = []): Promise<Page> {
+    const scripts = [
+      { path: resolve("node_modules/iwer/build/iwer.min.js") },
+      {
+        content: `window.headset = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, ipd: 0.063 });
+          window.headset.installRuntime({ forceInstall: true });`,
+      },
+    ];
+    return this.open(hash, errors, { width: 560, height: 400 }, scripts);
+  }
+
   /** Opens the viewer; `hash` as in a link. Errors of the page fail the test through `errors`. */
-  async open(hash = "", errors: string[] = []): Promise<Page> {
-    const page = await this.#browser.newPage({ viewport: { width: 900, height: 600 } });
+  async open(
+    hash = "",
+    errors: string[] = [],
+    viewport = { width: 900, height: 600 },
+    scripts: { path?: string; content?: string }[] = [],
+  ): Promise<Page> {
+    const page = await this.#browser.newPage({ viewport });
+    for (const script of scripts) {
+      await page.addInitScript(script);
+    }
     page.setDefaultTimeout(kPageMs);
     page.on("pageerror", (error) => errors.push(error.message));
     await page.goto(this.url + hash);

@@ -1,0 +1,129 @@
+import type { PerspectiveCamera, WebGLRenderer } from "three";
+
+import { type CaseInfo, parseCaseInfo } from "../model/case_info";
+import { type Cut, planesOf } from "../model/cut";
+import type { FaceSource } from "../model/faces";
+import { kWorldFromPatient } from "../model/geometry";
+import { type Window, windowPresets } from "../model/grey";
+import type { Section } from "../sog/section";
+import type { CaseClient } from "../worker/case_client";
+import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
+import { GpuScene } from "./gpu_scene";
+import { writeSortView } from "./scene_camera";
+import { SectionFaces } from "./section_faces";
+import type { Subject } from "./splat_layer";
+import { SplatMesh } from "./splat_mesh";
+
+/** Rays through a pixel of a face once nothing moves (FaceOptions::kMostRays of src/section/faces.h). */
+export const kMostRays = 8;
+
+/** How a case is cut, and how its faces look. */
+export interface Style {
+  cuts: readonly Cut[];
+  clip: ClipOperator;
+  section: FaceSource;
+  grey: number; // 0 cinematic … 1 grey
+}
+
+/** What culling and sorting said last. */
+export interface SortResult {
+  count: number; // splats to draw
+  milliseconds: number;
+}
+
+/** Whether `renderer` can hold a section; why not, as a line for a person, else. */
+function whyNoSection(section: Section | null, renderer: WebGLRenderer): string | null {
+  if (!section) {
+    return "This case has no section volume: its splats draw the faces.";
+  }
+  const gl = renderer.getContext() as WebGL2RenderingContext;
+  return Math.max(...section.dims) > (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number)
+    ? "This device cannot hold the section volume: splats draw the faces."
+    : null;
+}
+
+/** A case that is open: what the GPU holds of it, and the order of its splats. */
+export class OpenCase {
+  readonly name: string;
+  readonly info: CaseInfo;
+  readonly mesh: SplatMesh;
+  readonly faces: SectionFaces | null;
+  /** Why faces are not drawn from a volume; null: they can be. */
+  readonly noSection: string | null;
+  /** The windows that its values are usually seen through; none for photographs and without a section. */
+  readonly windows: ReadonlyMap<string, Window>;
+  readonly #client: CaseClient;
+  readonly #ticket: number;
+  #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
+
+  /** Throws CaseError. */
+  constructor(name: string, loaded: LoadedCase, client: CaseClient, renderer: WebGLRenderer) {
+    this.name = name;
+    this.info = parseCaseInfo(loaded.clipgs);
+    const { sceneToPatient, mmPerUnit, faceGain } = this.info;
+    const scene = new GpuScene(loaded.scene);
+    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain);
+    this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
+    this.mesh.matrixWorld.copy(this.mesh.matrix);
+    this.noSection = whyNoSection(loaded.section, renderer);
+    this.faces = loaded.section && !this.noSection ? new SectionFaces(loaded.section) : null;
+    this.windows = this.faces ? windowPresets(this.faces.section) : new Map();
+    this.#client = client;
+    this.#ticket = loaded.ticket;
+    this.#spare = new Uint32Array(scene.capacity);
+  }
+
+  /**
+   * Culls and sorts for a picture of width × height px, and hands the order to the GPU. One at a time. Null where the
+   * worker has another case by now.
+   */
+  async sort(
+    camera: PerspectiveCamera,
+    width: number,
+    height: number,
+    { cuts, clip }: Style,
+  ): Promise<SortResult | null> {
+    const { mesh } = this;
+    const view = new Float32Array(kViewFloats);
+    mesh.setClip(planesOf(cuts), clip);
+    writeSortView(view, mesh.sceneCamera(camera, width, height), mesh.planes);
+    const { count, order, milliseconds } = await this.#client.sort(
+      this.#ticket,
+      view,
+      mesh.clip,
+      this.#spare,
+    );
+    this.#spare = count < 0 ? order : mesh.setOrder(order, count);
+    return count < 0 ? null : { count, milliseconds };
+  }
+
+  /** What is drawn in `style` with `rays` a pixel of a face, seen by `camera` in a picture of `height` px. */
+  subject(
+    camera: PerspectiveCamera,
+    height: number,
+    { cuts, clip, section, grey }: Style,
+    window: Window | null,
+    rays: number,
+  ): Subject {
+    const { mesh, faces, info } = this;
+    const planes = planesOf(cuts);
+    mesh.setClip(planes, clip);
+    if (!faces || section === "splats") {
+      return { mesh, faces: null };
+    }
+    // A pixel at the far side of the case, mm.
+    const eye = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert());
+    const reach = eye.distanceTo(info.sphere.center) + info.sphere.radius;
+    const pixel = (2 * reach * Math.tan((camera.fov * Math.PI) / 360)) / height;
+    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0);
+    faces.setStyle(grey, window);
+    faces.rays = rays;
+    return { mesh, faces };
+  }
+
+  /** Frees what the GPU holds. */
+  free(): void {
+    this.mesh.free();
+    this.faces?.free();
+  }
+}

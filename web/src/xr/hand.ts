@@ -1,0 +1,164 @@
+import { CombinedPointer, createGrabPointer, createRayPointer, type Pointer } from "@pmndrs/pointer-events";
+import {
+  CylinderGeometry,
+  Group,
+  InstancedMesh,
+  type Intersection,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  type Object3D,
+  type PerspectiveCamera,
+  SphereGeometry,
+  Vector3,
+  type WebXRManager,
+  type XRHandSpace,
+  type XRTargetRaySpace,
+} from "three";
+
+/** What a hand reaches for from near, m. */
+const kReach = 0.07;
+/** Of the ray where it meets nothing, m. */
+const kRayLength = 1.5;
+const kColor = 0x7fd8f2;
+const kJoints = 25;
+const kJointRadius = 0.008; // m, where it is not told
+
+/** What is met first: what lies before others by its order, then what is nearest. */
+function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
+  const order = ({ object }: Intersection) => object.pointerEventsOrder ?? 0;
+  return order(b) - order(a) || a.distance - b.distance;
+}
+
+/**
+ * A hand in the headset, with a controller or bare: what it is near to or, where that is nothing, points at. Its trigger
+ * or pinch goes to everything that listens, its grip button to what `holds` accepts alone.
+ */
+export class Hand {
+  /** In the room. */
+  readonly object = new Group();
+  /** What it holds things with: null while neither a controller nor a hand is seen. */
+  source: XRInputSource | null = null;
+  readonly #bare: XRHandSpace;
+  readonly #near = new Group(); // where it takes hold
+  readonly #far: XRTargetRaySpace;
+  readonly #grip: Object3D;
+  readonly #any: [Pointer, Pointer]; // from near, from afar
+  readonly #hold: [Pointer, Pointer];
+  readonly #pointers = new CombinedPointer(false);
+  readonly #holders = new CombinedPointer(false);
+  readonly #ray: Mesh;
+  readonly #joints: InstancedMesh;
+  readonly #matrix = new Matrix4(); // scratch
+  readonly #size = new Vector3();
+
+  constructor(
+    xr: WebXRManager,
+    index: number,
+    camera: PerspectiveCamera,
+    holds: (object: Object3D) => boolean,
+  ) {
+    this.#far = xr.getController(index);
+    this.#grip = xr.getControllerGrip(index);
+    this.#bare = xr.getHand(index);
+    const pointers = (filter?: (object: Object3D) => boolean): [Pointer, Pointer] => [
+      createGrabPointer(() => camera, { current: this.#near }, this, {
+        radius: kReach,
+        customSort: firstMet,
+        filter,
+      }),
+      createRayPointer(() => camera, { current: this.#far }, this, { customSort: firstMet, filter }),
+    ];
+    this.#any = pointers();
+    this.#hold = pointers(holds);
+    this.#any.forEach((pointer, i) => this.#pointers.register(pointer, i === 1));
+    this.#hold.forEach((pointer, i) => this.#holders.register(pointer, i === 1));
+    const material = new MeshBasicMaterial({ color: kColor, transparent: true, opacity: 0.6 });
+    this.#ray = new Mesh(
+      new CylinderGeometry(0.0012, 0.0012, 1, 8).rotateX(Math.PI / 2).translate(0, 0, -0.5),
+      material,
+    );
+    this.#joints = new InstancedMesh(new SphereGeometry(1, 12, 8), material, kJoints);
+    this.#joints.frustumCulled = false;
+    for (const part of [this.#ray, this.#joints]) {
+      (part as Object3D & { pointerEvents?: string }).pointerEvents = "none";
+      part.visible = false;
+    }
+    this.#far.add(this.#ray);
+    this.object.add(this.#far, this.#grip, this.#bare, this.#near, this.#joints);
+    this.#listen(this.#far);
+  }
+
+  /** Moves the pointers to where the hand is now; what they meet in `scene` hears of it. */
+  update(scene: Object3D, timeStamp: number): void {
+    if (!this.source) {
+      return;
+    }
+    const bare = this.source.hand ? this.#showJoints() : false;
+    if (!bare) {
+      this.#near.position.copy(this.#grip.position);
+      this.#near.quaternion.copy(this.#grip.quaternion);
+    }
+    this.object.updateMatrixWorld();
+    this.#pointers.move(scene, { timeStamp });
+    this.#holders.move(scene, { timeStamp });
+    const [, ray] = this.#any;
+    const at = ray.getEnabled() ? ray.getIntersection() : undefined;
+    this.#ray.visible = at !== undefined;
+    this.#ray.scale.z =
+      at && !(at.object as { isVoidObject?: boolean }).isVoidObject ? at.distance : kRayLength;
+  }
+
+  /** A tick that is felt, where the controller can: strength 0 … 1. */
+  pulse(strength: number, milliseconds: number): void {
+    void this.source?.gamepad?.hapticActuators?.[0]?.pulse(strength, milliseconds);
+  }
+
+  dispose(): void {
+    for (const part of [this.#ray, this.#joints]) {
+      part.geometry.dispose();
+    }
+    (this.#ray.material as MeshBasicMaterial).dispose();
+    this.#joints.dispose();
+  }
+
+  #listen(events: XRTargetRaySpace): void {
+    events.addEventListener("connected", ({ data }) => (this.source = data));
+    events.addEventListener("disconnected", () => {
+      [...this.#any, ...this.#hold].forEach((pointer) => pointer.exit({ timeStamp: performance.now() }));
+      this.source = null;
+      this.#ray.visible = this.#joints.visible = false;
+    });
+    for (const [name, pointers] of [
+      ["select", this.#any],
+      ["squeeze", this.#hold],
+    ] as const) {
+      const event = () => ({ timeStamp: performance.now(), button: 0 });
+      events.addEventListener(`${name}start`, () => pointers.forEach((pointer) => pointer.down(event())));
+      events.addEventListener(`${name}end`, () => pointers.forEach((pointer) => pointer.up(event())));
+    }
+  }
+
+  /** Of a bare hand; it takes hold between thumb and forefinger. Returns whether they are seen. */
+  #showJoints(): boolean {
+    const { joints } = this.#bare;
+    const thumb = joints["thumb-tip"];
+    const finger = joints["index-finger-tip"];
+    let count = 0;
+    for (const joint of Object.values(joints)) {
+      if (joint?.visible && count < kJoints) {
+        this.#matrix.copy(joint.matrix).scale(this.#size.setScalar(joint.jointRadius ?? kJointRadius));
+        this.#joints.setMatrixAt(count++, this.#matrix);
+      }
+    }
+    this.#joints.count = count;
+    this.#joints.visible = count > 0;
+    this.#joints.instanceMatrix.needsUpdate = true;
+    if (!thumb?.visible || !finger?.visible) {
+      return false;
+    }
+    this.#near.position.lerpVectors(thumb.position, finger.position, 0.5);
+    this.#near.quaternion.copy(joints.wrist?.quaternion ?? finger.quaternion);
+    return true;
+  }
+}

@@ -1,0 +1,205 @@
+import { PerspectiveCamera, Vector3 } from "three";
+
+import type { OpenCase } from "../render/open_case";
+import { type Picture, pictureOf } from "../render/splat_layer";
+import { CaseError } from "../sog/zip";
+import type { Viewer } from "../viewer";
+import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
+import { Hand } from "./hand";
+import { Stage } from "./stage";
+
+/** A dark room, or the room where one is. */
+export type Surroundings = "immersive-vr" | "immersive-ar";
+
+/** What this browser's headset offers; none without one. */
+export async function offeredSurroundings(): Promise<Surroundings[]> {
+  const { xr } = navigator;
+  const all: Surroundings[] = ["immersive-vr", "immersive-ar"];
+  const offered = await Promise.all(
+    all.map((one) => xr?.isSessionSupported(one).catch(() => false) ?? false),
+  );
+  return all.filter((_, i) => offered[i]);
+}
+
+const kNear = 0.05; // m
+const kFar = 30;
+/** What a face costs in a headset: rays a pixel. */
+const kRays = 1;
+
+/** What an eye saw, and from where: as a frame of a dataset's transforms.json says it, RAS mm. */
+export interface EyePicture {
+  picture: Picture;
+  camera: {
+    w: number;
+    h: number;
+    fl_x: number;
+    fl_y: number;
+    cx: number;
+    cy: number;
+    transform_matrix: number[][];
+  };
+}
+
+/** A case in a headset: while it is worn, it draws in place of the page. */
+export class Headset {
+  readonly stage: Stage;
+  /** It is put on or taken off. */
+  changed: () => void = () => {};
+  readonly #viewer: Viewer;
+  readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
+  readonly #both = makeBothEyes();
+  readonly #hands: Hand[];
+  #placed = false;
+  #shown: OpenCase | null = null;
+  #version = -1;
+  readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
+
+  constructor(viewer: Viewer) {
+    this.#viewer = viewer;
+    this.stage = new Stage(viewer);
+    const { xr } = viewer.renderer;
+    this.#hands = [0, 1].map(
+      (index) => new Hand(xr, index, this.#camera, (object) => this.stage.isCase(object)),
+    );
+    this.stage.scene.add(...this.#hands.map((hand) => hand.object));
+    xr.addEventListener("sessionend", () => this.#takenOff());
+  }
+
+  get worn(): boolean {
+    return this.#viewer.renderer.xr.isPresenting;
+  }
+
+  /** Shows the case there. Rejects with CaseError. Needs a click: browsers want one. */
+  async enter(surroundings: Surroundings): Promise<void> {
+    const { renderer } = this.#viewer;
+    try {
+      const session = await navigator.xr!.requestSession(surroundings, {
+        requiredFeatures: ["local-floor"],
+        optionalFeatures: ["hand-tracking"],
+      });
+      renderer.xr.enabled = true;
+      renderer.xr.setReferenceSpaceType("local-floor");
+      await renderer.xr.setSession(session);
+    } catch (error) {
+      renderer.xr.enabled = false;
+      throw new CaseError(`the headset does not start: ${(error as Error).message}`);
+    }
+    this.#placed = false;
+    this.#version = -1;
+    this.#viewer.yieldTo(this);
+    renderer.setAnimationLoop((time) => this.#frame(time));
+    this.changed();
+  }
+
+  async leave(): Promise<void> {
+    await this.#viewer.renderer.xr.getSession()?.end();
+  }
+
+  /** What the eyes see of the case in the next frame, without hands and handles. */
+  capture(): Promise<EyePicture[]> {
+    return new Promise((resolve) => this.#wanted.push(resolve));
+  }
+
+  /** Puts the case before the eyes again. */
+  place(): void {
+    this.#placed = false;
+  }
+
+  dispose(): void {
+    void this.leave();
+    this.stage.dispose();
+    this.#hands.forEach((hand) => hand.dispose());
+  }
+
+  #takenOff(): void {
+    const { renderer } = this.#viewer;
+    renderer.setAnimationLoop(null);
+    renderer.xr.enabled = false;
+    this.stage.setCase(null);
+    this.#shown = null;
+    this.#viewer.yieldTo(null);
+    this.changed();
+  }
+
+  #frame(time: number): void {
+    const viewer = this.#viewer;
+    const { renderer } = viewer;
+    renderer.xr.updateCamera(this.#camera);
+    const eyes = renderer.xr.getCamera().cameras as Eye[];
+    viewer.tick();
+    if (eyes.length === 0) {
+      return; // it does not know where it is yet
+    }
+    setBothEyes(this.#both, eyes);
+    this.#show(viewer.openCase);
+    const { middle, camera, width, height } = this.#both;
+    if (!this.#placed) {
+      this.#placed = true;
+      this.stage.place(middle, new Vector3(0, 0, -1).transformDirection(camera.matrixWorld));
+    }
+    this.#hands.forEach((hand) => hand.update(this.stage.scene, time));
+    const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
+    this.stage.update(time, middle, pixelAngle);
+    if (this.#shown) {
+      this.#prepare(this.#shown, camera, width, height);
+    }
+    if (this.#wanted.length > 0) {
+      this.#draw(false);
+      const pictures = eyes.map((eye) => this.#read(eye));
+      this.#wanted.splice(0).forEach((resolve) => resolve(pictures));
+    }
+    this.#draw(true);
+  }
+
+  /** The case, with what it is held and cut by or alone. */
+  #draw(tools: boolean): void {
+    const { renderer } = this.#viewer;
+    this.stage.setToolsVisible(tools);
+    this.#hands.forEach((hand) => (hand.object.visible = tools));
+    renderer.clear();
+    renderer.render(this.stage.scene, this.#camera);
+  }
+
+  /** What was just drawn for an eye. */
+  #read(eye: Eye): EyePicture {
+    const { x, y, z: w, w: h } = eye.viewport;
+    const gl = this.#viewer.renderer.getContext();
+    const rows = new Uint8Array(4 * w * h);
+    gl.readPixels(x, y, w, h, gl.RGBA, gl.UNSIGNED_BYTE, rows);
+    const p = eye.projectionMatrix.elements;
+    const pose = this.stage.poseInPatient(eye.matrixWorld).transpose().elements;
+    return {
+      picture: pictureOf(rows, w, h),
+      camera: {
+        w,
+        h,
+        fl_x: 0.5 * w * p[0]!,
+        fl_y: 0.5 * h * p[5]!,
+        cx: 0.5 * w * (1 - p[8]!),
+        cy: 0.5 * h * (1 + p[9]!),
+        transform_matrix: [0, 4, 8, 12].map((at) => pose.slice(at, at + 4)),
+      },
+    };
+  }
+
+  #show(shown: OpenCase | null): void {
+    if (shown !== this.#shown) {
+      this.stage.setCase(shown);
+      this.#shown = shown;
+      this.#version = -1;
+    }
+  }
+
+  /** The newest cut, colours as seen from here, and a new order as soon as the last one is there. */
+  #prepare(shown: OpenCase, camera: PerspectiveCamera, width: number, height: number): void {
+    const viewer = this.#viewer;
+    const { state, window, version } = viewer;
+    if (version !== this.#version) {
+      this.#version = version;
+      const { faces } = shown.subject(camera, height, state, window, kRays);
+      shown.faces?.setVisible(faces !== null);
+    }
+    shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#both.middle));
+    viewer.sortFor(camera, width, height);
+  }
+}

@@ -1,0 +1,158 @@
+import { HandleStore, type HandleState } from "@pmndrs/handle";
+import type { PointerEvent } from "@pmndrs/pointer-events";
+import {
+  type Intersection,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  Object3D,
+  PlaneGeometry,
+  Quaternion,
+  type Raycaster,
+  TorusGeometry,
+  Vector3,
+} from "three";
+
+import { kWorldFromPatient, type Plane, planeThrough, projectOnto, type Sphere } from "../model/geometry";
+import { kRim, tangents } from "../render/plane_widget";
+import type { Viewer } from "../viewer";
+import { Hand } from "./hand";
+import { PoseFilter } from "./pose_filter";
+
+/** How far from the rim it is met from afar, in radii of the case. */
+const kRimThickness = 0.06;
+const kPatientFromWorld = kWorldFromPatient.clone().invert();
+const kRotation = new Quaternion();
+kWorldFromPatient.decompose(new Vector3(), kRotation, new Vector3());
+
+/** The plane (RAS mm) of a pose in the viewer's world: through its position, its z is the normal. */
+export function planeOfPose(position: Vector3, quaternion: Quaternion): Plane {
+  const normal = new Vector3(0, 0, 1).applyQuaternion(quaternion);
+  normal.applyQuaternion(kRotation.clone().invert());
+  return planeThrough(normal, position.clone().applyMatrix4(kPatientFromWorld));
+}
+
+/** A pose in the viewer's world of a plane, at its point that is nearest to `middle` (both RAS mm). */
+export function poseOfPlane(plane: Plane, middle: Vector3, position: Vector3, quaternion: Quaternion): void {
+  const [x, y] = tangents(plane.normal);
+  quaternion.setFromRotationMatrix(new Matrix4().makeBasis(x, y, plane.normal)).premultiply(kRotation);
+  position.copy(projectOnto(plane, middle)).applyMatrix4(kWorldFromPatient);
+}
+
+/** From afar it is met at its rim alone, so that the case can be pointed at through it; from near anywhere. */
+class Disc extends Mesh<PlaneGeometry, MeshBasicMaterial> {
+  readonly #rim: Mesh;
+
+  constructor(material: MeshBasicMaterial) {
+    super(new PlaneGeometry(2, 2), material);
+    this.#rim = new Mesh(new TorusGeometry(kRim, kRimThickness, 8, 64), material);
+  }
+
+  override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
+    this.#rim.matrixWorld.copy(this.matrixWorld);
+    const met: Intersection[] = [];
+    this.#rim.raycast(raycaster, met);
+    intersects.push(...met.map((one) => ({ ...one, object: this })));
+  }
+
+  free(): void {
+    this.geometry.dispose();
+    this.#rim.geometry.dispose();
+  }
+}
+
+/** The active plane as a thing to take hold of and turn: in six degrees of freedom, in the uniaxial mode in one. */
+export class PlaneGrip {
+  /** In the viewer's world. */
+  readonly object = new Object3D();
+  readonly #viewer: Viewer;
+  readonly #disc: Disc;
+  readonly #held = new Object3D(); // what hands move
+  readonly #store: HandleStore<unknown>;
+  readonly #filter = new PoseFilter();
+  readonly #release: () => void;
+  #time = 0;
+  #holding: Hand | null = null;
+  #sphere: Sphere = { center: new Vector3(), radius: 1 };
+  #atEnd = false;
+
+  constructor(viewer: Viewer) {
+    this.#viewer = viewer;
+    const material = new MeshBasicMaterial();
+    material.visible = false;
+    this.#disc = new Disc(material);
+    this.#disc.pointerEventsOrder = 1; // before the case, which it cuts
+    this.object.add(this.#disc, this.#held);
+    this.#store = new HandleStore(this.#held, () => ({
+      scale: false,
+      rotate: viewer.state.mode === "arbitrary",
+      multitouch: false,
+      apply: (state, target) => this.#apply(state, target),
+    }));
+    this.#release = this.#store.bind(this.#disc);
+  }
+
+  get holding(): Hand | null {
+    return this.#holding;
+  }
+
+  setSphere(sphere: Sphere): void {
+    this.#sphere = sphere;
+  }
+
+  /** Before a frame: the plane goes where it is held, or the grip to where the plane is. */
+  update(time: number): void {
+    const { cut } = this.#viewer;
+    const seconds = Math.min(0.1, 0.001 * (time - this.#time));
+    this.#time = time;
+    this.#disc.visible = cut !== null;
+    if (!cut) {
+      this.#store.cancel();
+      return;
+    }
+    this.#store.update(time);
+    if (this.#holding) {
+      this.#filter.follow(this.#held.position, this.#held.quaternion, seconds);
+      this.#move(planeOfPose(this.#filter.position, this.#filter.quaternion));
+    } else {
+      poseOfPlane(cut, this.#sphere.center, this.#held.position, this.#held.quaternion);
+      this.#filter.reset(this.#held.position, this.#held.quaternion);
+    }
+    this.#disc.position.copy(this.#filter.position);
+    this.#disc.quaternion.copy(this.#filter.quaternion);
+    this.#disc.scale.setScalar(0.001 * this.#sphere.radius);
+  }
+
+  dispose(): void {
+    this.#release();
+    this.#disc.free();
+    this.#disc.material.dispose();
+  }
+
+  #apply(state: HandleState<unknown>, target: Object3D): void {
+    target.position.copy(state.current.position);
+    target.quaternion.copy(state.current.quaternion);
+    const hand = (state.event as PointerEvent | undefined)?.pointerState as Hand | undefined;
+    if (state.first && hand) {
+      this.#holding = hand;
+      hand.pulse(0.6, 30);
+    } else if (state.last) {
+      this.#holding?.pulse(0.3, 20);
+      this.#holding = null;
+    }
+  }
+
+  /** Keeps the plane within the case; ticks at its ends and, in the uniaxial mode, at every state. */
+  #move(plane: Plane): void {
+    const { radius, center } = this.#sphere;
+    const distance = plane.normal.dot(center) - plane.offset;
+    const bounded = Math.max(-radius, Math.min(radius, distance));
+    const before = this.#viewer.planeState;
+    this.#viewer.movePlane({ normal: plane.normal, offset: plane.offset + distance - bounded });
+    const atEnd = bounded !== distance;
+    if (this.#viewer.planeState !== before || (atEnd && !this.#atEnd)) {
+      this.#holding?.pulse(0.2, 8);
+    }
+    this.#atEnd = atEnd;
+  }
+}

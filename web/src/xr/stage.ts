@@ -1,0 +1,174 @@
+import { HandleStore, type HandleState } from "@pmndrs/handle";
+import type { PointerEvent } from "@pmndrs/pointer-events";
+import { BoxGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Scene, Vector3 } from "three";
+
+import { kWorldFromPatient } from "../model/geometry";
+import type { OpenCase } from "../render/open_case";
+import { PlaneWidget } from "../render/plane_widget";
+import type { Viewer } from "../viewer";
+import type { Hand } from "./hand";
+import { PlaneGrip } from "./plane_grip";
+
+/** Of life size. */
+const kLeastScale = 0.1;
+const kMostScale = 20;
+/** Where a case is put: this far before the eyes and below them, m; never nearer than its radius and kClear. */
+const kAhead = 0.8;
+const kBelow = 0.25;
+const kClear = 0.35;
+
+/**
+ * What is seen in the headset, in the room (metres, y up): the case in its life size, to be held, moved, turned and
+ * scaled, and the plane that cuts it.
+ */
+export class Stage {
+  readonly scene = new Scene();
+  readonly grip: PlaneGrip;
+  readonly #anchor = new Group(); // what hands move: its origin is the case's middle
+  readonly #body = new Group(); // the viewer's world
+  readonly #box: Mesh<BoxGeometry, MeshBasicMaterial>;
+  readonly #widget = new PlaneWidget();
+  readonly #store: HandleStore<unknown>;
+  readonly #release: () => void;
+  readonly #viewer: Viewer;
+  #case: OpenCase | null = null;
+
+  constructor(viewer: Viewer) {
+    this.#viewer = viewer;
+    this.grip = new PlaneGrip(viewer);
+    const unseen = new MeshBasicMaterial();
+    unseen.visible = false;
+    this.#box = new Mesh(new BoxGeometry(1, 1, 1), unseen);
+    this.#box.matrixAutoUpdate = false;
+    this.#body.matrixAutoUpdate = false;
+    this.#body.add(this.#box, this.#widget.object, this.grip.object);
+    this.#anchor.add(this.#body);
+    this.scene.add(this.#anchor);
+    this.#store = new HandleStore(this.#anchor, () => ({
+      scale: { uniform: true },
+      apply: (state, target) => this.#moveCase(state, target),
+    }));
+    this.#release = this.#store.bind(this.#box);
+  }
+
+  /** Whether an object is the case, as hands meet it. */
+  isCase(object: Object3D): boolean {
+    return object === this.#box;
+  }
+
+  /** Of life size. */
+  get scale(): number {
+    return this.#anchor.scale.x;
+  }
+
+  /** Shows a case; null: nothing. */
+  setCase(shown: OpenCase | null): void {
+    if (shown === this.#case) {
+      return;
+    }
+    this.#takeBack();
+    this.#case = shown;
+    if (!shown) {
+      return;
+    }
+    const { mesh, faces, info } = shown;
+    this.#body.add(mesh);
+    if (faces) {
+      faces.setBlended(true);
+      this.#body.add(faces.opaque, faces.partial);
+    }
+    const { bounds, sphere } = info;
+    const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
+    this.#body.matrix.makeTranslation(middle.negate());
+    const box = new Matrix4()
+      .makeTranslation(bounds.min.clone().add(bounds.max).multiplyScalar(0.5))
+      .scale(new Vector3().subVectors(bounds.max, bounds.min));
+    this.#box.matrix.multiplyMatrices(kWorldFromPatient, box);
+    this.#body.matrixWorldNeedsUpdate = this.#box.matrixWorldNeedsUpdate = true;
+    this.#widget.setSphere(sphere);
+    this.grip.setSphere(sphere);
+  }
+
+  /** Puts the case before eyes at `eye` that look along `forward`, in life size, seen from the azimuth of the page. */
+  place(eye: Vector3, forward: Vector3): void {
+    const radius = 0.001 * (this.#case?.info.sphere.radius ?? 0);
+    const level = new Vector3(forward.x, 0, forward.z);
+    if (level.length() < 1e-3) {
+      level.set(0, 0, -1);
+    }
+    level.normalize();
+    this.#anchor.scale.setScalar(1);
+    this.#anchor.position.copy(eye).addScaledVector(level, Math.max(kAhead, radius + kClear));
+    this.#anchor.position.y -= kBelow;
+    const facing = Math.atan2(-level.x, -level.z);
+    this.#anchor.rotation.set(0, facing - (this.#viewer.state.view.azimuth * Math.PI) / 180, 0);
+  }
+
+  /** Before a frame, seen from `eye` (in the room) with `pixelAngle` the tangent of a pixel's angle. */
+  update(time: number, eye: Vector3, pixelAngle: number): void {
+    this.#store.update(time);
+    this.grip.update(time);
+    const { state, cut } = this.#viewer;
+    this.#widget.setPlane(state.handle && this.#case ? cut : null);
+    this.#widget.setHover(this.grip.holding ? "rim" : null);
+    this.scene.updateMatrixWorld();
+    this.#widget.update(this.toPatient(eye), pixelAngle);
+  }
+
+  /** Whether the plane's handle is seen, where the viewer's state wants it. */
+  setToolsVisible(visible: boolean): void {
+    this.#widget.object.visible = visible && this.#widget.shown;
+  }
+
+  /** A point of the room in RAS mm. */
+  toPatient(point: Vector3): Vector3 {
+    return point.clone().applyMatrix4(this.#patientFromRoom);
+  }
+
+  /** A pose in the room as one among RAS mm: rigid, whatever the case's scale. */
+  poseInPatient(pose: Matrix4): Matrix4 {
+    const result = new Matrix4().multiplyMatrices(this.#patientFromRoom, pose);
+    const scale = new Vector3().setFromMatrixScale(result).x;
+    const position = new Vector3().setFromMatrixPosition(result);
+    return result.scale(new Vector3().setScalar(1 / scale)).setPosition(position);
+  }
+
+  dispose(): void {
+    this.setCase(null);
+    this.#release();
+    this.grip.dispose();
+    this.#widget.dispose();
+    this.#box.geometry.dispose();
+    this.#box.material.dispose();
+  }
+
+  get #patientFromRoom(): Matrix4 {
+    return this.#body.matrixWorld.clone().multiply(kWorldFromPatient).invert();
+  }
+
+  /** Gives the case back to the page, where it lies in the viewer's world itself. */
+  #takeBack(): void {
+    if (!this.#case) {
+      return;
+    }
+    const { mesh, faces } = this.#case;
+    faces?.setBlended(false);
+    for (const part of [mesh, ...(faces ? [faces.opaque, faces.partial] : [])]) {
+      part.removeFromParent();
+      part.matrixWorld.copy(part.matrix);
+    }
+  }
+
+  #moveCase(state: HandleState<unknown>, target: Object3D): void {
+    target.position.copy(state.current.position);
+    target.quaternion.copy(state.current.quaternion);
+    const { x } = state.current.scale;
+    target.scale.setScalar(Math.min(kMostScale, Math.max(kLeastScale, x)));
+    const hand = (state.event as PointerEvent | undefined)?.pointerState as Hand | undefined;
+    if (state.first) {
+      hand?.pulse(0.6, 30);
+    } else if (state.last) {
+      hand?.pulse(0.3, 20);
+    }
+  }
+}

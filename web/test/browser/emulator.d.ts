@@ -1,0 +1,8 @@
+import type { XRDevice } from "iwer";
+
+declare global {
+  interface Window {
+    /** The emulated Quest 3, where a test has one. */
+    headset: XRDevice;
+  }
+}

@@ -1,0 +1,49 @@
+import { Quaternion, Vector3 } from "three";
+import { expect, it } from "vitest";
+
+import { kWorldFromPatient, planeThrough, signedDistance } from "../../src/model/geometry";
+import { planeOfPose, poseOfPlane } from "../../src/xr/plane_grip";
+import { PoseFilter } from "../../src/xr/pose_filter";
+
+const kFrame = 1 / 72; // s
+
+it("a plane has a pose in the viewer's world, and that pose the plane", () => {
+  const middle = new Vector3(10, -20, 30);
+  for (const normal of [new Vector3(0, 0, -1), new Vector3(0.2, -0.7, 0.5), new Vector3(1, 0, 0)]) {
+    const plane = planeThrough(normal, new Vector3(4, 5, 6));
+    const position = new Vector3();
+    const quaternion = new Quaternion();
+    poseOfPlane(plane, middle, position, quaternion);
+    const back = planeOfPose(position, quaternion);
+    expect(back.normal.distanceTo(plane.normal)).toBeLessThan(1e-6);
+    expect(back.offset).toBeCloseTo(plane.offset, 4);
+    const point = position.clone().applyMatrix4(kWorldFromPatient.clone().invert());
+    expect(signedDistance(plane, point)).toBeCloseTo(0, 4);
+    expect(point.sub(middle).cross(plane.normal).length()).toBeLessThan(1e-3); // the nearest to the middle
+  }
+});
+
+it("a trembling hand moves a filtered pose little, a moving one takes it along", () => {
+  const filter = new PoseFilter();
+  const still = new Quaternion();
+  filter.reset(new Vector3(), still);
+  const tremble = 0.0005; // m
+  let most = 0;
+  for (let i = 0; i < 200; ++i) {
+    filter.follow(new Vector3(tremble * (i % 2 === 0 ? 1 : -1), 0, 0), still, kFrame);
+    most = i > 20 ? Math.max(most, Math.abs(filter.position.x)) : 0;
+  }
+  expect(most).toBeLessThan(0.3 * tremble);
+
+  filter.reset(new Vector3(), still);
+  const speed = 0.5; // m/s
+  const hand = new Vector3();
+  const turn = new Quaternion();
+  for (let i = 0; i < 72; ++i) {
+    hand.x += speed * kFrame;
+    turn.setFromAxisAngle(new Vector3(0, 1, 0), i / 72);
+    filter.follow(hand, turn, kFrame);
+  }
+  expect(hand.x - filter.position.x).toBeLessThan(0.5 * speed * kFrame);
+  expect(filter.quaternion.angleTo(turn)).toBeLessThan(0.5 / 72);
+});
