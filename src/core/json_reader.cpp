@@ -10,11 +10,17 @@ namespace clipgs {
 
 using nlohmann::json;
 
-JsonReader::JsonReader(const json& object, std::string name)
-    : object_(object), name_(std::move(name)) {
+JsonReader::JsonReader(const json& object, std::string name, std::string remedy)
+    : object_(object), name_(std::move(name)), remedy_(std::move(remedy)) {
   if (!object_.is_object()) {
-    throw Error("{}: a JSON object was expected; the file is corrupt", name_);
+    throw Error("{}: a JSON object was expected; {}", name_,
+                remedy_.empty() ? "the file is corrupt" : remedy_);
   }
+}
+
+bool JsonReader::has(const char* key) const {
+  const auto found = object_.find(key);
+  return found != object_.end() && !found->is_null();
 }
 
 std::vector<JsonReader> JsonReader::children(const char* key, size_t most) const {
@@ -25,9 +31,17 @@ std::vector<JsonReader> JsonReader::children(const char* key, size_t most) const
   std::vector<JsonReader> result;
   result.reserve(list.size());
   for (size_t i = 0; i < list.size(); ++i) {
-    result.emplace_back(list[i], fmt::format("{}.{}[{}]", name_, key, i));
+    result.emplace_back(list[i], fmt::format("{}.{}[{}]", name_, key, i), remedy_);
   }
   return result;
+}
+
+float JsonReader::positive(const char* key) const {
+  const float value = number(key);
+  if (value <= 0) {
+    fail(key, "a positive number");
+  }
+  return value;
 }
 
 int JsonReader::integer(const char* key, int low, int high) const {
@@ -69,6 +83,15 @@ std::string JsonReader::text(const char* key) const {
   return value.get<std::string>();
 }
 
+Vec3 JsonReader::unit_vector(const char* key) const {
+  constexpr float kTolerance = 1e-3f;  // of the length
+  const Vec3 value = vector<3>(key);
+  if (!(std::abs(glm::length(value) - 1) < kTolerance)) {
+    fail(key, "a unit vector");
+  }
+  return value;
+}
+
 glm::dmat4 JsonReader::matrix(const char* key) const {
   const json& rows = at(key);
   if (!rows.is_array() || rows.size() != 4) {
@@ -90,7 +113,11 @@ glm::dmat4 JsonReader::matrix(const char* key) const {
 }
 
 void JsonReader::fail(const char* key) const {
-  throw Error("{}: \"{}\" is missing or out of range", name_, key);
+  throw Error("{}: \"{}\" is missing or out of range{}", name_, key, remedy());
+}
+
+void JsonReader::fail(const char* key, const char* expected) const {
+  throw Error("{}: \"{}\" is not {}{}", name_, key, expected, remedy());
 }
 
 const json& JsonReader::at(const char* key) const {

@@ -12,14 +12,18 @@ namespace clipgs {
 /// Every function throws Error if the key is missing or its value is not of the kind asked for.
 class JsonReader {
  public:
-  /// `object` must outlive the reader; `name` is what errors call it.
-  JsonReader(const nlohmann::json& object, std::string name);
+  /// `object` must outlive the reader; `name` is what errors call it, and `remedy` what they tell
+  /// people to do, e.g. "make the dataset again".
+  JsonReader(const nlohmann::json& object, std::string name, std::string remedy = "");
 
-  JsonReader child(const char* key) const { return {at(key), name_ + "." + key}; }
+  /// Whether the object has the key, with a value other than null.
+  bool has(const char* key) const;
+  JsonReader child(const char* key) const { return {at(key), name_ + "." + key, remedy_}; }
   /// The elements of a list of objects, at most `most` of them.
   std::vector<JsonReader> children(const char* key, size_t most) const;
 
   float number(const char* key) const { return finite(at(key), key); }
+  float positive(const char* key) const;
   /// A whole number in [low, high].
   int integer(const char* key, int low, int high) const;
   /// Exactly `count` finite numbers.
@@ -36,17 +40,23 @@ class JsonReader {
     }
     return result;
   }
+  Vec3 unit_vector(const char* key) const;
   /// Four rows of four numbers.
   glm::dmat4 matrix(const char* key) const;
 
   [[noreturn]] void fail(const char* key) const;
+  /// As fail(), for a value that is there and should be `expected`, e.g. "a unit vector".
+  [[noreturn]] void fail(const char* key, const char* expected) const;
 
  private:
   const nlohmann::json& at(const char* key) const;
   float finite(const nlohmann::json& value, const char* key) const;
 
+  std::string remedy() const { return remedy_.empty() ? "" : "; " + remedy_; }
+
   const nlohmann::json& object_;
   std::string name_;
+  std::string remedy_;
 };
 
 /// The shortest decimal that reads back as the same float, as a JSON number.
