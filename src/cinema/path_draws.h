@@ -37,7 +37,7 @@ inline constexpr std::uint32_t kHash2 = 0x846ca68bU;
 /// 2³² over the golden ratio: spreads counters before they are hashed.
 inline constexpr std::uint32_t kGolden = 0x9e3779b9U;
 
-constexpr std::uint32_t hash(std::uint32_t x) {
+inline std::uint32_t hash(std::uint32_t x) {
   x = (x ^ (x >> 16U)) * kHash1;
   x = (x ^ (x >> 15U)) * kHash2;
   return x ^ (x >> 16U);
@@ -48,14 +48,14 @@ constexpr std::uint32_t hash(std::uint32_t x) {
 inline constexpr std::array<std::uint32_t, 3> kPermute = {0x3d20adeaU, 0x05526c56U, 0x53a22864U};
 
 /// Owen's scrambling of a fraction whose bits are reversed.
-constexpr std::uint32_t permute(std::uint32_t x, std::uint32_t seed) {
+inline std::uint32_t permute(std::uint32_t x, std::uint32_t seed) {
   x = (x ^ (x * kPermute[0])) + seed;
   x = x * ((seed >> 16U) | 1U);
   x = x ^ (x * kPermute[1]);
   return x ^ (x * kPermute[2]);
 }
 
-constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+inline std::uint32_t reverse_bits(std::uint32_t x) {
   std::uint32_t result = 0;
   for (int i = 0; i < 32; ++i) {
     result = result << 1U | (x >> static_cast<unsigned>(i) & 1U);
@@ -65,7 +65,7 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
 
 /// Sobol's second dimension at an index, bits reversed (the first one is the index itself): the
 /// index as a polynomial in x, taken at 1 + x.
-constexpr std::uint32_t sobol2(std::uint32_t index) {
+inline std::uint32_t sobol2(std::uint32_t index) {
   index ^= (index & 0xaaaaaaaaU) >> 1U;
   index ^= (index & 0xccccccccU) >> 2U;
   index ^= (index & 0xf0f0f0f0U) >> 4U;
@@ -74,7 +74,7 @@ constexpr std::uint32_t sobol2(std::uint32_t index) {
 }
 
 /// Uniform in [0, 1).
-constexpr float draw(Dimension dimension, std::uint32_t key, std::uint32_t index) {
+inline float draw(Dimension dimension, std::uint32_t key, std::uint32_t index) {
   const std::uint32_t pair = hash(key + (dimension / 2 + 1) * kGolden);
   const std::uint32_t shuffled = reverse_bits(permute(reverse_bits(index), pair));
   const std::uint32_t at = dimension % 2 == 0 ? shuffled : sobol2(shuffled);
