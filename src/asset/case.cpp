@@ -1,5 +1,6 @@
 #include "asset/case.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "asset/layers.h"
@@ -23,6 +24,10 @@ constexpr const char* kSectionKey = "section";
 constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
+/// Of a section's image, where the size of the case decides: the last of them whatever it takes.
+constexpr std::array kQualities = {kLossless, 97.0f, 94.0f, 90.0f};
+/// Of the JSON and the ZIP's directory, about.
+constexpr size_t kMetaBytes = 50'000;
 constexpr size_t kMaxMeta = size_t{4} << 20;
 constexpr std::uintmax_t kMaxCase = std::uintmax_t{1} << 30;
 
@@ -58,11 +63,30 @@ bool has_layers(const json& block) {
   return states != block.end() && states->contains("file");
 }
 
+json encode_fitting_section(const Section& section, const SectionCoding& coding,
+                            std::vector<ZipEntry>& files) {
+  if (coding.quality) {
+    return encode_section(section, *coding.quality, files);
+  }
+  size_t rest = kMetaBytes;
+  for (const ZipEntry& file : files) {
+    rest += file.bytes.size();
+  }
+  for (const float quality : kQualities) {
+    json block = encode_section(section, quality, files);
+    if (quality == kQualities.back() || rest + files.back().bytes.size() <= coding.case_bytes) {
+      return block;
+    }
+    files.pop_back();
+  }
+  return {};
+}
+
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
 }  // namespace
 
-Bytes encode_case(const Case& contents, const Image* thumbnail, float section_quality) {
+Bytes encode_case(const Case& contents, const Image* thumbnail, const SectionCoding& coding) {
   if (contents.model) {
     throw Error("a case holds a scene, not a neural model; make one of it with clipgs bake");
   }
@@ -76,12 +100,12 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, float section_qu
   if (!scene.layers.empty()) {
     block[kStatesKey]["file"] = encode_layers(scene, order, files);
   }
-  if (contents.section) {
-    block[kSectionKey] = encode_section(*contents.section, section_quality, files);
-  }
   if (thumbnail != nullptr) {
     files.push_back({kThumbnailFile, encode_webp(*thumbnail, kThumbnailQuality)});
     block["thumbnail"] = kThumbnailFile;
+  }
+  if (contents.section) {
+    block[kSectionKey] = encode_fitting_section(*contents.section, coding, files);
   }
   meta["clipgs"] = std::move(block);
   const std::string text = meta.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -90,8 +114,8 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, float section_qu
 }
 
 void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
-                float section_quality) {
-  const Bytes bytes = encode_case(contents, thumbnail, section_quality);
+                const SectionCoding& coding) {
+  const Bytes bytes = encode_case(contents, thumbnail, coding);
   write_file(path, bytes.data(), bytes.size());
 }
 

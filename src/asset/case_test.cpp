@@ -210,6 +210,18 @@ TEST(Case, HoldsItsSection) {
               ThrowsMessage<Error>(HasSubstr("test.sog: clipgs.section: \"spacing\"")));
 }
 
+TEST(Case, KeepsItsSectionAsWellAsItsSizeAllows) {
+  const Section section = test::ball_section();
+  const auto encode = [&](const SectionCoding& coding) {
+    return encode_case({random_scene(40, 0, 5), section}, nullptr, coding);
+  };
+  const Bytes best = encode({});
+  EXPECT_EQ(read_case(best, "test.sog").section->voxels, section.voxels);
+  EXPECT_EQ(best, encode({.quality = kLossless}));
+  EXPECT_EQ(encode({.case_bytes = 0}), encode({.quality = 90}));
+  EXPECT_LT(encode({.case_bytes = 0}).size(), best.size());
+}
+
 TEST(Case, KeepsStatesAndTheLayerOfEachSplat) {
   Scene scene = layered_scene(700, 1, 30);
   scene.states.count = 400;  // layers of more than a byte

@@ -11,9 +11,8 @@
 
 namespace clipgs {
 
-/// Quality of the image that holds a section's voxels: 100 is lossless. The default loses 0.1 to
-/// 0.3 dB of a picture and half of the bytes (docs/benchmarks.md).
-constexpr float kSectionQuality = 90;
+/// Quality of the image that holds a section's voxels; below, 90 loses 0.2 to 0.5 dB of a picture
+/// and half of the bytes (docs/benchmarks.md).
 constexpr float kLossless = 100;
 
 /// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with

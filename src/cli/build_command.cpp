@@ -274,7 +274,7 @@ void run_build(const BuildArguments& arguments) {
   scene.title = arguments.title.empty() ? scene.preset : arguments.title;
   scene.created = today();
   const Image thumbnail = make_thumbnail(contents);
-  write_case(arguments.output, contents, &thumbnail, arguments.section.quality);
+  write_case(arguments.output, contents, &thumbnail, arguments.section.coding);
   fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, scene.gaussians.size(),
              static_cast<double>(fs::file_size(arguments.output)) / 1e6);
 }
@@ -305,7 +305,7 @@ void add_build_command(CLI::App& app) {
   command->add_option("--seed", arguments->seed, "Seed of everything random")
       ->capture_default_str();
   add_section_options(*command, arguments->section);
-  add_section_quality(*command, arguments->section);
+  add_section_coding(*command, arguments->section);
   add_volume_options(*command, arguments->loading);
   Overrides& overrides = arguments->overrides;
   command->add_option("--size", overrides.size, "Side of the pictures, px")

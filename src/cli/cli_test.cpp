@@ -429,7 +429,9 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   ASSERT_EQ(run_clipgs({"unpack", at("case.sog"), "-o", at("again.ply")}).status, 0);
   EXPECT_EQ(section_of({})["dims"], nlohmann::json::parse(info.out)["section"]["dims"]);
   EXPECT_EQ(section_of({"--section-size", "12"})["dims"][2], 12);
-  EXPECT_GT(section_of({"--section-quality", "100"})["bytes"], section_of({})["bytes"]);
+  const auto lossless = section_of({"--section-quality", "100"})["bytes"];
+  EXPECT_EQ(section_of({})["bytes"], lossless);  // there is room for it
+  EXPECT_GT(lossless, section_of({"--max-mb", "0"})["bytes"]);
   EXPECT_TRUE(section_of({"--no-section"}).is_null());
   expect_failure({"render", at("again.sog"), "-o", at("none.png"), "--section", "volume"},
                  "no section", at("none.png"));

@@ -30,7 +30,7 @@ void run_pack(const PackArguments& arguments) {
     contents.section = resize_section(*contents.section, arguments.section.size);
   }
   const Image thumbnail = make_thumbnail(contents);
-  const Bytes bytes = encode_case(contents, &thumbnail, arguments.section.quality);
+  const Bytes bytes = encode_case(contents, &thumbnail, arguments.section.coding);
   write_file(arguments.output, bytes.data(), bytes.size());
   fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, contents.scene.gaussians.size(),
              static_cast<double>(bytes.size()) / 1e6);
@@ -48,7 +48,7 @@ void add_pack_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
   command->add_option("--title", arguments->title, "Title of the case (default: the scene's)");
   add_section_options(*command, arguments->section);
-  add_section_quality(*command, arguments->section);
+  add_section_coding(*command, arguments->section);
   command->footer("Example: clipgs pack scene.ply -o case.sog --title \"Chest, bone\"");
   command->callback([arguments] { run_pack(*arguments); });
 }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "asset/section_file.h"
+#include "asset/case.h"
 #include "cinema/dataset.h"
 #include "section/section.h"
 
@@ -12,16 +12,16 @@ namespace clipgs {
 
 // The section on its way from the volume to the case: DATASET/section.zip, SCENE.section.zip, CASE.
 
-/// --section-size and --no-section of the commands that make or pack one, and --section-quality of
-/// those that pack.
+/// --section-size and --no-section of the commands that make or pack one, and --section-quality and
+/// --max-mb of those that pack.
 struct SectionChoice {
   int size = SectionOptions().size;  ///< voxels along each side, at most
   bool none = false;
-  float quality = kSectionQuality;  ///< of its image in the case
+  SectionCoding coding;
 };
 
 void add_section_options(CLI::App& command, SectionChoice& choice);
-void add_section_quality(CLI::App& command, SectionChoice& choice);
+void add_section_coding(CLI::App& command, SectionChoice& choice);
 
 /// Throws Error if cut faces drawn from the volume cannot look as the preset says.
 void require_look_for_section(const Preset& preset, const SectionChoice& choice);
