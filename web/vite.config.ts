@@ -6,7 +6,14 @@ const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "build");
 
 export default defineConfig({
   base: "./",
-  resolve: { alias: { "@wasm": out } },
+  resolve: {
+    alias: {
+      "@wasm": out,
+      // uikit's own fonts and its maker of fonts from TTF files: the viewer has another font, and none of these.
+      "@pmndrs/msdfonts/inter": resolve("src/xr/panel/no_font.ts"),
+      "@zappar/msdf-generator": resolve("src/xr/panel/no_font.ts"),
+    },
+  },
   build: {
     outDir: resolve(out, "dist"),
     emptyOutDir: true,

@@ -78,6 +78,10 @@ export interface ClipgsApi {
     readonly scale: number;
     /** What the eyes see of the case in the next frame. */
     capture(): Promise<EyePicture[]>;
+    /** What its panel says of a case that could not be opened, or nothing. */
+    readonly message: string;
+    /** Where a text of its panel is in the room, m; null: it is not shown. */
+    find(text: string): Triple | null;
   };
   /** Where a point appears on the page, CSS px; null behind the camera. */
   project(point: Triple): { x: number; y: number } | null;
@@ -158,6 +162,10 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
         return headset.stage.scale;
       },
       capture: () => headset.capture(),
+      get message() {
+        return headset.panel?.message ?? "";
+      },
+      find: (text) => headset.panel?.find(text)?.toArray() ?? null,
     },
     project: (point) => {
       const at = viewer.project(new Vector3(...point));

@@ -1,3 +1,4 @@
+import { Actions } from "./actions";
 import { type CaseSummary, fetchCases, formatBytes, formatCount } from "./model/case_list";
 import { formatLink, parseLink } from "./model/link";
 import { CaseError } from "./sog/zip";
@@ -24,6 +25,7 @@ const kHeadsetTitles: Record<Surroundings, string> = {
 export class App {
   readonly viewer: Viewer;
   readonly headset: Headset;
+  readonly actions: Actions;
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
@@ -54,11 +56,15 @@ export class App {
     );
     root.append(canvas);
     this.viewer = new Viewer(canvas);
-    this.headset = new Headset(this.viewer);
+    this.actions = new Actions(this.viewer);
+    this.headset = new Headset(this.viewer, this.actions, {
+      cases: () => this.#fetchCases(),
+      open: (name) => this.open(name),
+    });
     this.headset.changed = () => this.#update();
     this.#overlay = new FaceOverlay(this.viewer);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.button);
-    this.#panel = new PlanePanel(this.viewer, this.#facePanel.element);
+    this.#panel = new PlanePanel(this.viewer, this.actions, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     root.append(
       this.#overlay.element,
@@ -92,8 +98,11 @@ export class App {
       this.#menu.element,
       this.#help,
     );
-    new PointerControls(this.viewer, (mm) => this.#panel.step(mm));
-    this.viewer.changed = () => this.#update();
+    new PointerControls(this.viewer, (mm) => this.actions.step(mm));
+    this.viewer.changed = () => {
+      this.actions.observe();
+      this.#update();
+    };
     this.viewer.drawnFrame = () => {
       this.#overlay.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
@@ -121,7 +130,7 @@ export class App {
   /** Shows what the address names, or else the first case. Rejects with CaseError. */
   async start(): Promise<void> {
     try {
-      this.#cases = await fetchCases();
+      await this.#fetchCases();
     } catch (error) {
       this.#fail((error as CaseError).message, () => location.reload());
       throw error;
@@ -147,8 +156,9 @@ export class App {
         (share) => opening === this.#opening && this.#setProgress(0.9 * share),
       );
       if (first) {
-        this.#panel.reset();
+        this.actions.reset();
       }
+      this.actions.forget();
     } catch (error) {
       if (opening === this.#opening) {
         const text = error instanceof Error ? error.message : String(error);
@@ -204,6 +214,7 @@ export class App {
     if (link.window) {
       this.viewer.setWindow(link.window);
     }
+    this.actions.forget();
   }
 
   /** A fixed size leaves the picture alone on the page. */
@@ -241,9 +252,10 @@ export class App {
     );
   }
 
-  /** Not while a headset is worn: nobody looks at the page. */
+  /** Nobody looks at the page while a headset is worn. */
   #update(): void {
     if (this.headset.worn) {
+      this.headset.refresh();
       return;
     }
     this.#panel.update();
@@ -289,10 +301,14 @@ export class App {
     setTimeout(() => button.classList.remove("done"), 900);
   }
 
+  async #fetchCases(): Promise<CaseSummary[]> {
+    this.#cases = await fetchCases();
+    return this.#cases;
+  }
+
   async #showMenu(): Promise<void> {
     try {
-      this.#cases = await fetchCases();
-      this.#menu.show(this.#cases, this.viewer.caseName);
+      this.#menu.show(await this.#fetchCases(), this.viewer.caseName);
     } catch (error) {
       this.#fail((error as CaseError).message, () => void this.#showMenu());
     }
@@ -329,38 +345,47 @@ export class App {
   }
 
   #key(event: KeyboardEvent): void {
-    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
-      return;
-    }
     const input = event.target instanceof HTMLInputElement ? event.target : null;
     if (input?.type === "number") {
       return;
     }
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
+      event.preventDefault();
+      if (event.shiftKey) {
+        this.actions.redo();
+      } else {
+        this.actions.undo();
+      }
+      return;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
+      return;
+    }
     const step = event.shiftKey ? 10 : 1;
     const keys: Record<string, () => void> = {
-      a: () => this.#panel.orient("axial"),
-      c: () => this.#panel.orient("coronal"),
-      s: () => this.#panel.orient("sagittal"),
-      f: () => this.#panel.flip(),
-      p: () => this.#panel.toggle(),
-      u: () => this.#panel.toggleMode(),
-      n: () => this.#panel.add(),
-      e: () => this.#panel.next(),
-      x: () => this.#panel.remove(),
-      b: () => this.#panel.toggleSlab(),
-      g: () => this.#facePanel.toggleGrey(),
-      w: () => this.#facePanel.nextWindow(),
+      a: () => this.actions.orient("axial"),
+      c: () => this.actions.orient("coronal"),
+      s: () => this.actions.orient("sagittal"),
+      f: () => this.actions.flip(),
+      p: () => this.actions.toggle(),
+      u: () => this.actions.toggleMode(),
+      n: () => this.actions.add(),
+      e: () => this.actions.activate(),
+      x: () => this.actions.remove(),
+      b: () => this.actions.toggleSlab(),
+      g: () => this.actions.toggleGrey(),
+      w: () => this.actions.nextWindow(),
       i: () => this.#overlay.pin(),
       escape: () => this.#overlay.cancel(),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
-      r: () => this.#panel.reset(),
+      r: () => this.actions.reset(),
       m: () => void this.#showMenu(),
       v: () => this.#headsetButtons.querySelector("button")?.click(),
       "?": () => this.#help.showModal(),
       "1": () => this.viewer.setClip("hard"),
       "2": () => this.viewer.setClip("soft"),
       "3": () => this.viewer.setClip("exact"),
-      ...(input ? {} : { arrowup: () => this.#panel.step(step), arrowdown: () => this.#panel.step(-step) }),
+      ...(input ? {} : { arrowup: () => this.actions.step(step), arrowdown: () => this.actions.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];
     if (action) {

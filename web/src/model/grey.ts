@@ -56,6 +56,10 @@ function smallestWidth(curve: readonly number[]): number {
   return (curve[kCodes - 1]! - curve[0]!) / 1000;
 }
 
+export function isSameWindow(a: Window, b: Window | null): boolean {
+  return a.center === b?.center && a.width === b.width;
+}
+
 /** The window after a drag of (dx, dy) px: to the right wider, up to higher values. */
 export function draggedWindow(
   { center, width }: Window,

@@ -1,5 +1,5 @@
 import type { FaceSource } from "../model/faces";
-import type { Window } from "../model/grey";
+import { isSameWindow, type Window } from "../model/grey";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
 
@@ -63,18 +63,6 @@ export class FacePanel {
     );
   }
 
-  /** Cinematic or grey, wholly. */
-  toggleGrey(): void {
-    this.#viewer.setGrey(this.#viewer.state.grey > 0 ? 0 : 1);
-  }
-
-  /** The next of the usual windows. */
-  nextWindow(): void {
-    const windows = [...this.#viewer.windows.values()];
-    const at = windows.findIndex((one) => isSame(one, this.#viewer.window));
-    this.#viewer.setWindow(windows[(at + 1) % windows.length] ?? null);
-  }
-
   update(): void {
     const { state, noSection, windows, window } = this.#viewer;
     const { section, grey } = state;
@@ -104,7 +92,7 @@ export class FacePanel {
       );
     }
     [...windows.values()].forEach((one, i) =>
-      this.#presets.children[i]!.setAttribute("aria-pressed", String(isSame(one, window))),
+      this.#presets.children[i]!.setAttribute("aria-pressed", String(isSameWindow(one, window))),
     );
     this.#center.value = window ? String(Math.round(window.center)) : "";
     this.#width.value = window ? String(Math.round(window.width)) : "";
@@ -123,8 +111,4 @@ export class FacePanel {
     this.#shown = "";
     this.update();
   }
-}
-
-function isSame(a: Window, b: Window | null): boolean {
-  return a.center === b?.center && a.width === b.width;
 }

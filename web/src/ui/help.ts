@@ -21,6 +21,7 @@ const kHelp: [string, string][] = [
   ["H", "show or hide the handle"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],
+  ["Ctrl + Z, Ctrl + Shift + Z", "undo and redo what was done to the cut"],
   ["M", "cases"],
   ["V", "show the case in a headset, where there is one"],
   ["?", "this help"],

@@ -1,19 +1,7 @@
-import type { Vector3 } from "three";
-
-import { canDraw, type Cut } from "../model/cut";
-import { flipped, type Plane, projectBox } from "../model/geometry";
-import {
-  freeAxis,
-  kAxes,
-  kOrientations,
-  type Orientation,
-  orientationOf,
-  planeAcross,
-  removedSide,
-} from "../model/planes";
+import { type Actions, kLeastThickness, kThickness, type Position } from "../actions";
+import { kOrientations, type Orientation, orientationOf, removedSide } from "../model/planes";
 import { kModes, type Mode, stateText } from "../model/states";
 import { decimal } from "../model/values";
-import { viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 import type { ClipOperator } from "../worker/protocol";
 import { h, icon, kIcons } from "./dom";
@@ -29,14 +17,11 @@ const kModeHints: Record<Mode, string> = {
   arbitrary: "The plane moves and turns freely (U)",
 };
 
-/** Of a slab when it is made, and its limits: mm. */
-const kThickness = 20;
-const kLeastThickness = 1;
-
 /** Everything about the cut: its planes, where they are, what is removed, how splats meet it. */
 export class PlanePanel {
   readonly element: HTMLElement;
   readonly #viewer: Viewer;
+  readonly #actions: Actions;
   readonly #modes = new Map<Mode, HTMLButtonElement>();
   readonly #orientations = new Map<Orientation, HTMLButtonElement>();
   readonly #operators = new Map<ClipOperator, HTMLButtonElement>();
@@ -56,13 +41,14 @@ export class PlanePanel {
   readonly #power: HTMLButtonElement;
   readonly #handle: HTMLButtonElement;
   readonly #hint = h("p", { class: "hint" });
-  #lastCuts: readonly Cut[] = [];
-  #stepRest = 0; // of a state
+  readonly #undo: HTMLButtonElement;
+  readonly #redo: HTMLButtonElement;
   #shown = "";
 
   /** `face` is the part about cut faces. */
-  constructor(viewer: Viewer, face: HTMLElement) {
+  constructor(viewer: Viewer, actions: Actions, face: HTMLElement) {
     this.#viewer = viewer;
+    this.#actions = actions;
     for (const mode of kModes) {
       const button = h(
         "button",
@@ -74,7 +60,7 @@ export class PlanePanel {
     for (const name of kOrientations) {
       const button = h(
         "button",
-        { title: `${capital(name)} plane (${name[0]!.toUpperCase()})`, onclick: () => this.orient(name) },
+        { title: `${capital(name)} plane (${name[0]!.toUpperCase()})`, onclick: () => actions.orient(name) },
         icon(kIcons[name]),
         capital(name),
       );
@@ -86,17 +72,17 @@ export class PlanePanel {
     }
     this.#slider = h("input", {
       type: "range",
-      oninput: () => this.#slide(Number(this.#slider.value)),
+      oninput: () => actions.moveTo(Number(this.#slider.value)),
     });
     this.#orientationGroup = h(
       "div",
       { class: "segments tall", role: "group", "aria-label": "Orientation" },
       ...this.#orientations.values(),
     );
-    this.#flip = h("button", { onclick: () => this.flip() }, icon(kIcons.flip), "Flip");
+    this.#flip = h("button", { onclick: () => actions.flip() }, icon(kIcons.flip), "Flip");
     this.#add = h(
       "button",
-      { class: "small", title: "Cut with one more plane (N)", onclick: () => this.add() },
+      { class: "small", title: "Cut with one more plane (N)", onclick: () => actions.add() },
       icon(kIcons.plus),
       "Plane",
     );
@@ -106,14 +92,14 @@ export class PlanePanel {
       this.#cuts,
       h(
         "button",
-        { class: "small", title: "Remove this plane (X)", onclick: () => this.remove() },
+        { class: "small", title: "Remove this plane (X)", onclick: () => actions.remove() },
         icon(kIcons.minus),
         "Remove",
       ),
     );
     this.#slab = h(
       "button",
-      { title: "A second face behind the plane (B)", onclick: () => this.toggleSlab() },
+      { title: "A second face behind the plane (B)", onclick: () => actions.toggleSlab() },
       icon(kIcons.slab),
       "Slab",
     );
@@ -122,7 +108,7 @@ export class PlanePanel {
       step: "0.5",
       min: String(kLeastThickness),
       "aria-label": "Thickness of the slab, mm",
-      oninput: () => this.#setThickness(Number(this.#thickness.value)),
+      oninput: () => actions.setThickness(Number(this.#thickness.value)),
     });
     this.#thicknessRow = h(
       "div",
@@ -132,7 +118,7 @@ export class PlanePanel {
     );
     this.#power = h(
       "button",
-      { class: "plain", title: "Cut or uncut (P)", onclick: () => this.toggle() },
+      { class: "plain", title: "Cut or uncut (P)", onclick: () => actions.toggle() },
       icon(kIcons.power),
     );
     this.#handle = h(
@@ -141,10 +127,20 @@ export class PlanePanel {
       icon(kIcons.eye),
       "Handle",
     );
+    this.#undo = h(
+      "button",
+      { class: "plain", title: "Undo (Ctrl+Z)", onclick: () => actions.undo() },
+      icon(kIcons.undo),
+    );
+    this.#redo = h(
+      "button",
+      { class: "plain", title: "Redo (Ctrl+Shift+Z)", onclick: () => actions.redo() },
+      icon(kIcons.redo),
+    );
     this.element = h(
       "section",
       { class: "panel", "aria-label": "Cutting plane" },
-      h("header", {}, h("h2", {}, "Cutting plane"), this.#add, this.#power),
+      h("header", {}, h("h2", {}, "Cutting plane"), this.#undo, this.#redo, this.#add, this.#power),
       h("div", { class: "segments", role: "group", "aria-label": "Mode" }, ...this.#modes.values()),
       this.#several,
       this.#orientationGroup,
@@ -157,7 +153,7 @@ export class PlanePanel {
         this.#flip,
         h(
           "button",
-          { title: "Plane and view as at the start (R)", onclick: () => this.reset() },
+          { title: "Plane and view as at the start (R)", onclick: () => actions.reset() },
           icon(kIcons.reset),
           "Reset",
         ),
@@ -176,98 +172,9 @@ export class PlanePanel {
     );
   }
 
-  toggleMode(): void {
-    this.#viewer.setMode(this.#uniaxial ? "arbitrary" : "uniaxial");
-  }
-
-  orient(name: Orientation): void {
-    if (!this.#uniaxial) {
-      this.#cutAcross(kAxes[name]);
-    }
-  }
-
-  flip(): void {
-    const { cut } = this.#viewer;
-    if (cut) {
-      // What a slab keeps stays.
-      const plane = flipped(cut);
-      this.#viewer.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
-    }
-  }
-
-  /** Nothing cut, or what was before. */
-  toggle(): void {
-    const { cuts } = this.#viewer.state;
-    if (cuts.length > 0) {
-      this.#lastCuts = cuts;
-      this.#viewer.setCuts([]);
-    } else if (this.#lastCuts.length > 0) {
-      this.#viewer.setCuts(this.#lastCuts);
-    } else {
-      this.#cutAcross(kAxes.axial);
-    }
-  }
-
-  /** Cuts with one more plane, across the body axis that is cut least. */
-  add(): void {
-    const { cuts } = this.#viewer.state;
-    const plane = this.#planeAcross(freeAxis(cuts));
-    if (plane && !this.#uniaxial) {
-      this.#viewer.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
-    }
-  }
-
-  /** Without the active plane. */
-  remove(): void {
-    const { cuts, active } = this.#viewer.state;
-    this.#viewer.setCuts(
-      cuts.filter((_, i) => i !== active),
-      active - 1,
-    );
-  }
-
-  /** Moves another plane from now on. */
-  next(): void {
-    const { cuts, active } = this.#viewer.state;
-    if (cuts.length > 0) {
-      this.#viewer.setCuts(cuts, (active + 1) % cuts.length);
-    }
-  }
-
-  toggleSlab(): void {
-    const { cut } = this.#viewer;
-    if (cut) {
-      this.#setThickness(cut.thickness === null ? kThickness : null);
-    }
-  }
-
-  /** Moves the plane by mm along its normal, towards what it removes; in the uniaxial mode by states. */
-  step(by: number): void {
-    const { cut, planeState, states } = this.#viewer;
-    if (states && planeState !== null) {
-      // A wheel may turn by less than a state at a time.
-      const sum = by + (by * this.#stepRest > 0 ? this.#stepRest : 0);
-      const whole = Math.trunc(sum);
-      this.#stepRest = sum - whole;
-      this.#viewer.setPlaneState(Math.min(states.count - 1, Math.max(0, planeState + whole)));
-    } else if (cut) {
-      this.#moveTo(-cut.offset + by);
-    }
-  }
-
-  /** The view and the plane that a case starts with. */
-  reset(): void {
-    const { info } = this.#viewer;
-    if (info) {
-      const view = { azimuth: 28, elevation: 24, zoom: 1 };
-      this.#viewer.state.view.pan.set(0, 0, 0);
-      this.#viewer.setView(view);
-      this.#viewer.setCuts([]);
-      this.#cutAcross(info.states.axis);
-    }
-  }
-
   update(): void {
+    this.#undo.disabled = !this.#actions.canUndo;
+    this.#redo.disabled = !this.#actions.canRedo;
     const { state, info, cut } = this.#viewer;
     const { mode, cuts, active, clip, handle } = state;
     // Touching the page costs a layout, which turning the case need not.
@@ -306,7 +213,7 @@ export class PlanePanel {
   }
 
   get #uniaxial(): boolean {
-    return this.#viewer.state.mode === "uniaxial";
+    return this.#actions.isUniaxial;
   }
 
   /** Where the plane is: in words, and on the slider; to the right less is removed, or states go along the axis. */
@@ -320,25 +227,26 @@ export class PlanePanel {
       "aria-label",
       this.#uniaxial ? "State of the plane" : "Position of the plane, mm",
     );
-    if (!cut || !info) {
+    const { position } = this.#actions;
+    if (!cut || !info || !position) {
       this.#side.textContent = "Nothing is cut";
       this.#readout.textContent = "";
     } else if (planeState !== null) {
       const { states } = info;
-      this.#setSlider(0, states.count - 1, 1, planeState);
+      this.#setSlider(position);
       this.#readout.textContent = stateText(states, planeState);
       this.#statesHint.textContent = `${place}, every ${decimal(states.spacing, 2)} mm, ${removedSide(cut)} removed`;
     } else {
-      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
-      this.#setSlider(min, max, 0.1, -cut.offset);
+      const { min, max, value } = position;
+      this.#setSlider(position);
       this.#thickness.max = String(max - min);
       this.#side.textContent = `${place}, ${removedSide(cut)} removed`;
-      this.#readout.textContent = `${(-cut.offset - min).toFixed(1)} mm`;
+      this.#readout.textContent = `${(value - min).toFixed(1)} mm`;
     }
     this.#slider.setAttribute("aria-valuetext", this.#readout.textContent || "Nothing is cut");
   }
 
-  #setSlider(min: number, max: number, step: number, value: number): void {
+  #setSlider({ min, max, step, value }: Position): void {
     this.#slider.min = String(min);
     this.#slider.max = String(max);
     this.#slider.step = String(step);
@@ -353,7 +261,7 @@ export class PlanePanel {
         ...cuts.map((_, i) =>
           h(
             "button",
-            { title: `Move plane ${i + 1} (E: the next)`, onclick: () => this.#activate(i) },
+            { title: `Move plane ${i + 1} (E: the next)`, onclick: () => this.#actions.activate(i) },
             String(i + 1),
           ),
         ),
@@ -363,58 +271,7 @@ export class PlanePanel {
       button.setAttribute("aria-pressed", String(i === active)),
     );
     this.#several.hidden = cuts.length < 2;
-    const more = { normal: kAxes.axial, offset: 0, thickness: null };
-    this.#add.disabled = this.#uniaxial || !canDraw([...cuts, more]);
-  }
-
-  #activate(index: number): void {
-    this.#viewer.setCuts(this.#viewer.state.cuts, index);
-  }
-
-  #planeAcross(axis: Vector3): Plane | null {
-    const { info, state } = this.#viewer;
-    return info && planeAcross(axis, info.bounds, viewDirection(state.view.azimuth, state.view.elevation));
-  }
-
-  /** Turns the plane, or makes it. */
-  #cutAcross(axis: Vector3): void {
-    const plane = this.#planeAcross(axis);
-    if (plane && this.#viewer.cut) {
-      this.#viewer.movePlane(plane);
-    } else if (plane) {
-      this.#viewer.setCuts([{ ...plane, thickness: null }]);
-    }
-  }
-
-  /** To a value of the slider. */
-  #slide(value: number): void {
-    if (this.#uniaxial) {
-      this.#viewer.setPlaneState(value);
-    } else {
-      this.#moveTo(value);
-    }
-  }
-
-  /** Keeps the plane where it cuts something. */
-  #moveTo(position: number): void {
-    const { info, cut } = this.#viewer;
-    if (info && cut) {
-      const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
-      this.#viewer.movePlane({
-        normal: cut.normal,
-        offset: -Math.min(max, Math.max(min, position)),
-      });
-    }
-  }
-
-  /** null: a plane, not a slab. */
-  #setThickness(mm: number | null): void {
-    const { cuts, active } = this.#viewer.state;
-    const thickness = mm && Math.max(kLeastThickness, mm);
-    this.#viewer.setCuts(
-      cuts.map((cut, i) => (i === active ? { ...cut, thickness } : cut)),
-      active,
-    );
+    this.#add.disabled = !this.#actions.canAdd;
   }
 }
 

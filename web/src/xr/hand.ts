@@ -1,4 +1,10 @@
-import { CombinedPointer, createGrabPointer, createRayPointer, type Pointer } from "@pmndrs/pointer-events";
+import {
+  CombinedPointer,
+  createGrabPointer,
+  createRayPointer,
+  type Pointer,
+  type PointerEvent,
+} from "@pmndrs/pointer-events";
 import {
   CylinderGeometry,
   Group,
@@ -20,6 +26,8 @@ import {
 const kReach = 0.07;
 /** Of the ray where it meets nothing, m. */
 const kRayLength = 1.5;
+/** Of a controller's buttons, A or X. */
+const kMenuButton = 4;
 const kColor = 0x7fd8f2;
 const kJoints = 25;
 const kJointRadius = 0.008; // m, where it is not told
@@ -32,13 +40,15 @@ function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
 
 /**
  * A hand in the headset, with a controller or bare: what it is near to or, where that is nothing, points at. Its trigger
- * or pinch goes to everything that listens, its grip button to what `holds` accepts alone.
+ * or pinch goes to everything that listens, its grip button to what `holds` accepts alone, and A or X calls `menu`.
  */
 export class Hand {
   /** In the room. */
   readonly object = new Group();
   /** What it holds things with: null while neither a controller nor a hand is seen. */
   source: XRInputSource | null = null;
+  /** The wrist of a bare hand, its y away from the back of the hand; not visible where none is seen. */
+  readonly wrist = new Group();
   readonly #bare: XRHandSpace;
   readonly #near = new Group(); // where it takes hold
   readonly #far: XRTargetRaySpace;
@@ -49,6 +59,8 @@ export class Hand {
   readonly #holders = new CombinedPointer(false);
   readonly #ray: Mesh;
   readonly #joints: InstancedMesh;
+  readonly #menu: () => void;
+  #menuPressed = false;
   readonly #matrix = new Matrix4(); // scratch
   readonly #size = new Vector3();
 
@@ -57,18 +69,20 @@ export class Hand {
     index: number,
     camera: PerspectiveCamera,
     holds: (object: Object3D) => boolean,
+    menu: () => void,
   ) {
+    this.#menu = menu;
     this.#far = xr.getController(index);
     this.#grip = xr.getControllerGrip(index);
     this.#bare = xr.getHand(index);
-    const pointers = (filter?: (object: Object3D) => boolean): [Pointer, Pointer] => [
-      createGrabPointer(() => camera, { current: this.#near }, this, {
-        radius: kReach,
-        customSort: firstMet,
-        filter,
-      }),
-      createRayPointer(() => camera, { current: this.#far }, this, { customSort: firstMet, filter }),
-    ];
+    const pointers = (filter?: (object: Object3D) => boolean): [Pointer, Pointer] => {
+      // However long it is pressed: hands are slower than mice.
+      const options = { customSort: firstMet, clickThresholdMs: Infinity, filter };
+      return [
+        createGrabPointer(() => camera, { current: this.#near }, this, { ...options, radius: kReach }),
+        createRayPointer(() => camera, { current: this.#far }, this, options),
+      ];
+    };
     this.#any = pointers();
     this.#hold = pointers(holds);
     this.#any.forEach((pointer, i) => this.#pointers.register(pointer, i === 1));
@@ -85,7 +99,8 @@ export class Hand {
       part.visible = false;
     }
     this.#far.add(this.#ray);
-    this.object.add(this.#far, this.#grip, this.#bare, this.#near, this.#joints);
+    this.wrist.visible = false;
+    this.object.add(this.#far, this.#grip, this.#bare, this.#near, this.#joints, this.wrist);
     this.#listen(this.#far);
   }
 
@@ -94,7 +109,13 @@ export class Hand {
     if (!this.source) {
       return;
     }
+    const pressed = this.source.gamepad?.buttons[kMenuButton]?.pressed ?? false;
+    if (pressed && !this.#menuPressed) {
+      this.#menu();
+    }
+    this.#menuPressed = pressed;
     const bare = this.source.hand ? this.#showJoints() : false;
+    this.wrist.visible = bare;
     if (!bare) {
       this.#near.position.copy(this.#grip.position);
       this.#near.quaternion.copy(this.#grip.quaternion);
@@ -127,7 +148,7 @@ export class Hand {
     events.addEventListener("disconnected", () => {
       [...this.#any, ...this.#hold].forEach((pointer) => pointer.exit({ timeStamp: performance.now() }));
       this.source = null;
-      this.#ray.visible = this.#joints.visible = false;
+      this.#ray.visible = this.#joints.visible = this.wrist.visible = false;
     });
     for (const [name, pointers] of [
       ["select", this.#any],
@@ -158,7 +179,15 @@ export class Hand {
       return false;
     }
     this.#near.position.lerpVectors(thumb.position, finger.position, 0.5);
-    this.#near.quaternion.copy(joints.wrist?.quaternion ?? finger.quaternion);
+    const wrist = joints.wrist ?? finger;
+    this.#near.quaternion.copy(wrist.quaternion);
+    this.wrist.position.copy(wrist.position);
+    this.wrist.quaternion.copy(wrist.quaternion);
     return true;
   }
+}
+
+/** Whose an event is. */
+export function handOf(event: PointerEvent | undefined): Hand | undefined {
+  return event?.pointerState as Hand | undefined;
 }

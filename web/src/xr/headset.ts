@@ -1,11 +1,13 @@
 import { PerspectiveCamera, Vector3 } from "three";
 
+import type { Actions } from "../actions";
 import type { OpenCase } from "../render/open_case";
 import { type Picture, pictureOf } from "../render/splat_layer";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
 import { Hand } from "./hand";
+import type { Panel, PanelHost } from "./panel/panel";
 import { Stage } from "./stage";
 
 /** A dark room, or the room where one is. */
@@ -45,21 +47,38 @@ export class Headset {
   readonly stage: Stage;
   /** It is put on or taken off. */
   changed: () => void = () => {};
+  /** Null until it is worn for the first time. */
+  panel: Panel | null = null;
   readonly #viewer: Viewer;
+  readonly #actions: Actions;
+  readonly #host: Pick<PanelHost, "cases" | "open">;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
+  readonly #forward = new Vector3();
   #placed = false;
   #shown: OpenCase | null = null;
   #version = -1;
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
-  constructor(viewer: Viewer) {
+  /** `host` lists and opens cases. */
+  constructor(viewer: Viewer, actions: Actions, host: Pick<PanelHost, "cases" | "open">) {
     this.#viewer = viewer;
+    this.#actions = actions;
+    this.#host = host;
+    const onPage = actions.lookingFrom;
+    actions.lookingFrom = () => this.#lookingFrom ?? onPage();
     this.stage = new Stage(viewer);
     const { xr } = viewer.renderer;
     this.#hands = [0, 1].map(
-      (index) => new Hand(xr, index, this.#camera, (object) => this.stage.isCase(object)),
+      (index) =>
+        new Hand(
+          xr,
+          index,
+          this.#camera,
+          (object) => this.stage.isCase(object),
+          () => this.#placePanel(),
+        ),
     );
     this.stage.scene.add(...this.#hands.map((hand) => hand.object));
     xr.addEventListener("sessionend", () => this.#takenOff());
@@ -72,16 +91,19 @@ export class Headset {
   /** Shows the case there. Rejects with CaseError. Needs a click: browsers want one. */
   async enter(surroundings: Surroundings): Promise<void> {
     const { renderer } = this.#viewer;
+    let session: XRSession | undefined;
     try {
-      const session = await navigator.xr!.requestSession(surroundings, {
+      session = await navigator.xr!.requestSession(surroundings, {
         requiredFeatures: ["local-floor"],
         optionalFeatures: ["hand-tracking"],
       });
+      await this.#makePanel();
       renderer.xr.enabled = true;
       renderer.xr.setReferenceSpaceType("local-floor");
       await renderer.xr.setSession(session);
     } catch (error) {
       renderer.xr.enabled = false;
+      await session?.end().catch(() => {});
       throw new CaseError(`the headset does not start: ${(error as Error).message}`);
     }
     this.#placed = false;
@@ -100,15 +122,50 @@ export class Headset {
     return new Promise((resolve) => this.#wanted.push(resolve));
   }
 
-  /** Puts the case before the eyes again. */
+  /** Puts the case, and the panel beside it, before the eyes again. */
   place(): void {
     this.#placed = false;
+  }
+
+  /** Something of the state is another. */
+  refresh(): void {
+    this.panel?.refresh();
   }
 
   dispose(): void {
     void this.leave();
     this.stage.dispose();
+    this.panel?.dispose();
     this.#hands.forEach((hand) => hand.dispose());
+  }
+
+  /** Its code is large, and wanted here alone. */
+  async #makePanel(): Promise<void> {
+    const { Panel, prepareRenderer } = await import("./panel/panel");
+    if (!this.panel) {
+      prepareRenderer(this.#viewer.renderer);
+      const { stage } = this;
+      this.panel = new Panel(this.#viewer, this.#actions, {
+        ...this.#host,
+        leave: () => void this.leave(),
+        place: () => this.place(),
+        stage,
+        wrists: this.#hands.map((hand) => hand.wrist),
+        summon: () => this.#placePanel(),
+      });
+      stage.scene.add(this.panel.object);
+    }
+    await this.panel.ready;
+  }
+
+  #placePanel(): void {
+    this.panel?.place(this.#both.middle, this.#forward);
+  }
+
+  /** From the case towards the eyes, RAS; null where there is no case. */
+  get #lookingFrom(): Vector3 | null {
+    const center = this.#viewer.info?.sphere.center;
+    return this.worn && center ? this.stage.toPatient(this.#both.middle).sub(center).normalize() : null;
   }
 
   #takenOff(): void {
@@ -133,10 +190,13 @@ export class Headset {
     setBothEyes(this.#both, eyes);
     this.#show(viewer.openCase);
     const { middle, camera, width, height } = this.#both;
+    this.#forward.set(0, 0, -1).transformDirection(camera.matrixWorld);
     if (!this.#placed) {
       this.#placed = true;
-      this.stage.place(middle, new Vector3(0, 0, -1).transformDirection(camera.matrixWorld));
+      this.stage.place(middle, this.#forward);
+      this.#placePanel();
     }
+    this.panel?.update(time, middle);
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time));
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
     this.stage.update(time, middle, pixelAngle);
@@ -156,6 +216,7 @@ export class Headset {
     const { renderer } = this.#viewer;
     this.stage.setToolsVisible(tools);
     this.#hands.forEach((hand) => (hand.object.visible = tools));
+    this.panel!.object.visible = tools;
     renderer.clear();
     renderer.render(this.stage.scene, this.#camera);
   }

@@ -16,7 +16,7 @@ import {
 import { kWorldFromPatient, type Plane, planeThrough, projectOnto, type Sphere } from "../model/geometry";
 import { kRim, tangents } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
-import { Hand } from "./hand";
+import { type Hand, handOf } from "./hand";
 import { PoseFilter } from "./pose_filter";
 
 /** How far from the rim it is met from afar, in radii of the case. */
@@ -71,6 +71,7 @@ export class PlaneGrip {
   readonly #store: HandleStore<unknown>;
   readonly #filter = new PoseFilter();
   readonly #release: () => void;
+  #locked = false;
   #time = 0;
   #holding: Hand | null = null;
   #sphere: Sphere = { center: new Vector3(), radius: 1 };
@@ -90,6 +91,16 @@ export class PlaneGrip {
       apply: (state, target) => this.#apply(state, target),
     }));
     this.#release = this.#store.bind(this.#disc);
+  }
+
+  /** Whether hands go through the plane, to the case. */
+  get locked(): boolean {
+    return this.#locked;
+  }
+
+  set locked(locked: boolean) {
+    this.#locked = locked;
+    this.#disc.pointerEvents = locked ? "none" : "auto";
   }
 
   get holding(): Hand | null {
@@ -132,7 +143,7 @@ export class PlaneGrip {
   #apply(state: HandleState<unknown>, target: Object3D): void {
     target.position.copy(state.current.position);
     target.quaternion.copy(state.current.quaternion);
-    const hand = (state.event as PointerEvent | undefined)?.pointerState as Hand | undefined;
+    const hand = handOf(state.event as PointerEvent | undefined);
     if (state.first && hand) {
       this.#holding = hand;
       hand.pulse(0.6, 30);

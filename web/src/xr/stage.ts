@@ -6,7 +6,7 @@ import { kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
 import { PlaneWidget } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
-import type { Hand } from "./hand";
+import { handOf } from "./hand";
 import { PlaneGrip } from "./plane_grip";
 
 /** Of life size. */
@@ -61,6 +61,10 @@ export class Stage {
     return this.#anchor.scale.x;
   }
 
+  set scale(scale: number) {
+    this.#anchor.scale.setScalar(Math.min(kMostScale, Math.max(kLeastScale, scale)));
+  }
+
   /** Shows a case; null: nothing. */
   setCase(shown: OpenCase | null): void {
     if (shown === this.#case) {
@@ -97,7 +101,7 @@ export class Stage {
       level.set(0, 0, -1);
     }
     level.normalize();
-    this.#anchor.scale.setScalar(1);
+    this.scale = 1;
     this.#anchor.position.copy(eye).addScaledVector(level, Math.max(kAhead, radius + kClear));
     this.#anchor.position.y -= kBelow;
     const facing = Math.atan2(-level.x, -level.z);
@@ -162,9 +166,8 @@ export class Stage {
   #moveCase(state: HandleState<unknown>, target: Object3D): void {
     target.position.copy(state.current.position);
     target.quaternion.copy(state.current.quaternion);
-    const { x } = state.current.scale;
-    target.scale.setScalar(Math.min(kMostScale, Math.max(kLeastScale, x)));
-    const hand = (state.event as PointerEvent | undefined)?.pointerState as Hand | undefined;
+    this.scale = state.current.scale.x;
+    const hand = handOf(state.event as PointerEvent | undefined);
     if (state.first) {
       hand?.pulse(0.6, 30);
     } else if (state.last) {

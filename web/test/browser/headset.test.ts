@@ -1,4 +1,4 @@
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
@@ -23,9 +23,19 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
   beforeAll(async () => {
     await session.start(async (cases) => {
-      await makePhantomCase(session.folder, join(cases, "phantom.sog"));
+      const phantom = join(cases, "phantom.sog");
+      await makePhantomCase(session.folder, phantom);
+      await clipgs(
+        "pack",
+        join(session.folder, "scene.ply"),
+        "-o",
+        join(cases, "again.sog"),
+        "--title",
+        "重ねて",
+      );
+      writeFileSync(join(cases, "damaged.sog"), readFileSync(phantom).subarray(0, 5000));
     });
-    page = await session.openInHeadset("", errors);
+    page = await session.openInHeadset("#case=phantom", errors);
     await page.evaluate(() => window.clipgs.ready);
   });
 
@@ -74,15 +84,18 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     return readPng(page, png);
   }
 
+  const headPosition = () =>
+    page.evaluate(() => {
+      const { x, y, z } = window.headset.position;
+      return [x, y, z] as Triple;
+    });
+
   /** Where points (RAS mm) are in the room, where the headset looks straight ahead. */
   async function roomFromPatient(): Promise<Matrix4> {
     const { camera } = (await eyes())[0]!;
     const scale = await page.evaluate(() => window.clipgs.headset.scale);
     const patientFromEye = new Matrix4().fromArray(camera.transform_matrix.flat()).transpose();
-    const head = await page.evaluate(() => {
-      const { x, y, z } = window.headset.position;
-      return [x, y, z] as Triple;
-    });
+    const head = await headPosition();
     return new Matrix4()
       .makeTranslation(head[0] - 0.5 * kEyes, head[1], head[2])
       .scale(new Vector3().setScalar(0.001 * scale))
@@ -107,6 +120,23 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       [side, button, value] as const,
     );
     await frames(3);
+  }
+
+  /** Points at a text of the panel from before it and presses the trigger. */
+  async function choose(text: string, side: Side = "right"): Promise<void> {
+    await expect
+      .poll(() => page.evaluate((t) => window.clipgs.headset.find(t), text), { message: text })
+      .not.toBe(null);
+    const at = new Vector3(...(await page.evaluate((t) => window.clipgs.headset.find(t), text))!);
+    const head = new Vector3(...(await headPosition()));
+    const direction = at.clone().sub(head).normalize();
+    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, -1), direction);
+    await moveHand(side, {
+      position: at.addScaledVector(direction, -0.3).toArray(),
+      quaternion: turn.toArray() as Pose["quaternion"],
+    });
+    await press(side, "trigger", 1);
+    await press(side, "trigger", 0);
   }
 
   const normal = async () => new Vector3(...(await page.evaluate(() => window.clipgs.state.plane!.normal)));
@@ -230,6 +260,80 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     await moveHand("right", { position: target, quaternion: turned as Pose["quaternion"] });
     await press("right", "trigger", 0);
     expect((await normal()).angleTo(before)).toBeLessThan(1e-6);
+  });
+
+  it("has a panel that cuts, undoes and switches cases, and goes on after a damaged one", async () => {
+    await wear();
+    await page.evaluate(() => {
+      window.clipgs.setMode("arbitrary");
+      window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
+    });
+    await choose("Coronal");
+    expect(Math.abs((await normal()).y)).toBeCloseTo(1, 5);
+    await choose("Undo", "left");
+    expect((await normal()).z).toBeCloseTo(-1, 5);
+    await choose("One axis");
+    expect(await page.evaluate(() => window.clipgs.state.mode)).toBe("uniaxial");
+    await choose("Any angle");
+    await choose("Soft");
+    expect(await page.evaluate(() => window.clipgs.state.clip)).toBe("soft");
+    await choose("Exact");
+    await choose("Faces");
+    await choose("By the splats");
+    expect(await page.evaluate(() => window.clipgs.state.section)).toBe("splats");
+    await choose("From the volume");
+
+    await choose("Cases");
+    await choose("重ねて");
+    await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("again");
+    await choose("damaged");
+    await expect.poll(() => page.evaluate(() => window.clipgs.headset.message)).not.toBe("");
+    await choose("Torso phantom");
+    await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+    expect(await page.evaluate(() => window.clipgs.headset.message)).toBe("");
+    await choose("View");
+    await choose("Take off");
+    await page.waitForFunction(() => !window.clipgs.headset.worn);
+  });
+
+  it("is used with bare hands as with controllers", async () => {
+    await wear();
+    await page.evaluate(() => {
+      window.headset.primaryInputMode = "hand";
+      window.clipgs.setMode("arbitrary");
+      window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
+    });
+    await frames(5);
+    const pinch = async (value: number) => {
+      await page.evaluate((v) => window.headset.hands["right"]!.updatePinchValue(v), value);
+      await frames(3);
+    };
+    const moveBare = async ({ position, quaternion }: Pose) => {
+      await page.evaluate(
+        ([[x, y, z], [qx, qy, qz, qw]]) => {
+          const hand = window.headset.hands["right"]!;
+          hand.position.set(x, y, z);
+          hand.quaternion.set(qx, qy, qz, qw);
+        },
+        [position, quaternion] as const,
+      );
+      await frames(3);
+    };
+    const held = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient()).toArray();
+    await moveBare({ position: held, quaternion: [0, 0, 0, 1] });
+    const before = await normal();
+    await pinch(1);
+    for (let degrees = 8; degrees <= 40; degrees += 8) {
+      const turn = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), (degrees * Math.PI) / 180);
+      await moveBare({ position: held, quaternion: turn.toArray() as Pose["quaternion"] });
+    }
+    await frames(20);
+    await pinch(0);
+    const angle = (before.angleTo(await normal()) * 180) / Math.PI;
+    expect(angle).toBeGreaterThan(37);
+    expect(angle).toBeLessThan(43);
+    await page.evaluate(() => (window.headset.primaryInputMode = "controller"));
+    await frames(3);
   });
 
   it("can be taken off and put on again", async () => {

@@ -463,6 +463,25 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await plane()).not.toBeNull();
   });
 
+  it("undoes what was done to the cut, movement by movement, and does it again", async () => {
+    const state = () => page.evaluate(() => [window.clipgs.state.plane!.normal[2] + 0, window.clipgs.state.clip]);
+    await show({ view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const settle = () => page.waitForTimeout(600);
+    await settle();
+    await page.keyboard.press("s");
+    await page.keyboard.press("ArrowUp");
+    await settle();
+    await page.keyboard.press("2");
+    await page.keyboard.press("Control+z");
+    expect(await state()).toEqual([0, "exact"]);
+    await page.keyboard.press("Control+z");
+    expect(await state()).toEqual([-1, "exact"]);
+    await page.keyboard.press("Control+Shift+z");
+    await page.getByTitle("Redo (Ctrl+Shift+Z)").click();
+    expect(await state()).toEqual([0, "soft"]);
+    expect(await page.getByTitle("Redo (Ctrl+Shift+Z)").isDisabled()).toBe(true);
+  });
+
   it("equals clipgs render in the states of the uniaxial mode", async () => {
     // A case with states of its own: along another axis, keeping what is above.
     const scene = join(session.folder, "scene");

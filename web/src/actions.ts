@@ -1,0 +1,280 @@
+import type { Vector3 } from "three";
+
+import { canDraw, type Cut } from "./model/cut";
+import type { FaceSource } from "./model/faces";
+import { flipped, type Plane, projectBox } from "./model/geometry";
+import { isSameWindow, type Window } from "./model/grey";
+import { History } from "./model/history";
+import { freeAxis, kAxes, type Orientation, planeAcross } from "./model/planes";
+import type { Mode } from "./model/states";
+import { viewDirection } from "./model/view";
+import type { Viewer } from "./viewer";
+import type { ClipOperator } from "./worker/protocol";
+
+/** Of a slab when it is made, and the least there is: mm. */
+export const kThickness = 20;
+export const kLeastThickness = 1;
+
+/** What is undone, and done again. */
+interface Moment {
+  mode: Mode;
+  cuts: readonly Cut[];
+  active: number;
+  clip: ClipOperator;
+  section: FaceSource;
+  grey: number;
+  window: Window | null;
+}
+
+/** A movement is one step of the history: it ends where nothing changes for so long. */
+const kStepMs = 400;
+
+/** Where the active plane is: on a scale in mm, or of states in the uniaxial mode. */
+export interface Position {
+  min: number;
+  max: number;
+  step: number;
+  value: number;
+}
+
+/** What people do with a case, whatever they do it with: a page's panel, keys, or a panel in a headset. */
+export class Actions {
+  /** Unit vector towards who looks, RAS: a new plane removes what lies there. */
+  lookingFrom: () => Vector3;
+  readonly #viewer: Viewer;
+  #lastCuts: readonly Cut[] = [];
+  #stepRest = 0; // of a state
+  #history: History<Moment>;
+  #stepTimer = 0;
+
+  constructor(viewer: Viewer) {
+    this.#viewer = viewer;
+    this.#history = new History(this.#moment);
+    this.lookingFrom = () => viewDirection(viewer.state.view.azimuth, viewer.state.view.elevation);
+  }
+
+  get isUniaxial(): boolean {
+    return this.#viewer.state.mode === "uniaxial";
+  }
+
+  toggleMode(): void {
+    this.#viewer.setMode(this.isUniaxial ? "arbitrary" : "uniaxial");
+  }
+
+  orient(name: Orientation): void {
+    if (!this.isUniaxial) {
+      this.#cutAcross(kAxes[name]);
+    }
+  }
+
+  flip(): void {
+    const { cut } = this.#viewer;
+    if (cut) {
+      // What a slab keeps stays.
+      const plane = flipped(cut);
+      this.#viewer.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
+    }
+  }
+
+  /** Nothing cut, or what was before. */
+  toggle(): void {
+    const { cuts } = this.#viewer.state;
+    if (cuts.length > 0) {
+      this.#lastCuts = cuts;
+      this.#viewer.setCuts([]);
+    } else if (this.#lastCuts.length > 0) {
+      this.#viewer.setCuts(this.#lastCuts);
+    } else {
+      this.#cutAcross(kAxes.axial);
+    }
+  }
+
+  get canAdd(): boolean {
+    const more = { normal: kAxes.axial, offset: 0, thickness: null };
+    return !this.isUniaxial && canDraw([...this.#viewer.state.cuts, more]);
+  }
+
+  /** Cuts with one more plane, across the body axis that is cut least. */
+  add(): void {
+    const { cuts } = this.#viewer.state;
+    const plane = this.#planeAcross(freeAxis(cuts));
+    if (plane && !this.isUniaxial) {
+      this.#viewer.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
+    }
+  }
+
+  /** Without the active plane. */
+  remove(): void {
+    const { cuts, active } = this.#viewer.state;
+    this.#viewer.setCuts(
+      cuts.filter((_, i) => i !== active),
+      active - 1,
+    );
+  }
+
+  /** Moves another plane from now on; by default the next. */
+  activate(index = this.#viewer.state.active + 1): void {
+    const { cuts } = this.#viewer.state;
+    if (cuts.length > 0) {
+      this.#viewer.setCuts(cuts, index % cuts.length);
+    }
+  }
+
+  toggleSlab(): void {
+    const { cut } = this.#viewer;
+    if (cut) {
+      this.setThickness(cut.thickness === null ? kThickness : null);
+    }
+  }
+
+  /** Of the active cut; null: a plane, not a slab. */
+  setThickness(mm: number | null): void {
+    const { cuts, active } = this.#viewer.state;
+    const thickness = mm && Math.max(kLeastThickness, mm);
+    this.#viewer.setCuts(
+      cuts.map((cut, i) => (i === active ? { ...cut, thickness } : cut)),
+      active,
+    );
+  }
+
+  /** Null where nothing is cut. Towards the end less is removed, or states go along the axis. */
+  get position(): Position | null {
+    const { info, cut, planeState } = this.#viewer;
+    if (!info || !cut) {
+      return null;
+    }
+    if (planeState !== null) {
+      return { min: 0, max: info.states.count - 1, step: 1, value: planeState };
+    }
+    const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
+    return { min, max, step: 0.1, value: -cut.offset };
+  }
+
+  /** To a value of `position`'s scale, or its end. */
+  moveTo(value: number): void {
+    const { cut } = this.#viewer;
+    const { position } = this;
+    if (cut && position) {
+      const bounded = Math.min(position.max, Math.max(position.min, value));
+      if (this.isUniaxial) {
+        this.#viewer.setPlaneState(bounded);
+      } else {
+        this.#viewer.movePlane({ normal: cut.normal, offset: -bounded });
+      }
+    }
+  }
+
+  /** Moves the plane by mm along its normal, towards what it removes; in the uniaxial mode by states. */
+  step(by: number): void {
+    const { position } = this;
+    if (position) {
+      // A wheel may turn by less than a state at a time.
+      const sum = by + (by * this.#stepRest > 0 ? this.#stepRest : 0);
+      const whole = this.isUniaxial ? Math.trunc(sum) : sum;
+      this.#stepRest = sum - whole;
+      this.moveTo(position.value + whole);
+    }
+  }
+
+  /** The view and the plane that a case starts with. */
+  reset(): void {
+    const { info } = this.#viewer;
+    if (info) {
+      const view = { azimuth: 28, elevation: 24, zoom: 1 };
+      this.#viewer.state.view.pan.set(0, 0, 0);
+      this.#viewer.setView(view);
+      this.resetPlane();
+    }
+  }
+
+  resetPlane(): void {
+    const { info } = this.#viewer;
+    if (info) {
+      this.#viewer.setCuts([]);
+      this.#cutAcross(info.states.axis);
+    }
+  }
+
+  /** Faces cinematic or grey, wholly. */
+  toggleGrey(): void {
+    this.#viewer.setGrey(this.#viewer.state.grey > 0 ? 0 : 1);
+  }
+
+  /** The next of the windows that the case's values are usually seen through. */
+  nextWindow(): void {
+    const windows = [...this.#viewer.windows.values()];
+    const at = windows.findIndex((one) => isSameWindow(one, this.#viewer.window));
+    this.#viewer.setWindow(windows[(at + 1) % windows.length] ?? null);
+  }
+
+  get canUndo(): boolean {
+    return this.#history.canUndo || !isSame(this.#moment, this.#history.current);
+  }
+
+  get canRedo(): boolean {
+    return this.#history.canRedo && isSame(this.#moment, this.#history.current);
+  }
+
+  undo(): void {
+    this.#record();
+    this.#restore(this.#history.undo());
+  }
+
+  redo(): void {
+    this.#record();
+    this.#restore(this.#history.redo());
+  }
+
+  /** After every change of the state. */
+  observe(): void {
+    clearTimeout(this.#stepTimer);
+    this.#stepTimer = window.setTimeout(() => this.#record(), kStepMs);
+  }
+
+  /** What was done with another case cannot be undone in this one. */
+  forget(): void {
+    clearTimeout(this.#stepTimer);
+    this.#history = new History(this.#moment);
+  }
+
+  get #moment(): Moment {
+    const { mode, cuts, active, clip, section, grey, window } = this.#viewer.state;
+    return { mode, cuts, active, clip, section, grey, window };
+  }
+
+  #record(): void {
+    const moment = this.#moment;
+    if (!isSame(moment, this.#history.current)) {
+      this.#history.record(moment);
+    }
+  }
+
+  #restore({ mode, cuts, active, clip, section, grey, window }: Moment): void {
+    const viewer = this.#viewer;
+    viewer.setMode(mode);
+    viewer.setCuts(cuts, active);
+    viewer.setClip(clip);
+    viewer.setSection(section);
+    viewer.setGrey(grey);
+    viewer.setWindow(window);
+  }
+
+  #planeAcross(axis: Vector3): Plane | null {
+    const { info } = this.#viewer;
+    return info && planeAcross(axis, info.bounds, this.lookingFrom());
+  }
+
+  /** Turns the plane, or makes it. */
+  #cutAcross(axis: Vector3): void {
+    const plane = this.#planeAcross(axis);
+    if (plane && this.#viewer.cut) {
+      this.#viewer.movePlane(plane);
+    } else if (plane) {
+      this.#viewer.setCuts([{ ...plane, thickness: null }]);
+    }
+  }
+}
+
+function isSame(a: Moment, b: Moment): boolean {
+  return JSON.stringify(a) === JSON.stringify(b);
+}

@@ -1,0 +1,493 @@
+import { HandleStore } from "@pmndrs/handle";
+import { Container, reversePainterSortStable, Text } from "@pmndrs/uikit";
+import { computed, signal } from "@preact/signals-core";
+import { Group, type Object3D, type Texture, TextureLoader, Vector3, type WebGLRenderer } from "three";
+
+import { type Actions, kLeastThickness } from "../../actions";
+import { type CaseSummary, formatCount } from "../../model/case_list";
+import type { FaceSource } from "../../model/faces";
+import { isSameWindow, type Window } from "../../model/grey";
+import { kOrientations, type Orientation, orientationOf, removedSide } from "../../model/planes";
+import { type Mode, stateText } from "../../model/states";
+import type { Viewer } from "../../viewer";
+import type { ClipOperator } from "../../worker/protocol";
+import type { Stage } from "../stage";
+import { SdfFont } from "./sdf_font";
+import { WristButton } from "./wrist_button";
+import { button, choice, column, type Live, label, row, slider } from "./widgets";
+
+/** m a px. */
+const kPixel = 0.001;
+const kWidth = 440; // px
+/** Where it is put: this far from the eyes, aside of where they look and below, m and radians. */
+const kAway = 1.0;
+const kAside = 0.72;
+const kBelow = 0.12;
+/** Of its top above its middle, m. */
+const kTop = 0.27;
+/** It follows the state so often while something moves, ms. */
+const kRefreshMs = 100;
+/** What is met first, where a hand points at several things. */
+const kOrder = 2;
+
+const kTabs = { cut: "Cut", faces: "Faces", cases: "Cases", view: "View" } as const;
+type Tab = keyof typeof kTabs;
+
+/** What is done for the panel by what is around it. */
+export interface PanelHost {
+  cases(): Promise<CaseSummary[]>;
+  open(name: string): Promise<void>;
+  leave(): void;
+  /** Puts case and panel before the eyes, the case in life size. */
+  place(): void;
+  readonly stage: Stage;
+  /** Of bare hands. */
+  readonly wrists: readonly Object3D[];
+  /** Puts the panel before the eyes. */
+  summon(): void;
+}
+
+/** What uikit needs of a renderer. */
+export function prepareRenderer(renderer: WebGLRenderer): void {
+  renderer.localClippingEnabled = true;
+  renderer.setTransparentSort(reversePainterSortStable);
+}
+
+/** Everything that the page's panels do, as a panel in the room. */
+export class Panel {
+  /** In the room. */
+  readonly object = new Group();
+  readonly #viewer: Viewer;
+  readonly #actions: Actions;
+  readonly #host: PanelHost;
+  readonly #font = new SdfFont();
+  readonly #root: Container;
+  readonly #tab = signal<Tab>("cut");
+  readonly #version = signal(0); // of what is shown
+  readonly #message = signal("");
+  readonly #windows = row();
+  readonly #cards = column({ gap: 6 });
+  readonly #wristButtons: readonly WristButton[];
+  readonly #move: HandleStore<unknown>;
+  readonly #release: () => void;
+  readonly #textures = new TextureLoader();
+  #pictures: Texture[] = [];
+  #shownWindows: ReadonlyMap<string, Window> = new Map();
+  #atRight = false; // of what the eyes look at
+  #stale = false;
+  #refreshed = 0;
+  #time = 0;
+
+  constructor(viewer: Viewer, actions: Actions, host: PanelHost) {
+    this.#viewer = viewer;
+    this.#actions = actions;
+    this.#host = host;
+    const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
+      new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }),
+    );
+    this.#root = column(
+      {
+        pixelSize: kPixel,
+        width: kWidth,
+        padding: 16,
+        gap: 10,
+        borderRadius: 20,
+        backgroundColor: "#14171c",
+        fontFamilies: this.#font.families(),
+        anchorX: "center",
+        anchorY: "top", // tabs stay where they are, however much is in them
+        "*": { pointerEventsOrder: kOrder, borderColor: "#7fd8f2" },
+      },
+      bar,
+      this.#header(),
+      choice<Tab>(kTabs, this.#tab, (tab) => this.show(tab)),
+      ...this.#cut(),
+      ...this.#faces(),
+      ...this.#casesTab(),
+      ...this.#view(),
+      new Text({
+        text: this.#message,
+        color: "#ffb3a6",
+        fontSize: 16,
+        display: computed(() => (this.#message.value ? "flex" : "none")),
+      }),
+    );
+    this.#root.position.y = kTop;
+    this.object.add(this.#root);
+    this.#wristButtons = host.wrists.map(
+      (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
+    );
+    this.#move = new HandleStore(this.object, () => ({ scale: false, multitouch: false }));
+    this.#release = this.#move.bind(bar);
+  }
+
+  /** Its text can be drawn. */
+  get ready(): Promise<unknown> {
+    return this.#font.ready;
+  }
+
+  /** Why a case could not be opened; empty: nothing is wrong. */
+  get message(): string {
+    return this.#message.value;
+  }
+
+  /** Where this text is, in the room; null: it is not shown. */
+  find(text: string): Vector3 | null {
+    let found: Vector3 | null = null;
+    this.#root.traverse((object) => {
+      if (object instanceof Text && object.isVisible.value && object.properties.value.text === text) {
+        object.updateWorldMatrix(true, false);
+        found = new Vector3().setFromMatrixPosition(object.matrixWorld);
+      }
+    });
+    return found;
+  }
+
+  /** Something of the state is another. */
+  refresh(): void {
+    this.#stale = true;
+  }
+
+  /** Opens a tab. */
+  show(tab: Tab): void {
+    this.#tab.value = tab;
+    if (tab === "cases") {
+      void this.#listCases();
+    }
+  }
+
+  /** Puts it beside what eyes at `eye` look at along `forward`, at their left or right. */
+  place(eye: Vector3, forward: Vector3): void {
+    const direction = new Vector3(forward.x, 0, forward.z).normalize();
+    direction.applyAxisAngle(new Vector3(0, 1, 0), this.#atRight ? -kAside : kAside);
+    this.object.position.copy(eye).addScaledVector(direction, kAway);
+    this.object.position.y -= kBelow;
+    this.object.lookAt(eye);
+  }
+
+  /** Before a frame, seen from `eye` in the room. */
+  update(time: number, eye: Vector3): void {
+    if (this.#stale && time - this.#refreshed > kRefreshMs) {
+      this.#stale = false;
+      this.#refreshed = time;
+      this.#showWindows();
+      ++this.#version.value;
+    }
+    this.#move.update(time);
+    const delta = Math.min(100, time - this.#time);
+    this.#time = time;
+    this.#root.update(delta);
+    this.#wristButtons.forEach((one) => one.update(eye, delta));
+  }
+
+  dispose(): void {
+    this.#release();
+    this.#root.dispose();
+    this.#wristButtons.forEach((one) => one.dispose());
+    this.#pictures.forEach((picture) => picture.dispose());
+  }
+
+  #live<T>(read: () => T): Live<T> {
+    return computed(() => {
+      void this.#version.value;
+      return read();
+    });
+  }
+
+  /** What is shown in a tab, where `where` holds. */
+  #only(tab: Tab, element: Container | Text, where: () => boolean = () => true): Container | Text {
+    const shown = this.#live(where);
+    element.setProperties({
+      display: computed(() => (this.#tab.value === tab && shown.value ? "flex" : "none")),
+    });
+    return element;
+  }
+
+  #header(): Container {
+    const title = this.#live(() => this.#viewer.info?.title || this.#viewer.caseName || "No case");
+    return column(
+      { gap: 2 },
+      label(title, { size: 21 }),
+      label("Not for diagnosis", { quiet: true, size: 14 }),
+    );
+  }
+
+  #cut(): (Container | Text)[] {
+    const [viewer, actions] = [this.#viewer, this.#actions];
+    const { grip } = this.#host.stage;
+    const free = this.#live(() => !actions.isUniaxial);
+    const isCut = this.#live(() => viewer.cut !== null);
+    const position = this.#live(() => actions.position ?? { min: 0, max: 1, value: 0 });
+    const thickness = this.#live(() => ({
+      min: kLeastThickness,
+      max: Math.max(kLeastThickness, position.value.max - position.value.min),
+      value: viewer.cut?.thickness ?? 0,
+    }));
+    const orientations = Object.fromEntries(kOrientations.map((one) => [one, capital(one)]));
+    const tab = (element: Container | Text, where?: () => boolean) => this.#only("cut", element, where);
+    return [
+      tab(
+        choice<Mode>(
+          { arbitrary: "Any angle", uniaxial: "One axis" },
+          this.#live(() => viewer.state.mode),
+          (mode) => viewer.setMode(mode),
+        ),
+      ),
+      tab(
+        choice<Orientation>(
+          orientations as Record<Orientation, string>,
+          this.#live(() => viewer.cut && orientationOf(viewer.cut)),
+          (one) => actions.orient(one),
+        ),
+        () => !actions.isUniaxial,
+      ),
+      tab(label(this.#live(() => this.#readout))),
+      tab(slider(position, (value) => actions.moveTo(value))),
+      tab(
+        row(
+          button("Flip", () => actions.flip(), { enabled: computed(() => free.value && isCut.value) }),
+          button("Slab", () => actions.toggleSlab(), {
+            enabled: computed(() => free.value && isCut.value),
+            pressed: this.#live(() => (viewer.cut?.thickness ?? null) !== null),
+          }),
+          button("Lock", () => this.#set(() => (grip.locked = !grip.locked)), {
+            pressed: this.#live(() => grip.locked),
+          }),
+          button("Reset", () => actions.resetPlane()),
+        ),
+      ),
+      tab(
+        column(
+          {},
+          label(this.#live(() => `Slab of ${(viewer.cut?.thickness ?? 0).toFixed(1)} mm`)),
+          slider(thickness, (mm) => actions.setThickness(mm)),
+        ),
+        () => (viewer.cut?.thickness ?? null) !== null,
+      ),
+      tab(
+        row(
+          button("Cut", () => actions.toggle(), { pressed: isCut }),
+          button("Handle", () => viewer.setHandle(!viewer.state.handle), {
+            pressed: this.#live(() => viewer.state.handle),
+          }),
+          button("Undo", () => actions.undo(), { enabled: this.#live(() => actions.canUndo) }),
+          button("Redo", () => actions.redo(), { enabled: this.#live(() => actions.canRedo) }),
+        ),
+      ),
+      tab(
+        row(
+          button("Add plane", () => actions.add(), { enabled: this.#live(() => actions.canAdd) }),
+          button(
+            this.#live(() => `${viewer.state.active + 1} of ${viewer.state.cuts.length}`),
+            () => actions.activate(),
+            { enabled: this.#live(() => viewer.state.cuts.length > 1) },
+          ),
+          button("Remove", () => actions.remove(), { enabled: isCut }),
+        ),
+        () => !actions.isUniaxial,
+      ),
+      tab(
+        choice<ClipOperator>(
+          { hard: "Hard", soft: "Soft", exact: "Exact" },
+          this.#live(() => viewer.state.clip),
+          (clip) => viewer.setClip(clip),
+        ),
+      ),
+    ];
+  }
+
+  #faces(): (Container | Text)[] {
+    const viewer = this.#viewer;
+    const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
+    const byVolume = () => !viewer.noSection && viewer.state.section === "volume";
+    const isGrey = () => byVolume() && viewer.state.grey > 0 && viewer.window !== null;
+    const change = (part: Partial<Window>) => {
+      const { window } = viewer;
+      viewer.setWindow(window && { ...window, ...part });
+    };
+    const curve = () => viewer.section?.curve ?? [0, 1];
+    const [low, high] = [() => curve()[0]!, () => curve().at(-1)!];
+    return [
+      tab(
+        choice<FaceSource>(
+          { volume: "From the volume", splats: "By the splats" },
+          this.#live(() => (byVolume() ? "volume" : "splats")),
+          (source) => viewer.setSection(source),
+          this.#live(() => !viewer.noSection),
+        ),
+      ),
+      tab(
+        label(
+          this.#live(() => viewer.noSection ?? ""),
+          { quiet: true, size: 15 },
+        ),
+        () => viewer.noSection !== null,
+      ),
+      tab(label("From cinematic to grey"), byVolume),
+      tab(
+        slider(
+          this.#live(() => ({ min: 0, max: 1, value: viewer.state.grey })),
+          (grey) => viewer.setGrey(grey),
+        ),
+        byVolume,
+      ),
+      tab(this.#windows, isGrey),
+      tab(
+        column(
+          {},
+          label(this.#live(() => `Centre ${Math.round(viewer.window?.center ?? 0)}`)),
+          slider(
+            this.#live(() => ({ min: low(), max: high(), value: viewer.window?.center ?? 0 })),
+            (center) => change({ center }),
+          ),
+          label(this.#live(() => `Width ${Math.round(viewer.window?.width ?? 0)}`)),
+          slider(
+            this.#live(() => ({ min: 1, max: high() - low(), value: viewer.window?.width ?? 0 })),
+            (width) => change({ width }),
+          ),
+        ),
+        isGrey,
+      ),
+    ];
+  }
+
+  #casesTab(): (Container | Text)[] {
+    const list = new Container({ maxHeight: 420, overflow: "scroll", flexDirection: "column" });
+    return [this.#only("cases", list.add(this.#cards))];
+  }
+
+  #view(): (Container | Text)[] {
+    const tab = (element: Container | Text) => this.#only("view", element);
+    const { stats } = this.#viewer;
+    return [
+      tab(label(this.#live(() => `The case at ${scaleText(this.#host.stage.scale)}`))),
+      tab(
+        row(
+          button("Life size", () => this.#set(() => (this.#host.stage.scale = 1)), {
+            pressed: this.#live(() => this.#host.stage.scale === 1),
+          }),
+          button("Before me", () => this.#host.place()),
+        ),
+      ),
+      tab(
+        row(
+          button(
+            this.#live(() => (this.#atRight ? "Panel to the left" : "Panel to the right")),
+            () => this.#set(() => this.#changeSide()),
+          ),
+          button("Take off", () => this.#host.leave()),
+        ),
+      ),
+      tab(
+        label(
+          this.#live(() => `${formatCount(stats.drawn)} of ${formatCount(stats.total)} splats`),
+          { quiet: true, size: 15 },
+        ),
+      ),
+      tab(
+        label(
+          "Trigger or pinch: takes hold of the plane at its rim or from near, and of the case. Grip: of the case " +
+            "alone. Both hands: scale it.",
+          { quiet: true, size: 15 },
+        ),
+      ),
+    ];
+  }
+
+  get #readout(): string {
+    const { cut, info, planeState } = this.#viewer;
+    if (!cut || !info) {
+      return "Nothing is cut";
+    }
+    if (planeState !== null) {
+      return stateText(info.states, planeState);
+    }
+    const orientation = orientationOf(cut);
+    const { min, value } = this.#actions.position!;
+    return `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(cut)} removed · ${(value - min).toFixed(1)} mm`;
+  }
+
+  /** Changes what the viewer does not tell of. */
+  #set(change: () => void): void {
+    change();
+    this.refresh();
+  }
+
+  #changeSide(): void {
+    this.#atRight = !this.#atRight;
+    this.#host.place();
+  }
+
+  #showWindows(): void {
+    const { windows } = this.#viewer;
+    if (windows !== this.#shownWindows) {
+      this.#shownWindows = windows;
+      replaceChildren(
+        this.#windows,
+        [...windows].map(([name, one]) =>
+          button(name, () => this.#viewer.setWindow(one), {
+            pressed: this.#live(() => isSameWindow(one, this.#viewer.window)),
+          }),
+        ),
+      );
+    }
+  }
+
+  async #listCases(): Promise<void> {
+    try {
+      const cases = await this.#host.cases();
+      const text = cases.map(({ name, title, error }) => name + title + (error ?? "")).join("");
+      this.#root.setProperties({ fontFamilies: this.#font.families(text) });
+      const old = this.#pictures;
+      this.#pictures = [];
+      replaceChildren(
+        this.#cards,
+        cases.map((one) => this.#card(one)),
+      );
+      old.forEach((picture) => picture.dispose());
+      this.#message.value = "";
+    } catch (error) {
+      this.#message.value = (error as Error).message;
+    }
+  }
+
+  #card({ name, title, thumbnail, error }: CaseSummary): Container {
+    let picture: Texture | undefined;
+    if (thumbnail) {
+      picture = this.#textures.load(thumbnail);
+      this.#pictures.push(picture);
+    }
+    return button(error ? name : title, () => void this.#open(name), {
+      picture,
+      pressed: this.#live(() => this.#viewer.caseName === name),
+    });
+  }
+
+  async #open(name: string): Promise<void> {
+    this.#message.value = "";
+    try {
+      await this.#host.open(name);
+    } catch (error) {
+      const { message } = error as Error;
+      this.#root.setProperties({ fontFamilies: this.#font.families(message) });
+      this.#message.value = message;
+    }
+    this.refresh();
+  }
+}
+
+function replaceChildren(parent: Container, children: Container[]): void {
+  for (const child of [...parent.children]) {
+    parent.remove(child);
+    (child as Container).dispose();
+  }
+  children.forEach((child) => parent.add(child));
+}
+
+function scaleText(scale: number): string {
+  return scale === 1 ? "life size" : `${scale < 1 ? scale.toFixed(2) : scale.toFixed(1)} × life size`;
+}
+
+function capital(word: string): string {
+  return word[0]!.toUpperCase() + word.slice(1);
+}

@@ -1,0 +1,168 @@
+import { Container, type ContainerProperties, Image, Text } from "@pmndrs/uikit";
+import { computed, type ReadonlySignal } from "@preact/signals-core";
+import type { PointerEvent } from "@pmndrs/pointer-events";
+import { type Texture, Vector3 } from "three";
+
+import { handOf } from "../hand";
+
+/** What changes by itself as the viewer's state does. */
+export type Live<T> = ReadonlySignal<T>;
+
+const kText = "#e4e7ec";
+const kQuiet = "#98a0ac";
+const kAccent = "#7fd8f2";
+const kField = "#2a2f38";
+const kFieldHover = "#3a414d";
+const kOn = "#2f6f86";
+const kOnHover = "#38809a";
+/** px; a px is a mm in the room. */
+const kRadius = 9;
+const kButtonHeight = 44;
+const kFontSize = 17;
+
+export function row(...children: Container[]): Container {
+  const element = new Container({ flexDirection: "row", gap: 6, flexShrink: 0 });
+  children.forEach((child) => element.add(child));
+  return element;
+}
+
+export function column(properties: ContainerProperties, ...children: (Container | Text)[]): Container {
+  const element = new Container({ flexDirection: "column", gap: 8, ...properties });
+  children.forEach((child) => element.add(child));
+  return element;
+}
+
+export function label(
+  text: string | Live<string>,
+  properties: { quiet?: boolean; size?: number } = {},
+): Text {
+  return new Text({
+    text,
+    color: properties.quiet ? kQuiet : kText,
+    fontSize: properties.size ?? kFontSize,
+    flexShrink: 1,
+  });
+}
+
+interface ButtonOptions {
+  pressed?: Live<boolean>;
+  enabled?: Live<boolean>;
+  picture?: Texture;
+}
+
+/** Something to press: it ticks in the hand that does. */
+export function button(
+  text: string | Live<string>,
+  press: () => void,
+  { pressed, enabled, picture }: ButtonOptions = {},
+): Container {
+  const isEnabled = () => enabled?.value ?? true;
+  const element = new Container({
+    flexGrow: 1,
+    flexBasis: 0,
+    minHeight: kButtonHeight,
+    paddingX: 8,
+    paddingY: 6,
+    gap: 10,
+    borderRadius: kRadius,
+    flexDirection: "row",
+    alignItems: "center",
+    justifyContent: picture ? "flex-start" : "center",
+    backgroundColor: computed(() => (pressed?.value ? kOn : kField)),
+    opacity: computed(() => (isEnabled() ? 1 : 0.35)),
+    hover: { backgroundColor: computed(() => (pressed?.value ? kOnHover : kFieldHover)) },
+    onClick: (event: PointerEvent) => {
+      if (isEnabled()) {
+        handOf(event)?.pulse(0.3, 10);
+        press();
+      }
+    },
+  });
+  if (picture) {
+    element.add(
+      new Image({
+        src: picture,
+        width: 72,
+        height: 54,
+        borderRadius: 6,
+        objectFit: "cover",
+        pointerEvents: "none",
+      }),
+    );
+  }
+  const caption = label(text);
+  caption.setProperties({ pointerEvents: "none" }); // pressed at its text and let go beside it is pressed
+  element.add(caption);
+  return element;
+}
+
+/** One of several: buttons side by side. */
+export function choice<T extends string>(
+  options: Record<T, string>,
+  chosen: Live<T | null>,
+  choose: (option: T) => void,
+  enabled?: Live<boolean>,
+): Container {
+  return row(
+    ...(Object.entries(options) as [T, string][]).map(([option, text]) =>
+      button(text, () => choose(option), { pressed: computed(() => chosen.value === option), enabled }),
+    ),
+  );
+}
+
+interface Range {
+  min: number;
+  max: number;
+  value: number;
+}
+
+/** A bar to point at or drag along. */
+export function slider(range: Live<Range>, set: (value: number) => void): Container {
+  const local = new Vector3();
+  const share = computed(() => {
+    const { min, max, value } = range.value;
+    return max > min ? Math.min(1, Math.max(0, (value - min) / (max - min))) : 0;
+  });
+  let held: number | null = null; // the pointer that drags
+  const element = new Container({
+    height: kButtonHeight,
+    flexShrink: 0,
+    borderRadius: kRadius,
+    backgroundColor: kField,
+    hover: { backgroundColor: kFieldHover },
+    alignItems: "stretch",
+    overflow: "hidden",
+  });
+  const follow = ({ point }: PointerEvent) => {
+    const { min, max } = range.value;
+    const x = element.worldToLocal(local.copy(point)).x + 0.5;
+    set(min + (max - min) * Math.min(1, Math.max(0, x)));
+  };
+  const letGo = (event: PointerEvent) => {
+    held = event.pointerId === held ? null : held;
+  };
+  element.setProperties({
+    onPointerDown: (event: PointerEvent) => {
+      held = event.pointerId;
+      element.setPointerCapture(event.pointerId);
+      handOf(event)?.pulse(0.3, 10);
+      follow(event);
+    },
+    onPointerMove: (event: PointerEvent) => {
+      if (event.pointerId === held) {
+        follow(event);
+      }
+    },
+    onPointerUp: letGo,
+    onPointerCancel: letGo,
+  });
+  return element.add(
+    new Container({
+      width: computed(() => `${100 * share.value}%` as const),
+      backgroundColor: kOn,
+      borderRightWidth: 3,
+      borderColor: kAccent,
+      pointerEvents: "none",
+    }),
+  );
+}
