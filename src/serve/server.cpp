@@ -48,7 +48,7 @@ httplib::Headers default_headers() {
       {"Content-Security-Policy",
        "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
        "'unsafe-inline'; "
-       "img-src 'self' blob: data:"},
+       "img-src 'self' blob: data:; connect-src 'self' data:"},
   };
 }
 

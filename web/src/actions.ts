@@ -26,7 +26,7 @@ interface Moment {
   window: Window | null;
 }
 
-/** A movement is one step of the history: it ends where nothing changes for so long. */
+/** A movement is one step of the history: the next one begins where nothing has changed for so long. */
 const kStepMs = 400;
 
 /** Where the active plane is: on a scale in mm, or of states in the uniaxial mode. */
@@ -45,11 +45,14 @@ export class Actions {
   #lastCuts: readonly Cut[] = [];
   #stepRest = 0; // of a state
   #history: History<Moment>;
-  #stepTimer = 0;
+  #latest: Moment;
+  #changed = 0; // when, ms
+  #restoring = false;
 
   constructor(viewer: Viewer) {
     this.#viewer = viewer;
-    this.#history = new History(this.#moment);
+    this.#latest = this.#moment;
+    this.#history = new History(this.#latest);
     this.lookingFrom = () => viewDirection(viewer.state.view.azimuth, viewer.state.view.elevation);
   }
 
@@ -208,11 +211,11 @@ export class Actions {
   }
 
   get canUndo(): boolean {
-    return this.#history.canUndo || !isSame(this.#moment, this.#history.current);
+    return this.#history.canUndo || !isSame(this.#latest, this.#history.current);
   }
 
   get canRedo(): boolean {
-    return this.#history.canRedo && isSame(this.#moment, this.#history.current);
+    return this.#history.canRedo && isSame(this.#latest, this.#history.current);
   }
 
   undo(): void {
@@ -225,16 +228,24 @@ export class Actions {
     this.#restore(this.#history.redo());
   }
 
-  /** After every change of the state. */
+  /** After every change of the viewer's state. */
   observe(): void {
-    clearTimeout(this.#stepTimer);
-    this.#stepTimer = window.setTimeout(() => this.#record(), kStepMs);
+    const moment = this.#moment;
+    if (this.#restoring || isSame(moment, this.#latest)) {
+      return;
+    }
+    const now = performance.now();
+    if (now - this.#changed > kStepMs) {
+      this.#record();
+    }
+    this.#latest = moment;
+    this.#changed = now;
   }
 
   /** What was done with another case cannot be undone in this one. */
   forget(): void {
-    clearTimeout(this.#stepTimer);
-    this.#history = new History(this.#moment);
+    this.#latest = this.#moment;
+    this.#history = new History(this.#latest);
   }
 
   get #moment(): Moment {
@@ -243,20 +254,23 @@ export class Actions {
   }
 
   #record(): void {
-    const moment = this.#moment;
-    if (!isSame(moment, this.#history.current)) {
-      this.#history.record(moment);
+    if (!isSame(this.#latest, this.#history.current)) {
+      this.#history.record(this.#latest);
     }
   }
 
-  #restore({ mode, cuts, active, clip, section, grey, window }: Moment): void {
+  #restore(moment: Moment): void {
+    const { mode, cuts, active, clip, section, grey, window } = moment;
     const viewer = this.#viewer;
+    this.#restoring = true;
     viewer.setMode(mode);
     viewer.setCuts(cuts, active);
     viewer.setClip(clip);
     viewer.setSection(section);
     viewer.setGrey(grey);
+    this.#latest = moment;
     viewer.setWindow(window);
+    this.#restoring = false;
   }
 
   #planeAcross(axis: Vector3): Plane | null {

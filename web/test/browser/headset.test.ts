@@ -1,4 +1,4 @@
-import { readFileSync, writeFileSync } from "node:fs";
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
@@ -23,17 +23,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
   beforeAll(async () => {
     await session.start(async (cases) => {
-      const phantom = join(cases, "phantom.sog");
-      await makePhantomCase(session.folder, phantom);
-      await clipgs(
-        "pack",
-        join(session.folder, "scene.ply"),
-        "-o",
-        join(cases, "again.sog"),
-        "--title",
-        "重ねて",
-      );
-      writeFileSync(join(cases, "damaged.sog"), readFileSync(phantom).subarray(0, 5000));
+      await makePhantomCase(session.folder, join(cases, "phantom.sog"));
     });
     page = await session.openInHeadset("#case=phantom", errors);
     await page.evaluate(() => window.clipgs.ready);
@@ -120,23 +110,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       [side, button, value] as const,
     );
     await frames(3);
-  }
-
-  /** Points at a text of the panel from before it and presses the trigger. */
-  async function choose(text: string, side: Side = "right"): Promise<void> {
-    await expect
-      .poll(() => page.evaluate((t) => window.clipgs.headset.find(t), text), { message: text })
-      .not.toBe(null);
-    const at = new Vector3(...(await page.evaluate((t) => window.clipgs.headset.find(t), text))!);
-    const head = new Vector3(...(await headPosition()));
-    const direction = at.clone().sub(head).normalize();
-    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 0, -1), direction);
-    await moveHand(side, {
-      position: at.addScaledVector(direction, -0.3).toArray(),
-      quaternion: turn.toArray() as Pose["quaternion"],
-    });
-    await press(side, "trigger", 1);
-    await press(side, "trigger", 0);
   }
 
   const normal = async () => new Vector3(...(await page.evaluate(() => window.clipgs.state.plane!.normal)));
@@ -262,40 +235,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     expect((await normal()).angleTo(before)).toBeLessThan(1e-6);
   });
 
-  it("has a panel that cuts, undoes and switches cases, and goes on after a damaged one", async () => {
-    await wear();
-    await page.evaluate(() => {
-      window.clipgs.setMode("arbitrary");
-      window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-    });
-    await choose("Coronal");
-    expect(Math.abs((await normal()).y)).toBeCloseTo(1, 5);
-    await choose("Undo", "left");
-    expect((await normal()).z).toBeCloseTo(-1, 5);
-    await choose("One axis");
-    expect(await page.evaluate(() => window.clipgs.state.mode)).toBe("uniaxial");
-    await choose("Any angle");
-    await choose("Soft");
-    expect(await page.evaluate(() => window.clipgs.state.clip)).toBe("soft");
-    await choose("Exact");
-    await choose("Faces");
-    await choose("By the splats");
-    expect(await page.evaluate(() => window.clipgs.state.section)).toBe("splats");
-    await choose("From the volume");
-
-    await choose("Cases");
-    await choose("重ねて");
-    await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("again");
-    await choose("damaged");
-    await expect.poll(() => page.evaluate(() => window.clipgs.headset.message)).not.toBe("");
-    await choose("Torso phantom");
-    await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
-    expect(await page.evaluate(() => window.clipgs.headset.message)).toBe("");
-    await choose("View");
-    await choose("Take off");
-    await page.waitForFunction(() => !window.clipgs.headset.worn);
-  });
-
   it("is used with bare hands as with controllers", async () => {
     await wear();
     await page.evaluate(() => {
@@ -321,17 +260,18 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     };
     const held = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient()).toArray();
     await moveBare({ position: held, quaternion: [0, 0, 0, 1] });
-    const before = await normal();
     await pinch(1);
+    await frames(20); // closing, the emulated hand turns a little
+    const before = await normal();
     for (let degrees = 8; degrees <= 40; degrees += 8) {
       const turn = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), (degrees * Math.PI) / 180);
       await moveBare({ position: held, quaternion: turn.toArray() as Pose["quaternion"] });
     }
     await frames(20);
-    await pinch(0);
     const angle = (before.angleTo(await normal()) * 180) / Math.PI;
-    expect(angle).toBeGreaterThan(37);
-    expect(angle).toBeLessThan(43);
+    expect(angle).toBeGreaterThan(38);
+    expect(angle).toBeLessThan(42);
+    await pinch(0);
     await page.evaluate(() => (window.headset.primaryInputMode = "controller"));
     await frames(3);
   });

@@ -464,7 +464,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("undoes what was done to the cut, movement by movement, and does it again", async () => {
-    const state = () => page.evaluate(() => [window.clipgs.state.plane!.normal[2] + 0, window.clipgs.state.clip]);
+    const state = () =>
+      page.evaluate(() => [window.clipgs.state.plane!.normal[2] + 0, window.clipgs.state.clip]);
     await show({ view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const settle = () => page.waitForTimeout(600);
     await settle();

@@ -438,27 +438,27 @@ export class Panel {
       const cases = await this.#host.cases();
       const text = cases.map(({ name, title, error }) => name + title + (error ?? "")).join("");
       this.#root.setProperties({ fontFamilies: this.#font.families(text) });
-      const old = this.#pictures;
-      this.#pictures = [];
+      const pictures = await Promise.all(cases.map(({ thumbnail }) => this.#picture(thumbnail)));
       replaceChildren(
         this.#cards,
-        cases.map((one) => this.#card(one)),
+        cases.map((one, i) => this.#card(one, pictures[i]!)),
       );
-      old.forEach((picture) => picture.dispose());
+      this.#pictures.forEach((picture) => picture.dispose());
+      this.#pictures = pictures.filter((picture) => picture !== null);
       this.#message.value = "";
     } catch (error) {
       this.#message.value = (error as Error).message;
     }
   }
 
-  #card({ name, title, thumbnail, error }: CaseSummary): Container {
-    let picture: Texture | undefined;
-    if (thumbnail) {
-      picture = this.#textures.load(thumbnail);
-      this.#pictures.push(picture);
-    }
+  /** uikit wants it whole; a case without one goes without. */
+  async #picture(url: string | null): Promise<Texture | null> {
+    return url === null ? null : this.#textures.loadAsync(url).catch(() => null);
+  }
+
+  #card({ name, title, error }: CaseSummary, picture: Texture | null): Container {
     return button(error ? name : title, () => void this.#open(name), {
-      picture,
+      picture: picture ?? undefined,
       pressed: this.#live(() => this.#viewer.caseName === name),
     });
   }
