@@ -101,7 +101,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       },
       [side, position, quaternion] as const,
     );
-    await frames(3);
+    await frames(2);
   }
 
   async function press(side: Side, button: "trigger" | "squeeze", value: 0 | 1): Promise<void> {
@@ -109,7 +109,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       ([which, name, pressed]) => window.headset.controllers[which]!.updateButtonValue(name, pressed),
       [side, button, value] as const,
     );
-    await frames(3);
+    await frames(2);
   }
 
   const normal = async () => new Vector3(...(await page.evaluate(() => window.clipgs.state.plane!.normal)));
@@ -174,7 +174,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const turn = new Quaternion().setFromAxisAngle(axis, (degrees * Math.PI) / 180);
       await moveHand("right", { position: held, quaternion: turn.toArray() as Pose["quaternion"] });
     }
-    await frames(20);
+    await frames(10);
     await press("right", "trigger", 0);
     const after = await normal();
     const angle = (before.angleTo(after) * 180) / Math.PI;
@@ -226,7 +226,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     const up = new Vector3(...states.axis).transformDirection(toRoom).multiplyScalar(0.02 * scale);
     const target = held.clone().add(up).toArray();
     await moveHand("right", { position: target, quaternion: [0, 0, 0, 1] });
-    await frames(20);
+    await frames(10);
     const state = (await page.evaluate(() => window.clipgs.state.state))!;
     expect(Math.abs((state - 100) * states.spacing - 20)).toBeLessThan(1 + states.spacing);
     const turned = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), 0.5).toArray();
@@ -261,13 +261,13 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     const held = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient()).toArray();
     await moveBare({ position: held, quaternion: [0, 0, 0, 1] });
     await pinch(1);
-    await frames(20); // closing, the emulated hand turns a little
+    await frames(10); // closing, the emulated hand turns a little
     const before = await normal();
     for (let degrees = 8; degrees <= 40; degrees += 8) {
       const turn = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), (degrees * Math.PI) / 180);
       await moveBare({ position: held, quaternion: turn.toArray() as Pose["quaternion"] });
     }
-    await frames(20);
+    await frames(10);
     const angle = (before.angleTo(await normal()) * 180) / Math.PI;
     expect(angle).toBeGreaterThan(38);
     expect(angle).toBeLessThan(42);
