@@ -163,21 +163,13 @@ Vec3 positive(const JsonReader& reader, const char* key) {
   return value;
 }
 
-Vec3 unit(const JsonReader& reader, const char* key) {
-  const Vec3 value = reader.vector<3>(key);
-  if (std::abs(glm::length(value) - 1) > 1e-3f) {
-    reader.fail(key);
-  }
-  return glm::normalize(value);
-}
-
 void read_lights(const JsonReader& reader, Section& section) {
   section.rig.sky_top = not_negative(reader, "sky_top");
   section.rig.sky_horizon = not_negative(reader, "sky_horizon");
   section.rig.sky_bottom = not_negative(reader, "sky_bottom");
   for (const JsonReader& key : reader.children("keys", kMaxKeys)) {
     KeyLight light;
-    light.direction = unit(key, "direction");
+    light.direction = glm::normalize(key.unit_vector("direction"));
     light.radiance = not_negative(key, "radiance");
     light.angular_radius = key.number("angular_radius");
     if (light.angular_radius < 0 || light.angular_radius > 1.6f) {
@@ -246,7 +238,7 @@ void read_grid(const JsonReader& reader, Section& section) {
   section.source_spacing = positive(reader, "source_spacing");
   for (int k = 0; k < 3; ++k) {
     constexpr std::array kNames = {"axis_x", "axis_y", "axis_z"};
-    section.direction[k] = unit(reader, kNames[static_cast<size_t>(k)]);
+    section.direction[k] = glm::normalize(reader.unit_vector(kNames[static_cast<size_t>(k)]));
   }
   if (std::abs(glm::determinant(section.direction) - 1) > 1e-2f) {
     reader.fail("axis_z");

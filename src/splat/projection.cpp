@@ -325,9 +325,12 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
     const PlaneView v = see_plane(p, mean, *plane);
     const float deviation = std::sqrt(v.variance);
     const float depth = v.d / deviation;
-    const Vec3 away = mean - camera.position;
-    const float cosine = glm::dot(plane->normal, away) / glm::length(away);
-    const float share = FaceGain::share(depth) * FaceGain::facing(cosine);
+    const float away = glm::length(mean - camera.position);
+    const Vec3 direction = (mean - camera.position) / away;
+    const float cosine = glm::dot(plane->normal, direction);
+    const float near_face = FaceGain::share(depth);
+    const float facing = FaceGain::facing(cosine);
+    const float share = near_face * facing;
     const Vec3 factor = Vec3(1) + share * (plane->gain - Vec3(1));
     // Where a channel is not clamped its colour is what is drawn, and the factor is positive.
     const Vec3 g_factor = g_color * Vec3(splat.r, splat.g, splat.b) / factor;
@@ -338,9 +341,9 @@ Vec3 project_backward(const Gaussians& gaussians, size_t i, const Camera& camera
       g_face = share * g_color;
       g_share += glm::dot(g_color, face_color(gaussians, i, plane->normal));
     }
-    const float g_cosine = g_share * FaceGain::share(depth) * FaceGain::facing_slope(cosine);
-    g_mean += (g_cosine / glm::length(away)) * (plane->normal - cosine * glm::normalize(away));
-    const float g_depth = g_share * FaceGain::facing(cosine) * FaceGain::share_slope(depth);
+    const float g_cosine = g_share * near_face * FaceGain::facing_slope(cosine);
+    g_mean += (g_cosine / away) * (plane->normal - cosine * direction);
+    const float g_depth = g_share * facing * FaceGain::share_slope(depth);
     g_mean += (g_depth / deviation) * plane->normal;
     const float g_variance = -0.5f * g_depth * depth / v.variance;
     g_m += glm::outerProduct(plane->normal, 2 * g_variance * v.local);

@@ -125,10 +125,7 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   if (reader.number("version") != kVersion) {
     throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
   }
-  scene.axis = reader.vector<3>("axis");
-  if (std::abs(glm::length(scene.axis) - 1) > 1e-3f) {
-    reader.fail("axis");
-  }
+  scene.axis = reader.unit_vector("axis");
   scene.extent = reader.vector<2>("extent");
   if (scene.extent.x > scene.extent.y) {
     reader.fail("extent");

@@ -89,10 +89,7 @@ UniaxialModel read_model(const std::filesystem::path& path) {
         name);
   }
   UniaxialParameters& parameters = model.parameters;
-  parameters.normal = reader.vector<3>("normal");
-  if (std::abs(glm::length(parameters.normal) - 1) > 1e-3f) {
-    reader.fail("normal");
-  }
+  parameters.normal = reader.unit_vector("normal");
   try {
     parameters.truncation = parse_truncation(reader.text("truncation"));
   } catch (const Error&) {

@@ -346,7 +346,7 @@ export class App {
 
   #key(event: KeyboardEvent): void {
     const input = event.target instanceof HTMLInputElement ? event.target : null;
-    if (input?.type === "number") {
+    if (input?.type === "number" || document.querySelector("dialog[open]")) {
       return;
     }
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
@@ -358,7 +358,7 @@ export class App {
       }
       return;
     }
-    if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
+    if (event.ctrlKey || event.metaKey || event.altKey) {
       return;
     }
     const step = event.shiftKey ? 10 : 1;

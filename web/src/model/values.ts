@@ -91,3 +91,8 @@ export function directionLetters(direction: Vector3): string {
 export function barLength(most: number): number {
   return [500, 200, 100, 50, 20, 10, 5, 2].find((mm) => mm <= most) ?? 1;
 }
+
+/** A word as a sentence begins with it. */
+export function capital(word: string): string {
+  return word[0]!.toUpperCase() + word.slice(1);
+}

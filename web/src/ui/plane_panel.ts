@@ -1,7 +1,7 @@
 import { type Actions, kLeastThickness, kThickness, type Position } from "../actions";
 import { kOrientations, type Orientation, orientationOf, removedSide } from "../model/planes";
 import { kModes, type Mode, stateText } from "../model/states";
-import { decimal } from "../model/values";
+import { capital, decimal } from "../model/values";
 import type { Viewer } from "../viewer";
 import type { ClipOperator } from "../worker/protocol";
 import { h, icon, kIcons } from "./dom";
@@ -273,8 +273,4 @@ export class PlanePanel {
     this.#several.hidden = cuts.length < 2;
     this.#add.disabled = !this.#actions.canAdd;
   }
-}
-
-function capital(word: string): string {
-  return word[0]!.toUpperCase() + word.slice(1);
 }

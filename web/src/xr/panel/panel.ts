@@ -9,6 +9,7 @@ import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
 import { kOrientations, type Orientation, orientationOf, removedSide } from "../../model/planes";
 import { type Mode, stateText } from "../../model/states";
+import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Stage } from "../stage";
@@ -486,8 +487,4 @@ function replaceChildren(parent: Container, children: Container[]): void {
 
 function scaleText(scale: number): string {
   return scale === 1 ? "life size" : `${scale < 1 ? scale.toFixed(2) : scale.toFixed(1)} × life size`;
-}
-
-function capital(word: string): string {
-  return word[0]!.toUpperCase() + word.slice(1);
 }
