@@ -147,7 +147,8 @@ export class Headset {
       const { stage } = this;
       this.panel = new Panel(this.#viewer, this.#actions, {
         ...this.#host,
-        leave: () => void this.leave(),
+        // Not while the press is still told of, as hands are gone then.
+        leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
         stage,
         wrists: this.#hands.map((hand) => hand.wrist),

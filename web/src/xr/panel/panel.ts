@@ -113,8 +113,10 @@ export class Panel {
         display: computed(() => (this.#message.value ? "flex" : "none")),
       }),
     );
-    this.#root.position.y = kTop;
-    this.object.add(this.#root);
+    // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
+    const lift = new Group();
+    lift.position.y = kTop;
+    this.object.add(lift.add(this.#root));
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
     );

@@ -82,10 +82,9 @@ export function button(
     element.add(
       new Image({
         src: picture,
-        width: 72,
-        height: 54,
+        width: 60,
+        height: 60,
         borderRadius: 6,
-        objectFit: "cover",
         pointerEvents: "none",
       }),
     );

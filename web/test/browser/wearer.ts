@@ -1,0 +1,110 @@
+import type { Page } from "playwright-core";
+import { Matrix4, Quaternion, Vector3 } from "three";
+
+import type { Triple } from "../../src/model/geometry";
+
+/** Of a hand from what it points at, m: too far to reach it. */
+const kPointingDistance = 0.3;
+
+export type Side = "left" | "right";
+export type Pose = { position: Triple; quaternion: [number, number, number, number] };
+
+/** Somebody with the emulated headset on (session.ts): who moves its controllers and hands, and presses. */
+export class Wearer {
+  readonly #page: Page;
+
+  constructor(page: Page) {
+    this.#page = page;
+  }
+
+  /** Puts it on, unless it is. */
+  async wear(): Promise<void> {
+    const page = this.#page;
+    if (!(await page.evaluate(() => window.clipgs.headset.worn))) {
+      await page.getByTitle("Show it in the headset (V)").waitFor();
+      await page.keyboard.press("v");
+      await page.waitForFunction(() => window.clipgs.headset.worn);
+    }
+    await this.frames(3);
+  }
+
+  /** Waits until the headset has drawn so many pictures. */
+  async frames(count: number): Promise<void> {
+    await this.#page.evaluate(async (n) => {
+      for (let i = 0; i < n; ++i) {
+        await new Promise(requestAnimationFrame);
+      }
+    }, count);
+  }
+
+  /** Moves a controller. */
+  async move(side: Side, pose: Pose): Promise<void> {
+    await this.#move("controllers", side, pose);
+  }
+
+  async press(
+    side: Side,
+    button: "trigger" | "squeeze" | "a-button" | "x-button",
+    value: 0 | 1,
+  ): Promise<void> {
+    await this.#page.evaluate(
+      ([which, name, pressed]) => window.headset.controllers[which]!.updateButtonValue(name, pressed),
+      [side, button, value] as const,
+    );
+    await this.frames(2);
+  }
+
+  /** Points at a text of the panel, which may take a moment to be there, and presses and lets go the trigger. */
+  async pressText(side: Side, text: string): Promise<void> {
+    const page = this.#page;
+    await page.waitForFunction((wanted) => window.clipgs.headset.find(wanted) !== null, text);
+    await this.frames(1); // it is where it stays
+    const [at, eye] = await page.evaluate((wanted) => {
+      const { x, y, z } = window.headset.position;
+      return [window.clipgs.headset.find(wanted)!, [x, y, z] as Triple] as const;
+    }, text);
+    const hand = new Vector3(...eye)
+      .sub(new Vector3(...at))
+      .setLength(kPointingDistance)
+      .add(new Vector3(...at));
+    const turn = new Matrix4().lookAt(hand, new Vector3(...at), new Vector3(0, 1, 0));
+    await this.move(side, {
+      position: hand.toArray(),
+      quaternion: new Quaternion().setFromRotationMatrix(turn).toArray() as Pose["quaternion"],
+    });
+    await this.press(side, "trigger", 1);
+    await this.press(side, "trigger", 0);
+  }
+
+  /** Bare hands instead of controllers, or controllers again. */
+  async use(what: "hand" | "controller"): Promise<void> {
+    await this.#page.evaluate((mode) => (window.headset.primaryInputMode = mode), what);
+    await this.frames(3);
+  }
+
+  /** Moves a bare hand. */
+  async moveBare(side: Side, pose: Pose): Promise<void> {
+    await this.#move("hands", side, pose);
+  }
+
+  /** Pinches with a bare hand, or lets go. */
+  async pinch(side: Side, value: 0 | 1): Promise<void> {
+    await this.#page.evaluate(([which, much]) => window.headset.hands[which]!.updatePinchValue(much), [
+      side,
+      value,
+    ] as const);
+    await this.frames(3);
+  }
+
+  async #move(what: "controllers" | "hands", side: Side, { position, quaternion }: Pose): Promise<void> {
+    await this.#page.evaluate(
+      ([kind, which, [x, y, z], [qx, qy, qz, qw]]) => {
+        const hand = window.headset[kind][which]!;
+        hand.position.set(x, y, z);
+        hand.quaternion.set(qx, qy, qz, qw);
+      },
+      [what, side, position, quaternion] as const,
+    );
+    await this.frames(2);
+  }
+}
