@@ -36,6 +36,7 @@ export default defineConfig({
         test: {
           name: "browser",
           include: ["test/browser/**/*.test.ts"],
+          globalSetup: "test/browser/cases.ts",
           testTimeout: 300_000,
           expect: { poll: { timeout: 120_000 } },
           hookTimeout: 900_000, // trains cases

@@ -7,7 +7,9 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import type { Triple } from "../../src/model/geometry";
 import type { EyePicture } from "../../src/xr/headset";
 import { coverage, type Picture, psnr, readPng } from "./picture";
-import { clipgs, makePhantomCase, missing, Session } from "./session";
+import { copyMadeCases } from "./made_cases";
+import { clipgs, missing } from "./program";
+import { Session } from "./session";
 import { type Pose, Wearer } from "./wearer";
 
 const kMinPsnr = 33;
@@ -24,11 +26,10 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
   beforeAll(async () => {
     await session.start(async (cases) => {
-      const phantom = join(cases, "phantom.sog");
-      await makePhantomCase(session.folder, phantom);
+      copyMadeCases(session);
       const other = ["-o", join(cases, "other.sog"), "--title", kOtherTitle];
       await clipgs("pack", join(session.folder, "scene.ply"), ...other);
-      const bytes = readFileSync(phantom);
+      const bytes = readFileSync(join(cases, "phantom.sog"));
       writeFileSync(join(cases, "damaged.sog"), bytes.subarray(0, bytes.length / 2));
     });
     page = await session.openInHeadset("#case=phantom", errors);

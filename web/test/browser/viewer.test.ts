@@ -3,95 +3,15 @@ import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
-import type { FaceSource } from "../../src/model/faces";
 import type { Triple } from "../../src/model/geometry";
-import type { ClipOperator } from "../../src/worker/protocol";
-import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
-import { clipgs, makePhantomCase, makePhotoCase, makeSolidCase, missing, Session } from "./session";
+import { coverage, pagePicture, psnr, readPng } from "./picture";
+import { copyMadeCases } from "./made_cases";
+import { clipgs, missing } from "./program";
+import { Session } from "./session";
+import { choose, renderedAndPrinted, type Shot, show } from "./shot";
 
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
-
-interface Shot {
-  name?: string; // of the case; the phantom's if not said
-  view: [number, number, number];
-  plane: [number, number, number, number] | null;
-  more?: [number, number, number, number, number?][]; // planes, and slabs with their thickness
-  clip: ClipOperator;
-  section?: FaceSource;
-  grey?: number;
-  shades?: [number, number]; // centre and width of the window
-}
-
-const kViews: Shot["view"][] = [
-  [0, 0, 1],
-  [35, 20, 1],
-  [-110, -30, 1.6],
-  [0, 90, 1],
-];
-const kPlanes: Shot["plane"][] = [
-  [0, -1, 0, 0],
-  [0.5, 0.3, -0.6, 10],
-];
-/** Every plane with its faces drawn from the volume and by splats. */
-const kShots: Shot[] = [
-  ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
-  ...kPlanes.flatMap((plane) =>
-    (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
-  ),
-  ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
-  // A slab and two planes more; a second plane alone.
-  ...(["hard", "soft", "exact"] as const).flatMap((clip) =>
-    facesOf({
-      view: [30, 35, 1],
-      plane: [0, 0, -1, -40],
-      more: [
-        [0.2, -1, 0.1, -20, 45],
-        [1, 0.1, 0, -60],
-      ],
-      clip,
-    }),
-  ),
-  ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
-  // Face colours, at one plane and at three.
-  ...(["hard", "soft", "exact"] as const).map(
-    (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
-  ),
-  {
-    name: "solid",
-    view: [-40, 30, 1],
-    plane: [0, -1, 0, 0],
-    more: [
-      [0, 0, -1, -30],
-      [1, 0.1, 0, -20, 30],
-    ],
-    clip: "exact",
-    section: "splats",
-  },
-  ...[0, 1].map(
-    (grey): Shot => ({
-      name: "photo",
-      view: [35, 20, 1],
-      plane: [0.2, -1, 0.3, 5],
-      clip: "exact",
-      section: "volume",
-      grey,
-    }),
-  ),
-  { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
-  {
-    view: [20, 60, 1],
-    plane: [0.1, 0, -1, 10],
-    clip: "exact",
-    section: "volume",
-    grey: 0.5,
-    shades: [-300, 900],
-  },
-];
-
-function facesOf(shot: Shot): Shot[] {
-  return (["volume", "splats"] as const).map((section) => ({ ...shot, section }));
-}
 
 describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -99,11 +19,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   let page: Page;
 
   beforeAll(async () => {
-    await session.start(async (cases) => {
-      await makePhantomCase(session.folder, join(cases, "phantom.sog"));
-      await makeSolidCase(session.folder, join(cases, "solid.sog"));
-      await makePhotoCase(join(session.folder, "photo"), join(cases, "photo.sog"));
-    });
+    await session.start(() => copyMadeCases(session));
     page = await session.open("", errors);
     await page.evaluate(() => window.clipgs.ready);
   });
@@ -111,84 +27,6 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   afterAll(async () => {
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
-
-  async function choose(name: string): Promise<void> {
-    await page.evaluate(
-      (wanted) => (window.clipgs.state.case === wanted ? undefined : window.clipgs.open(wanted)),
-      name,
-    );
-  }
-
-  async function show(shot: Shot): Promise<void> {
-    const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
-    await page.evaluate(
-      ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width]]) => {
-        window.clipgs.setView({ azimuth, elevation, zoom });
-        window.clipgs.setMode("arbitrary");
-        window.clipgs.setCuts(
-          cuts.map(([x, y, z, offset, thickness]) => ({ normal: [x, y, z], offset, thickness })),
-        );
-        window.clipgs.setClip(operator);
-        window.clipgs.setSection(source);
-        window.clipgs.setGrey(share);
-        window.clipgs.setWindow({ center, width });
-      },
-      [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400]] as const,
-    );
-  }
-
-  /** What `clipgs render` makes of a shot. */
-  async function rendered(shot: Shot, size: string): Promise<Picture> {
-    return (await renderedAndPrinted(shot, size)).picture;
-  }
-
-  /** The same, with what it prints. */
-  async function renderedAndPrinted(
-    { name = "phantom", view, plane, more = [], clip, section, grey, shades }: Shot,
-    size: string,
-    options: string[] = [],
-  ): Promise<{ picture: Picture; printed: string }> {
-    const path = join(session.folder, "render.png");
-    const cut = [...(plane ? [plane] : []), ...more].flatMap((numbers) => [
-      numbers.length > 4 ? "--slab" : "--plane",
-      numbers.join(),
-    ]);
-    const source = section ? ["--section", section] : [];
-    const printed = await clipgs(
-      "render",
-      join(session.cases, `${name}.sog`),
-      "-o",
-      path,
-      "--view",
-      view.join(),
-      "--clip",
-      clip,
-      "--size",
-      size,
-      ...cut,
-      ...source,
-      ...(grey ? ["--grey", String(grey)] : []),
-      ...(shades ? ["--window", shades.join()] : []),
-      ...options,
-    );
-    return { picture: await readPng(page, path), printed };
-  }
-
-  for (const shot of kShots) {
-    const style = `${shot.grey ? `, grey ${shot.grey} ${shot.shades?.join() ?? ""}` : ""}${shot.name ? `, ${shot.name}` : ""}`;
-    const more = shot.more?.map((numbers) => ` and ${numbers.join()}`).join("") ?? "";
-    const cut = shot.plane ? `plane ${shot.plane.join()}${more}, ${shot.clip}, ${shot.section}` : "uncut";
-    it(`equals clipgs render: view ${shot.view.join()}, ${cut}${style}`, async () => {
-      const truth = await rendered(shot, "300x220");
-      await choose(shot.name ?? "phantom");
-      await show(shot);
-      const got = await pagePicture(page, truth.width, truth.height);
-      expect(coverage(truth)).toBeGreaterThan(0.03);
-      const { color, alpha } = psnr(got, truth);
-      expect(color).toBeGreaterThan(kMinAlike);
-      expect(alpha).toBeGreaterThan(kMinAlike);
-    });
-  }
 
   it("shows on the page what it gives to scripts", async () => {
     const framed = await session.open("#view=35,20&plane=0,-1,0,0&clip=soft&size=256x256", errors);
@@ -206,38 +44,9 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await framed.close();
   });
 
-  it("cuts more or less as the plane moves", async () => {
-    const at = async (offset: number) => {
-      await show({ view: [0, 0, 1], plane: [0, 0, -1, offset], clip: "exact" });
-      return pagePicture(page, 160, 160);
-    };
-    const most = await at(-120);
-    const half = await at(0);
-    const little = await at(120);
-    expect(coverage(most)).toBeGreaterThan(1.3 * coverage(half));
-    expect(coverage(half)).toBeGreaterThan(1.3 * coverage(little));
-    expect(psnr(most, half).color).toBeLessThan(20);
-  });
-
-  it("has no holes in a face wherever its plane is", async () => {
-    for (let step = 0; step < 12; ++step) {
-      const shot: Shot = { view: [20, 40, 1], plane: [0, 0.1, -1, 7.3 - 3.1 * step], clip: "exact" };
-      const truth = await rendered(shot, "128x128");
-      await show(shot);
-      const got = await pagePicture(page, 128, 128);
-      let holes = 0;
-      for (let i = 3; i < got.data.length; i += 4) {
-        holes += truth.data[i]! === 255 && got.data[i]! < 230 ? 1 : 0;
-      }
-      expect(holes, `plane ${shot.plane!.join()}`).toBe(0);
-      expect(psnr(got, truth).alpha).toBeGreaterThan(kMinAlike);
-      expect(psnr(got, truth).color).toBeGreaterThan(kMinAlike);
-    }
-  });
-
   it("draws faces from the volume unless the link or a button says otherwise", async () => {
     const state = () => page.evaluate(() => window.clipgs.state.section);
-    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBeGreaterThan(1e5);
     const volume = await pagePicture(page, 160, 160);
     await page.getByRole("group", { name: "Cut face" }).getByRole("button", { name: "Splats" }).click();
@@ -254,7 +63,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   it("shows faces in grey, with windows by buttons, numbers and keys", async () => {
     const state = () => page.evaluate(() => window.clipgs.state);
-    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     expect(await page.getByRole("group", { name: "Window" }).isVisible()).toBe(false);
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(1);
@@ -294,7 +103,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       await page.keyboard.up("Shift");
     };
     const face: Triple = [center[0], center[1], 0];
-    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 1, shades: [40, 400] });
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 1, shades: [40, 400] });
     const before = await pan();
     await drag(face);
     expect((await state()).width).toBeGreaterThan(440);
@@ -302,14 +111,14 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await pan()).toBe(before);
     await drag(face, true);
     expect(await pan()).toBeGreaterThan(before + 20);
-    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 0, shades: [40, 400] });
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact", grey: 0, shades: [40, 400] });
     await drag(face);
     expect(await pan()).toBeGreaterThan(before + 20);
     expect(await state()).toEqual({ center: 40, width: 400 });
   });
 
   it("says values under the pointer and of pins as clipgs render does", async () => {
-    await show({ view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const { center } = await readBounds(session.cases);
     const reading = page.getByLabel("Value under the pointer");
     const pins = page.getByRole("list", { name: "Pins" });
@@ -346,7 +155,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.mouse.move(5, 300);
     await reading.waitFor({ state: "hidden" });
     await expect.poll(() => pins.locator(".faded").count()).toBe(0);
-    await show({ view: [10, 60, 1], plane: [0, 0, -1, 20], clip: "exact" });
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 20], clip: "exact" });
     await expect.poll(() => pins.locator(".faded").count()).toBe(3);
     await pins.getByRole("button").last().click(); // it lies over the others
     await expect.poll(() => pins.getByRole("listitem").count()).toBe(2);
@@ -385,25 +194,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     rmSync(bare);
   });
 
-  it("tells the three operators apart", async () => {
-    const pictures = [];
-    for (const clip of ["hard", "soft", "exact"] as const) {
-      await show({ view: [0, 0, 1], plane: [0, -1, 0, 0], clip, section: "splats" });
-      pictures.push(await pagePicture(page, 160, 160));
-    }
-    for (const [a, b] of [
-      [0, 1],
-      [1, 2],
-      [0, 2],
-    ] as const) {
-      const { color } = psnr(pictures[a]!, pictures[b]!);
-      expect(color).toBeGreaterThan(20); // a cut of the same thing
-      expect(color).toBeLessThan(58); // equal pictures have no error at all
-    }
-  });
-
   it("slides the plane by its arrow and tilts it by its rim, with the mouse", async () => {
-    await show({ view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const screen = (point: Triple) => page.evaluate((p) => window.clipgs.project(p)!, point);
     const plane = () => page.evaluate(() => window.clipgs.state.plane!);
     const view = () => page.evaluate(() => window.clipgs.state.view);
@@ -441,7 +233,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   it("has buttons and keys for planes and operators", async () => {
     const plane = () => page.evaluate(() => window.clipgs.state.plane);
-    await show({ view: [20, 15, 1], plane: null, clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: null, clip: "exact" });
     await page.getByRole("button", { name: "Coronal" }).click();
     expect((await plane())!.normal.map((v) => v + 0)).toEqual([0, -1, 0]);
     await page.getByRole("button", { name: "Flip" }).click();
@@ -466,7 +258,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   it("undoes what was done to the cut, movement by movement, and does it again", async () => {
     const state = () =>
       page.evaluate(() => [window.clipgs.state.plane!.normal[2] + 0, window.clipgs.state.clip]);
-    await show({ view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const settle = () => page.waitForTimeout(600);
     await settle();
     await page.keyboard.press("s");
@@ -501,12 +293,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       ["tilted", 17, "exact", "splats"],
     ] as const) {
       const shot: Shot = { name, view: [35, 20, 1], plane: null, clip, section };
-      const { picture: truth, printed } = await renderedAndPrinted(shot, "300x220", [
+      const { picture: truth, printed } = await renderedAndPrinted(page, session, shot, "210x154", [
         "--state",
         String(state),
       ]);
-      await choose(name);
-      await show(shot);
+      await choose(page, name);
+      await show(page, shot);
       expect(await page.evaluate((k) => window.clipgs.setState(k), state)).toBe(true);
       const got = await pagePicture(page, truth.width, truth.height);
       expect(coverage(truth)).toBeGreaterThan(0.03);
@@ -516,7 +308,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       const readout = `State ${said[1]} / ${said[2]} · ${said[3]!.replace("-", "\u2212")} mm`;
       expect(await page.getByText(readout, { exact: true }).isVisible(), readout).toBe(true);
     }
-    await choose("phantom");
+    await choose(page, "phantom");
     rmSync(own);
   });
 
@@ -525,7 +317,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     const button = (name: string) => page.getByRole("button", { name, exact: true });
     const states = await page.evaluate(() => window.clipgs.states!);
     expect(states).toMatchObject({ axis: [0, 0, 1], count: 200, keeps: "below" });
-    await show({ view: [20, 15, 1], plane: [0.1, 0.2, -1, 5], more: [[1, 0, 0, -40]], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0.1, 0.2, -1, 5], more: [[1, 0, 0, -40]], clip: "exact" });
     const free = (await state()).cuts;
     expect((await state()).state).toBeNull();
 
@@ -598,7 +390,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   it("slides the plane by all of its handle in the uniaxial mode", async () => {
     const bounds = await readBounds(session.cases);
-    await show({ view: [20, 15, 1], plane: null, clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: null, clip: "exact" });
     await page.evaluate(() => window.clipgs.setState(100));
     const { states, plane } = await page.evaluate(() => ({
       states: window.clipgs.states!,
@@ -621,7 +413,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   it("cuts with several planes and slabs", async () => {
     const cuts = () => page.evaluate(() => window.clipgs.state.cuts);
-    await show({ view: [20, 15, 1], plane: [0, 0, -1, 5], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 5], clip: "exact" });
     await page.getByRole("button", { name: "Plane", exact: true }).click();
     expect((await cuts()).map(({ normal }) => normal.map(Math.abs))).toEqual([
       [0, 0, 1],
@@ -657,7 +449,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
   it("says what it is not for, and keeps the view in the address", async () => {
     expect(await page.getByText("Not for diagnosis").isVisible()).toBe(true);
-    await show({ view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
+    await show(page, { view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
     await page.waitForFunction(() => location.hash.includes("view=12,34,1.5"));
     expect(await hashOf(page)).toBe("#case=phantom&view=12,34,1.5&plane=0,0,-1,5&clip=hard");
   });
@@ -719,7 +511,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("draws the same after the GPU was lost", async () => {
-    await show({ view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     const before = await pagePicture(page, 128, 128);
     await page.evaluate(async () => {
       const canvas = document.querySelector("canvas")!;

@@ -1,0 +1,156 @@
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+import type { Page } from "playwright-core";
+
+import { coverage, pagePicture, psnr } from "./picture";
+import { copyMadeCases } from "./made_cases";
+import { missing } from "./program";
+import { Session } from "./session";
+import { choose, facesOf, rendered, type Shot, show } from "./shot";
+
+const kMinAlike = 50; // dB of pictures that are drawn alike, pixel by pixel
+
+const kViews: Shot["view"][] = [
+  [0, 0, 1],
+  [35, 20, 1],
+  [-110, -30, 1.6],
+  [0, 90, 1],
+];
+const kPlanes: Shot["plane"][] = [
+  [0, -1, 0, 0],
+  [0.5, 0.3, -0.6, 10],
+];
+/** Every plane with its faces drawn from the volume and by splats. */
+const kShots: Shot[] = [
+  ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
+  ...kPlanes.flatMap((plane) =>
+    (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
+  ),
+  ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
+  // A slab and two planes more; a second plane alone.
+  ...(["hard", "soft", "exact"] as const).flatMap((clip) =>
+    facesOf({
+      view: [30, 35, 1],
+      plane: [0, 0, -1, -40],
+      more: [
+        [0.2, -1, 0.1, -20, 45],
+        [1, 0.1, 0, -60],
+      ],
+      clip,
+    }),
+  ),
+  ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
+  // Face colours, at one plane and at three.
+  ...(["hard", "soft", "exact"] as const).map(
+    (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
+  ),
+  {
+    name: "solid",
+    view: [-40, 30, 1],
+    plane: [0, -1, 0, 0],
+    more: [
+      [0, 0, -1, -30],
+      [1, 0.1, 0, -20, 30],
+    ],
+    clip: "exact",
+    section: "splats",
+  },
+  ...[0, 1].map(
+    (grey): Shot => ({
+      name: "photo",
+      view: [35, 20, 1],
+      plane: [0.2, -1, 0.3, 5],
+      clip: "exact",
+      section: "volume",
+      grey,
+    }),
+  ),
+  { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
+  {
+    view: [20, 60, 1],
+    plane: [0.1, 0, -1, 10],
+    clip: "exact",
+    section: "volume",
+    grey: 0.5,
+    shades: [-300, 900],
+  },
+];
+
+describe.skipIf(missing !== undefined)(`pictures${missing ? ` (${missing} is missing)` : ""}`, () => {
+  const session = new Session();
+  const errors: string[] = [];
+  let page: Page;
+
+  beforeAll(async () => {
+    await session.start(() => copyMadeCases(session));
+    // What the page itself shows is small: it is drawn, too, whenever something changes.
+    page = await session.open("#case=phantom&size=64x64", errors, { width: 64, height: 64 });
+    await page.evaluate(() => window.clipgs.ready);
+  });
+
+  afterAll(async () => {
+    expect(errors).toEqual([]);
+    expect(await session.stop(), "exit status of clipgs serve").toBe(0);
+  });
+
+  for (const shot of kShots) {
+    const style = `${shot.grey ? `, grey ${shot.grey} ${shot.shades?.join() ?? ""}` : ""}${shot.name ? `, ${shot.name}` : ""}`;
+    const more = shot.more?.map((numbers) => ` and ${numbers.join()}`).join("") ?? "";
+    const cut = shot.plane ? `plane ${shot.plane.join()}${more}, ${shot.clip}, ${shot.section}` : "uncut";
+    it(`equals clipgs render: view ${shot.view.join()}, ${cut}${style}`, async () => {
+      const truth = await rendered(page, session, shot, "210x154");
+      await choose(page, shot.name ?? "phantom");
+      await show(page, shot);
+      const got = await pagePicture(page, truth.width, truth.height);
+      expect(coverage(truth)).toBeGreaterThan(0.03);
+      const { color, alpha } = psnr(got, truth);
+      expect(color).toBeGreaterThan(kMinAlike);
+      expect(alpha).toBeGreaterThan(kMinAlike);
+    });
+  }
+
+  it("cuts more or less as the plane moves", async () => {
+    const at = async (offset: number) => {
+      await show(page, { view: [0, 0, 1], plane: [0, 0, -1, offset], clip: "exact" });
+      return pagePicture(page, 160, 160);
+    };
+    const most = await at(-120);
+    const half = await at(0);
+    const little = await at(120);
+    expect(coverage(most)).toBeGreaterThan(1.3 * coverage(half));
+    expect(coverage(half)).toBeGreaterThan(1.3 * coverage(little));
+    expect(psnr(most, half).color).toBeLessThan(20);
+  });
+
+  it("has no holes in a face wherever its plane is", async () => {
+    for (let step = 0; step < 12; ++step) {
+      const shot: Shot = { view: [20, 40, 1], plane: [0, 0.1, -1, 7.3 - 3.1 * step], clip: "exact" };
+      const truth = await rendered(page, session, shot, "128x128");
+      await show(page, shot);
+      const got = await pagePicture(page, 128, 128);
+      let holes = 0;
+      for (let i = 3; i < got.data.length; i += 4) {
+        holes += truth.data[i]! === 255 && got.data[i]! < 230 ? 1 : 0;
+      }
+      expect(holes, `plane ${shot.plane!.join()}`).toBe(0);
+      expect(psnr(got, truth).alpha).toBeGreaterThan(kMinAlike);
+      expect(psnr(got, truth).color).toBeGreaterThan(kMinAlike);
+    }
+  });
+
+  it("tells the three operators apart", async () => {
+    const pictures = [];
+    for (const clip of ["hard", "soft", "exact"] as const) {
+      await show(page, { view: [0, 0, 1], plane: [0, -1, 0, 0], clip, section: "splats" });
+      pictures.push(await pagePicture(page, 160, 160));
+    }
+    for (const [a, b] of [
+      [0, 1],
+      [1, 2],
+      [0, 2],
+    ] as const) {
+      const { color } = psnr(pictures[a]!, pictures[b]!);
+      expect(color).toBeGreaterThan(20); // a cut of the same thing
+      expect(color).toBeLessThan(58); // equal pictures have no error at all
+    }
+  });
+});

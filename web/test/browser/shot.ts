@@ -1,0 +1,91 @@
+import { join } from "node:path";
+import type { Page } from "playwright-core";
+
+import type { FaceSource } from "../../src/model/faces";
+import type { ClipOperator } from "../../src/worker/protocol";
+import { type Picture, readPng } from "./picture";
+import { clipgs } from "./program";
+import type { Session } from "./session";
+
+/** What a picture shows. */
+export interface Shot {
+  name?: string; // of the case; the phantom's if not said
+  view: [number, number, number];
+  plane: [number, number, number, number] | null;
+  more?: [number, number, number, number, number?][]; // planes, and slabs with their thickness
+  clip: ClipOperator;
+  section?: FaceSource;
+  grey?: number;
+  shades?: [number, number]; // centre and width of the window
+}
+
+/** The same with its faces drawn from the volume and by splats. */
+export function facesOf(shot: Shot): Shot[] {
+  return (["volume", "splats"] as const).map((section) => ({ ...shot, section }));
+}
+
+/** Shows a case, unless it is shown. */
+export async function choose(page: Page, name: string): Promise<void> {
+  await page.evaluate(
+    (wanted) => (window.clipgs.state.case === wanted ? undefined : window.clipgs.open(wanted)),
+    name,
+  );
+}
+
+/** Shows a shot of the case that is open. */
+export async function show(page: Page, shot: Shot): Promise<void> {
+  const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
+  await page.evaluate(
+    ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width]]) => {
+      window.clipgs.setView({ azimuth, elevation, zoom });
+      window.clipgs.setMode("arbitrary");
+      window.clipgs.setCuts(
+        cuts.map(([x, y, z, offset, thickness]) => ({ normal: [x, y, z], offset, thickness })),
+      );
+      window.clipgs.setClip(operator);
+      window.clipgs.setSection(source);
+      window.clipgs.setGrey(share);
+      window.clipgs.setWindow({ center, width });
+    },
+    [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400]] as const,
+  );
+}
+
+/** What `clipgs render` makes of a shot. */
+export async function rendered(page: Page, session: Session, shot: Shot, size: string): Promise<Picture> {
+  return (await renderedAndPrinted(page, session, shot, size)).picture;
+}
+
+/** The same, with what it prints. */
+export async function renderedAndPrinted(
+  page: Page,
+  session: Session,
+  { name = "phantom", view, plane, more = [], clip, section, grey, shades }: Shot,
+  size: string,
+  options: string[] = [],
+): Promise<{ picture: Picture; printed: string }> {
+  const path = join(session.folder, "render.png");
+  const cut = [...(plane ? [plane] : []), ...more].flatMap((numbers) => [
+    numbers.length > 4 ? "--slab" : "--plane",
+    numbers.join(),
+  ]);
+  const source = section ? ["--section", section] : [];
+  const printed = await clipgs(
+    "render",
+    join(session.cases, `${name}.sog`),
+    "-o",
+    path,
+    "--view",
+    view.join(),
+    "--clip",
+    clip,
+    "--size",
+    size,
+    ...cut,
+    ...source,
+    ...(grey ? ["--grey", String(grey)] : []),
+    ...(shades ? ["--window", shades.join()] : []),
+    ...options,
+  );
+  return { picture: await readPng(page, path), printed };
+}
