@@ -24,10 +24,12 @@ constexpr const char* kSectionKey = "section";
 constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
-/// Of a section's image, where the size of the case decides: the last of them whatever it takes.
-constexpr std::array kQualities = {kLossless, 97.0f, 94.0f, 90.0f};
+/// Of a section's image that is too large without loss: the last of them whatever it takes.
+constexpr std::array kLossyQualities = {97.0f, 94.0f, 90.0f};
 /// Of the JSON and the ZIP's directory, about.
 constexpr size_t kMetaBytes = 50'000;
+/// Layers that take a byte, or more of them do.
+constexpr size_t kLayersPerByte = 2;
 constexpr size_t kMaxMeta = size_t{4} << 20;
 constexpr std::uintmax_t kMaxCase = std::uintmax_t{1} << 30;
 
@@ -63,30 +65,30 @@ bool has_layers(const json& block) {
   return states != block.end() && states->contains("file");
 }
 
-json encode_fitting_section(const Section& section, const SectionCoding& coding,
-                            std::vector<ZipEntry>& files) {
-  if (coding.quality) {
-    return encode_section(section, *coding.quality, files);
-  }
-  size_t rest = kMetaBytes;
+size_t total_bytes(std::span<const ZipEntry> files) {
+  size_t sum = 0;
   for (const ZipEntry& file : files) {
-    rest += file.bytes.size();
+    sum += file.bytes.size();
   }
-  for (const float quality : kQualities) {
-    json block = encode_section(section, quality, files);
-    if (quality == kQualities.back() || rest + files.back().bytes.size() <= coding.case_bytes) {
-      return block;
-    }
-    files.pop_back();
-  }
-  return {};
+  return sum;
+}
+
+struct CodedSection {
+  json block;
+  ZipEntry file;
+};
+
+CodedSection code_section(const Section& section, float quality) {
+  std::vector<ZipEntry> files;
+  json block = encode_section(section, quality, files);
+  return {std::move(block), std::move(files.front())};
 }
 
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
 }  // namespace
 
-Bytes encode_case(const Case& contents, const Image* thumbnail, const SectionCoding& coding) {
+Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding& coding) {
   if (contents.model) {
     throw Error("a case holds a scene, not a neural model; make one of it with clipgs bake");
   }
@@ -94,18 +96,39 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const SectionCod
   const Scene& scene = contents.scene;
   json block = scene_to_json(scene, world);
   block["generator"] = "clipgs " CLIPGS_VERSION;
+  // Where the size of the case decides, splats have what the section leaves of it when it is kept
+  // without loss; where that is too little for them, the section is kept less well.
+  std::optional<CodedSection> section;
+  size_t others = kMetaBytes + scene.layers.size() / kLayersPerByte;
+  if (contents.section) {
+    section = code_section(*contents.section, coding.section_quality.value_or(kLossless));
+    others += section->file.bytes.size();
+  }
+  ZipEntry picture;
+  if (thumbnail != nullptr) {
+    picture = {kThumbnailFile, encode_webp(*thumbnail, kThumbnailQuality)};
+    others += picture.bytes.size();
+  }
+  const size_t room = coding.bytes - std::min(coding.bytes, others);
   std::vector<ZipEntry> files;
   std::vector<size_t> order;
-  json meta = encode_sog(transform(scene.gaussians, world.inverse()), files, &order);
+  json meta = encode_sog(transform(scene.gaussians, world.inverse()), files, &order, room);
   if (!scene.layers.empty()) {
     block[kStatesKey]["file"] = encode_layers(scene, order, files);
   }
   if (thumbnail != nullptr) {
-    files.push_back({kThumbnailFile, encode_webp(*thumbnail, kThumbnailQuality)});
+    files.push_back(std::move(picture));
     block["thumbnail"] = kThumbnailFile;
   }
-  if (contents.section) {
-    block[kSectionKey] = encode_fitting_section(*contents.section, coding, files);
+  if (section) {
+    const size_t rest = kMetaBytes + total_bytes(files);
+    for (size_t q = 0; !coding.section_quality && q < kLossyQualities.size() &&
+                       rest + section->file.bytes.size() > coding.bytes;
+         ++q) {
+      section = code_section(*contents.section, kLossyQualities[q]);
+    }
+    block[kSectionKey] = std::move(section->block);
+    files.push_back(std::move(section->file));
   }
   meta["clipgs"] = std::move(block);
   const std::string text = meta.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -114,7 +137,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const SectionCod
 }
 
 void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
-                const SectionCoding& coding) {
+                const CaseCoding& coding) {
   const Bytes bytes = encode_case(contents, thumbnail, coding);
   write_file(path, bytes.data(), bytes.size());
 }

@@ -40,18 +40,19 @@ struct CaseInfo {
   Bytes thumbnail;        ///< WebP; empty if the case has none
 };
 
-/// How a case keeps its section.
-struct SectionCoding {
-  std::optional<float> quality;   ///< of its image, to kLossless; none: the best that fits
-  size_t case_bytes = 5'000'000;  ///< what the whole case should take then
+/// How much a case may lose, and take. What `bytes` leave room for goes to the section's image
+/// first, then to more colours (encode_sog).
+struct CaseCoding {
+  std::optional<float> section_quality;  ///< of its image, to kLossless; none: the best that fits
+  size_t bytes = 5'000'000;              ///< the case should take no more; it does where it must
 };
 
 /// A case (docs/format.md): a valid SOG with a `clipgs` block beside it. `thumbnail`: 3 or 4
 /// channels, display sRGB, or null. The same case gives the same bytes. Throws Error.
-Bytes encode_case(const Case& contents, const Image* thumbnail, const SectionCoding& coding = {});
+Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding& coding = {});
 /// The same into a file, whole or not at all.
 void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
-                const SectionCoding& coding = {});
+                const CaseCoding& coding = {});
 
 /// Reads a case into world space (RAS mm). Throws Error, as one line with `name` in it, on a file
 /// that is no case, truncated or corrupt; nothing larger than its images warrant is allocated.

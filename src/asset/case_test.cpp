@@ -212,14 +212,48 @@ TEST(Case, HoldsItsSection) {
 
 TEST(Case, KeepsItsSectionAsWellAsItsSizeAllows) {
   const Section section = test::ball_section();
-  const auto encode = [&](const SectionCoding& coding) {
+  const auto encode = [&](const CaseCoding& coding) {
     return encode_case({random_scene(40, 0, 5), section}, nullptr, coding);
   };
   const Bytes best = encode({});
   EXPECT_EQ(read_case(best, "test.sog").section->voxels, section.voxels);
-  EXPECT_EQ(best, encode({.quality = kLossless}));
-  EXPECT_EQ(encode({.quality = {}, .case_bytes = 0}), encode({.quality = 90}));
-  EXPECT_NE(encode({.quality = {}, .case_bytes = 0}), best);
+  EXPECT_EQ(best, encode({.section_quality = kLossless}));
+  EXPECT_EQ(encode({.section_quality = {}, .bytes = 0}), encode({.section_quality = 90}));
+  EXPECT_NE(encode({.section_quality = {}, .bytes = 0}), best);
+}
+
+TEST(Case, KeepsColorsAsWellAsItsSizeAllows) {
+  const Scene scene = random_scene(6000, 2, 5);
+  const auto encode = [&](size_t bytes) {
+    return encode_case({scene}, nullptr, {.section_quality = {}, .bytes = bytes});
+  };
+  const auto colors = [](const Bytes& bytes) {
+    return meta_of(bytes).at("shN").at("count").get<int>();
+  };
+  const Bytes least = encode(0);
+  EXPECT_LE(colors(least), 512);  // one for 16 splats
+  const size_t room = least.size() + 100'000;
+  const Bytes more = encode(room);
+  EXPECT_LE(more.size(), room);
+  EXPECT_GT(colors(more), colors(least));
+  const Bytes most = encode(5'000'000);
+  EXPECT_GT(colors(most), colors(more));
+  const auto error = [&](const Bytes& bytes) {
+    const Gaussians read = read_case(bytes, "test.sog").scene.gaussians;
+    const auto power = [](const Gaussians& g) {
+      double sum = 0;
+      for (int p = Gaussians::kSh + 3; p < g.planes(); ++p) {
+        for (size_t i = 0; i < g.size(); ++i) {
+          sum += double{g.plane(p)[i]} * g.plane(p)[i];
+        }
+      }
+      return sum;
+    };
+    return std::abs(power(read) -
+                    power(scene.gaussians));  // a mean has less than what it stands for
+  };
+  EXPECT_LT(error(more), error(least));
+  EXPECT_LT(error(most), error(more));
 }
 
 TEST(Case, KeepsStatesAndTheLayerOfEachSplat) {

@@ -79,22 +79,26 @@ struct Groups {
   size_t size(size_t g) const { return starts[g + 1] - starts[g]; }
 };
 
-/// Moves each centroid to the mean of its points; one without points stays.
-void move_centroids(const Vectors& points, const Groups& groups, Vectors& centroids) {
+/// Moves each centroid to the weighted mean of its points; one without points stays.
+void move_centroids(const Vectors& points, const std::vector<float>& weights, const Groups& groups,
+                    Vectors& centroids) {
   parallel_for(centroids.size(), 16, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
       if (groups.size(c) == 0) {
         continue;
       }
       std::array<double, kMaxDimension> sum{};
+      double total = 0;
       for (size_t m = groups.starts[c]; m < groups.starts[c + 1]; ++m) {
-        const float* point = points[groups.members[m]];
+        const size_t i = groups.members[m];
+        const double weight = weights[i];
+        total += weight;
         for (size_t d = 0; d < points.stride; ++d) {
-          sum[d] += point[d];
+          sum[d] += weight * points[i][d];
         }
       }
       for (size_t d = 0; d < points.stride; ++d) {
-        centroids[c][d] = static_cast<float>(sum[d] / static_cast<double>(groups.size(c)));
+        centroids[c][d] = static_cast<float>(sum[d] / total);
       }
     }
   });
@@ -139,7 +143,8 @@ void draw_evenly(const Vectors& points, const size_t* members, size_t member_cou
   }
 }
 
-Tree plant(const Vectors& points, size_t dimension, size_t size) {
+Tree plant(const Vectors& points, const std::vector<float>& weights, size_t dimension,
+           size_t size) {
   const auto cell_count = static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(size))));
   Tree tree{Vectors(cell_count, dimension), Vectors(size, dimension), {0}};
   std::vector<size_t> all(points.size());
@@ -159,7 +164,7 @@ Tree plant(const Vectors& points, size_t dimension, size_t size) {
   };
   for (int iteration = 0; iteration < kCoarseIterations; ++iteration) {
     assign();
-    move_centroids(points, Groups(nearest, cell_count), tree.cells);
+    move_centroids(points, weights, Groups(nearest, cell_count), tree.cells);
   }
   assign();
 
@@ -168,9 +173,10 @@ Tree plant(const Vectors& points, size_t dimension, size_t size) {
   const Groups groups(nearest, cell_count);
   std::vector<double> errors(cell_count, 0);
   double total = 0;
-  for (const Nearest& n : nearest) {
-    errors[n.index] += n.distance;
-    total += n.distance;
+  for (size_t i = 0; i < nearest.size(); ++i) {
+    const double error = double{weights[i]} * nearest[i].distance;
+    errors[nearest[i].index] += error;
+    total += error;
   }
   for (size_t c = 0; c < cell_count; ++c) {
     const double share = total > 0 ? errors[c] / total : 0;
@@ -186,16 +192,17 @@ Tree plant(const Vectors& points, size_t dimension, size_t size) {
 
 }  // namespace
 
-Palette fit_palette(const std::vector<float>& points, size_t dimension, size_t size) {
+Palette fit_palette(const std::vector<float>& points, const std::vector<float>& weights,
+                    size_t dimension, size_t size) {
   const size_t count = points.size() / dimension;
   Vectors padded(count, dimension);
   for (size_t i = 0; i < count; ++i) {
     std::copy_n(points.begin() + static_cast<std::ptrdiff_t>(i * dimension), dimension, padded[i]);
   }
-  Tree tree = plant(padded, dimension, std::min({size, count, kMaxPaletteSize}));
+  Tree tree = plant(padded, weights, dimension, std::min({size, count, kMaxPaletteSize}));
   std::vector<Nearest> nearest = tree.assign(padded);
   for (int iteration = 0; iteration < kFineIterations; ++iteration) {
-    move_centroids(padded, Groups(nearest, tree.centroids.size()), tree.centroids);
+    move_centroids(padded, weights, Groups(nearest, tree.centroids.size()), tree.centroids);
     nearest = tree.assign(padded);
   }
 

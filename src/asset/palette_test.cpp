@@ -94,34 +94,47 @@ double mean_squared_error(const std::vector<float>& points, const Palette& palet
   return sum / static_cast<double>(points.size());
 }
 
+std::vector<float> equal(size_t count) { return std::vector<float>(count, 1.0f); }
+
 TEST(Palette, FindsClusters) {
   const auto points = clustered_points(8000, 9, 50, 0.01f);
-  const Palette palette = fit_palette(points, 9, 256);
+  const Palette palette = fit_palette(points, equal(points.size() / 9), 9, 256);
   EXPECT_LE(palette.size(), 256u);
   EXPECT_LT(mean_squared_error(points, palette), 1.2e-4);
 }
 
 TEST(Palette, AsManyCentroidsAsPointsIsExact) {
   const auto points = clustered_points(100, 24, 100, 0.0f);
-  const Palette palette = fit_palette(points, 24, 65536);
+  const Palette palette = fit_palette(points, equal(points.size() / 24), 24, 65536);
   EXPECT_LE(palette.size(), 100u);
   EXPECT_LT(mean_squared_error(points, palette), 0.2);
 }
 
 TEST(Palette, ConstantPointsAndOnePoint) {
-  const Palette same = fit_palette(std::vector<float>(9 * 500, 0.25f), 9, 64);
+  const Palette same = fit_palette(std::vector<float>(9 * 500, 0.25f), equal(500), 9, 64);
   EXPECT_EQ(mean_squared_error(std::vector<float>(9 * 500, 0.25f), same), 0);
-  const Palette one = fit_palette(std::vector<float>(45, 1.0f), 45, 64);
+  const Palette one = fit_palette(std::vector<float>(45, 1.0f), equal(1), 45, 64);
   EXPECT_EQ(one.size(), 1u);
   EXPECT_EQ(one.labels, std::vector<std::uint16_t>{0});
+}
+
+TEST(Palette, WhatWeighsMoreIsCloserToItsCentroid) {
+  const auto points = clustered_points(6000, 9, 6000, 1.0f);
+  std::vector<float> weights(6000, 1.0f);
+  std::fill(weights.begin(), weights.begin() + 1500, 50.0f);
+  const auto error_of_the_first = [&](const Palette& palette) {
+    return mean_squared_error({points.begin(), points.begin() + 1500 * 9}, palette);
+  };
+  const double alike = error_of_the_first(fit_palette(points, equal(6000), 9, 256));
+  EXPECT_LT(error_of_the_first(fit_palette(points, weights, 9, 256)), 0.85 * alike);
 }
 
 TEST(Palette, ThreadsDoNotChangeIt) {
   const auto points = clustered_points(5000, 45, 300, 0.1f);
   set_thread_count(1);
-  const Palette one = fit_palette(points, 45, 512);
+  const Palette one = fit_palette(points, equal(points.size() / 45), 45, 512);
   set_thread_count(2);
-  const Palette two = fit_palette(points, 45, 512);
+  const Palette two = fit_palette(points, equal(points.size() / 45), 45, 512);
   set_thread_count(0);
   EXPECT_EQ(one.centroids, two.centroids);
   EXPECT_EQ(one.labels, two.labels);

@@ -32,6 +32,12 @@ constexpr std::uint8_t kFirstRotationTag = 252;
 constexpr float kMaxLogMean = 20;  // ln(|x| + 1), x in metres
 constexpr float kMaxLogScale = 60;
 constexpr float kMaxSh = 1000;
+// Of palettes of colours.
+constexpr size_t kMostSplatsPerCentroid = 16;
+constexpr size_t kFewestSplatsPerCentroid = 2;
+// Between them, splats weigh in a palette by what is seen of them, m²; both far from what occurs.
+constexpr float kLeastArea = 1e-18f;
+constexpr float kLargestArea = 1e6f;
 
 int image_width(size_t count) {
   return 4 * static_cast<int>(std::ceil(std::sqrt(static_cast<double>(count)) / 4));
@@ -118,7 +124,15 @@ json to_json(const std::array<float, 256>& values) {
   return result;
 }
 
-/// The images of a SOG while it is made; encoded all at once at the end.
+/// RGB coefficients of every splat that lie in successive planes and are kept as a palette.
+struct ColorSets {
+  int first;  // plane
+  size_t coefficients;
+  int bands;
+  std::string key;
+};
+
+/// The images of a SOG while it is made.
 struct Writer {
   const Gaussians& g;
   json& meta;
@@ -207,22 +221,22 @@ struct Writer {
     images.emplace_back("sh0.webp", std::move(image));
   }
 
-  /// What `coefficients` RGB coefficients from plane `first` are, as a palette of whole sets.
-  void add_color_sets(int first, size_t coefficients, int bands, const std::string& key) {
-    const size_t dimension = 3 * coefficients;
+  /// A palette of at most `size` whole sets of coefficients.
+  void add_color_sets(const ColorSets& sets, size_t size) {
+    const size_t dimension = 3 * sets.coefficients;
     std::vector<float> points(g.size() * dimension);
     for (size_t d = 0; d < dimension; ++d) {
-      const float* plane = g.plane(first + static_cast<int>(d));
+      const float* plane = g.plane(sets.first + static_cast<int>(d));
       for (size_t i = 0; i < g.size(); ++i) {
         points[i * dimension + d] = std::clamp(plane[i], -kMaxSh, kMaxSh);
       }
     }
-    const Palette palette = fit_palette(points, dimension, palette_size(g.size()));
+    const Palette palette = fit_palette(points, seen_areas(), dimension, size);
     const Codebook codebook = fit_codebook(palette.centroids);
 
     const auto rows = static_cast<int>((palette.size() + kCentroidsPerRow - 1) / kCentroidsPerRow);
-    Texels centroids(kCentroidsPerRow * static_cast<int>(coefficients), rows);
-    for (size_t k = 0; k < palette.size() * coefficients; ++k) {
+    Texels centroids(kCentroidsPerRow * static_cast<int>(sets.coefficients), rows);
+    for (size_t k = 0; k < palette.size() * sets.coefficients; ++k) {
       for (size_t c = 0; c < 3; ++c) {
         centroids.rgba[4 * k + c] = codebook.nearest(palette.centroids[3 * k + c]);
       }
@@ -232,25 +246,70 @@ struct Writer {
       labels.rgba[4 * i] = static_cast<std::uint8_t>(palette.labels[i]);
       labels.rgba[4 * i + 1] = static_cast<std::uint8_t>(palette.labels[i] >> 8);
     }
-    const std::string centroids_file = key + "_centroids.webp";
-    const std::string labels_file = key + "_labels.webp";
-    meta[key] = {{"count", palette.size()},
-                 {"bands", bands},
-                 {"codebook", to_json(codebook.values)},
-                 {"files", {centroids_file, labels_file}}};
+    const std::string centroids_file = sets.key + "_centroids.webp";
+    const std::string labels_file = sets.key + "_labels.webp";
+    meta[sets.key] = {{"count", palette.size()},
+                      {"bands", sets.bands},
+                      {"codebook", to_json(codebook.values)},
+                      {"files", {centroids_file, labels_file}}};
     images.emplace_back(centroids_file, std::move(centroids));
     images.emplace_back(labels_file, std::move(labels));
   }
 
-  /// One centroid for about 16 splats, as a power of two.
-  static size_t palette_size(size_t splats) {
-    size_t size = 64;
-    while (size < kMaxPaletteSize && 16 * size < splats) {
-      size *= 2;
+  /// How much of an error of each splat's colour is seen: its area where it is broadest, times its
+  /// opacity.
+  std::vector<float> seen_areas() const {
+    std::vector<float> areas(g.size());
+    for (size_t i = 0; i < g.size(); ++i) {
+      const Vec3 scale = g.scale(i);
+      const float thickness = std::min({scale.x, scale.y, scale.z});
+      const float area = scale.x * scale.y * scale.z / thickness * g.opacity(i);
+      areas[i] = area > kLeastArea ? std::min(area, kLargestArea) : kLeastArea;
     }
-    return size;
+    return areas;
+  }
+
+  /// Encodes the images so far and forgets them.
+  std::vector<ZipEntry> encode() {
+    std::vector<ZipEntry> files(images.size());
+    parallel_for(images.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        files[k] = {images[k].first, encode_webp(images[k].second)};
+      }
+    });
+    images.clear();
+    return files;
   }
 };
+
+/// A power of two of centroids that leaves each no more splats than that, if a palette may be so
+/// large.
+size_t palette_size(size_t splats, size_t splats_per_centroid) {
+  size_t size = 64;
+  while (size < kMaxPaletteSize && splats_per_centroid * size < splats) {
+    size *= 2;
+  }
+  return size;
+}
+
+/// What palettes of that size hardly take less than: fitting one to see takes seconds.
+size_t fewest_bytes(const std::vector<ColorSets>& all_sets, size_t splats, size_t size) {
+  constexpr double kLeastOfRaw = 0.75;
+  double raw = 0;
+  for (const ColorSets& sets : all_sets) {
+    raw += static_cast<double>(splats) * std::log2(size) / 8 +
+           static_cast<double>(size * 3 * sets.coefficients);
+  }
+  return static_cast<size_t>(kLeastOfRaw * raw);
+}
+
+size_t total_bytes(const std::vector<ZipEntry>& files) {
+  size_t sum = 0;
+  for (const ZipEntry& file : files) {
+    sum += file.bytes.size();
+  }
+  return sum;
+}
 
 // ---- reading ------------------------------------------------------------------------------------
 
@@ -468,7 +527,7 @@ class Decoder {
 Texels splat_texels(size_t count) { return {image_width(count), image_height(count)}; }
 
 json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
-                std::vector<size_t>* order) {
+                std::vector<size_t>* order, size_t room) {
   require_writable_values(gaussians);
   std::vector<size_t> morton = morton_order(gaussians);
   const Gaussians ordered = gaussians.gather(morton);
@@ -483,22 +542,33 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
   writer.add_scales();
   writer.add_rotations();
   writer.add_colors();
+  std::vector<ZipEntry> encoded = writer.encode();
+  const size_t taken = total_bytes(encoded);
+  std::move(encoded.begin(), encoded.end(), std::back_inserter(files));
+
+  std::vector<ColorSets> all_sets;
   if (ordered.sh_degree() > 0) {
-    writer.add_color_sets(Gaussians::kSh + 3,
-                          static_cast<size_t>(sh_coefficients(ordered.sh_degree())) - 1,
-                          ordered.sh_degree(), kShKey);
+    all_sets.push_back({Gaussians::kSh + 3,
+                        static_cast<size_t>(sh_coefficients(ordered.sh_degree())) - 1,
+                        ordered.sh_degree(), kShKey});
   }
   if (ordered.has_face_colors()) {
-    writer.add_color_sets(ordered.face(), sh_coefficients(Gaussians::kFaceDegree),
-                          Gaussians::kFaceDegree, kFaceKey);
+    all_sets.push_back({ordered.face(), sh_coefficients(Gaussians::kFaceDegree),
+                        Gaussians::kFaceDegree, kFaceKey});
   }
-  const size_t first = files.size();
-  files.resize(first + writer.images.size());
-  parallel_for(writer.images.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      files[first + k] = {writer.images[k].first, encode_webp(writer.images[k].second)};
+  const size_t least = palette_size(ordered.size(), kMostSplatsPerCentroid);
+  size_t size = palette_size(ordered.size(), kFewestSplatsPerCentroid);
+  while (size > least && taken + fewest_bytes(all_sets, ordered.size(), size) > room) {
+    size /= 2;
+  }
+  do {
+    for (const ColorSets& sets : all_sets) {
+      writer.add_color_sets(sets, size);
     }
-  });
+    encoded = writer.encode();
+    size /= 2;
+  } while (size >= least && taken + total_bytes(encoded) > room);
+  std::move(encoded.begin(), encoded.end(), std::back_inserter(files));
   return meta;
 }
 

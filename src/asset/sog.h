@@ -23,10 +23,11 @@ constexpr size_t kMaxSplats = size_t{4} << 20;
 /// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
 /// meta.json; face colours are a key of our own in it. Splats come out in Morton order; the result
 /// depends neither on the order they came in nor on the number of threads. `order`, unless null, is
-/// set to the index in `gaussians` of each splat of the SOG. Throws Error if there are none, too
-/// many, or one that is not finite.
+/// set to the index in `gaussians` of each splat of the SOG. Colours above degree 0 are a palette
+/// with a centroid for every 16 splats, or for as few as 2 where the images then take no more than
+/// `room` bytes. Throws Error if there are no splats, too many, or one that is not finite.
 nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
-                          std::vector<size_t>* order = nullptr);
+                          std::vector<size_t>* order = nullptr, size_t room = 0);
 
 /// An image of a SOG with a texel for each of `count` splats, all (0, 0, 0, 255).
 Texels splat_texels(size_t count);

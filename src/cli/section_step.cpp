@@ -29,19 +29,17 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
 }
 
 void add_section_coding(CLI::App& command, SectionChoice& choice) {
-  CLI::Option* const quality =
-      command
-          .add_option("--section-quality", choice.coding.quality,
-                      "Of the section's image in the case: 100 is lossless (default: the best that "
-                      "--max-mb leaves room for, 90 at least)")
-          ->check(CLI::Range(1.0, 100.0));
+  command
+      .add_option("--section-quality", choice.coding.section_quality,
+                  "Of the section's image in the case: 100 is lossless (default: the best that "
+                  "--max-mb leaves room for, 90 at least)")
+      ->check(CLI::Range(1.0, 100.0));
   command
       .add_option_function<double>(
-          "--max-mb",
-          [&choice](double mb) { choice.coding.case_bytes = static_cast<size_t>(1e6 * mb); },
-          "What the case should take at most, MB (default 5)")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->excludes(quality);
+          "--max-mb", [&choice](double mb) { choice.coding.bytes = static_cast<size_t>(1e6 * mb); },
+          "What the case should take at most, MB; less loses more of the section and of the "
+          "splats' colours (default 5)")
+      ->check(CLI::Range(0.0, 1000.0));
 }
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {

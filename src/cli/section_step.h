@@ -17,7 +17,7 @@ namespace clipgs {
 struct SectionChoice {
   int size = SectionOptions().size;  ///< voxels along each side, at most
   bool none = false;
-  SectionCoding coding;
+  CaseCoding coding;
 };
 
 void add_section_options(CLI::App& command, SectionChoice& choice);
