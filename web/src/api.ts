@@ -5,6 +5,7 @@ import { type Cut, makeCut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
 import type { Plane, Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
+import { lengthsOf } from "./model/pins";
 import type { Mode, PlaneStates } from "./model/states";
 import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
@@ -45,12 +46,15 @@ export interface ClipgsApi {
   setGrey(grey: number): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: Window | null): void;
-  /** Marks a point with its value, 20 of them at most; false where there is none: outside and in air. */
-  addPin(point: Triple): boolean;
+  /** Marks a point with its value, 20 of them at most, and measures from the pin before it where it is `joined`; false
+   * where there is no value: outside and in air. */
+  addPin(point: Triple, joined?: boolean): boolean;
   /** By its index in `pins`. */
   removePin(index: number): void;
   /** What is marked, the oldest first, with `text` as the page shows it. */
-  readonly pins: { point: Triple; value: number; error: number; text: string }[];
+  readonly pins: { point: Triple; value: number; error: number; text: string; joined: boolean }[];
+  /** What is measured between pins, mm. */
+  readonly lengths: { from: Triple; to: Triple; mm: number }[];
   /** What is shown. */
   readonly state: {
     case: string | null;
@@ -123,7 +127,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
-    addPin: (point) => viewer.addPin(new Vector3(...point)),
+    addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
     removePin: (index) => viewer.removePin(index),
     get pins() {
       return viewer.state.pins.map((pin) => ({
@@ -131,6 +135,14 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
         value: pin.value,
         error: pin.error,
         text: valueText(viewer.section!, pin),
+        joined: pin.joined,
+      }));
+    },
+    get lengths() {
+      return lengthsOf(viewer.state.pins).map(({ from, to, mm }) => ({
+        from: from.toArray(),
+        to: to.toArray(),
+        mm,
       }));
     },
     get state() {

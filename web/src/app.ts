@@ -1,6 +1,7 @@
 import { Actions } from "./actions";
 import { type CaseSummary, fetchCases, formatBytes, formatCount } from "./model/case_list";
 import { formatLink, parseLink } from "./model/link";
+import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
 import { h, icon, kIcons } from "./ui/dom";
@@ -26,6 +27,7 @@ export class App {
   readonly viewer: Viewer;
   readonly headset: Headset;
   readonly actions: Actions;
+  readonly marking = new Marking((point, joined) => this.viewer.addPin(point, joined));
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
@@ -57,13 +59,13 @@ export class App {
     root.append(canvas);
     this.viewer = new Viewer(canvas);
     this.actions = new Actions(this.viewer);
-    this.headset = new Headset(this.viewer, this.actions, {
+    this.headset = new Headset(this.viewer, this.actions, this.marking, {
       cases: () => this.#fetchCases(),
       open: (name) => this.open(name),
     });
     this.headset.changed = () => this.#update();
-    this.#overlay = new FaceOverlay(this.viewer);
-    this.#facePanel = new FacePanel(this.viewer, this.#overlay.button);
+    this.#overlay = new FaceOverlay(this.viewer, this.marking);
+    this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
     this.#panel = new PlanePanel(this.viewer, this.actions, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     root.append(
@@ -281,8 +283,7 @@ export class App {
   }
 
   #link(): string {
-    const { view, mode, cuts, clip, section, grey, window } = this.viewer.state;
-    const pins = this.viewer.state.pins.map((pin) => pin.point);
+    const { view, mode, cuts, clip, section, grey, window, pins } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
     const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
     const style = grey > 0 ? { grey, window: window ?? undefined } : {};
@@ -375,8 +376,9 @@ export class App {
       b: () => this.actions.toggleSlab(),
       g: () => this.actions.toggleGrey(),
       w: () => this.actions.nextWindow(),
-      i: () => this.#overlay.pin(),
-      escape: () => this.#overlay.cancel(),
+      i: () => this.#overlay.mark("pin"),
+      l: () => this.#overlay.mark("length"),
+      escape: () => this.marking.toggle(null),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
       r: () => this.actions.reset(),
       m: () => void this.#showMenu(),

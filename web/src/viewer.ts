@@ -14,6 +14,8 @@ import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import type { Window } from "./model/grey";
+import type { LinkPin } from "./model/link";
+import { type Pin, withoutPin, withPin } from "./model/pins";
 import type { Grip } from "./model/plane_drag";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
@@ -34,7 +36,7 @@ export interface ViewerState extends Style {
   active: number; // the cut that is moved, by its index
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
-  pins: readonly Reading[]; // points that are marked, the oldest first
+  pins: readonly Pin[]; // points that are marked, the oldest first
 }
 
 /** What the last frames cost. */
@@ -55,8 +57,6 @@ const kSettleMs = 160;
 const kFrameMs = 30;
 const kMinScale = 0.35;
 const kMaxPixelRatio = 2;
-/** Of one case. */
-const kMaxPins = 20;
 /** A pin belongs to a face this near to it, mm. */
 const kPinReach = 1;
 const kMmFromWorld = kWorldFromPatient.clone().invert();
@@ -305,30 +305,32 @@ export class Viewer {
     this.#touch();
   }
 
-  /** Marks a point (RAS mm); the oldest pin goes where there are too many. Returns whether it has a value. */
-  addPin(point: Vector3): boolean {
-    const pin = this.section && readSection(this.section, point);
-    if (pin) {
-      this.#setPins([...this.state.pins, pin]);
+  /**
+   * Marks a point (RAS mm), `joined`: measured from the pin before it. The oldest pin goes where there are too many.
+   * Returns whether the point has a value; none is marked else.
+   */
+  addPin(point: Vector3, joined = false): boolean {
+    const reading = this.section && readSection(this.section, point);
+    if (reading) {
+      this.#setPins(withPin(this.state.pins, { ...reading, joined }));
     }
-    return pin !== null;
+    return reading !== null;
   }
 
-  /** Marks these points (RAS mm) alone, without those that have no value. */
-  setPins(points: readonly Vector3[]): void {
-    const { section } = this;
-    const readings = section ? points.map((point) => readSection(section, point)) : [];
-    this.#setPins(readings.filter((reading) => reading !== null));
+  /** Marks these points alone, without those that have no value. */
+  setPins(pins: readonly LinkPin[]): void {
+    this.#setPins([]);
+    pins.forEach(({ point, joined }) => this.addPin(point, joined));
   }
 
   removePin(index: number): void {
-    this.#setPins(this.state.pins.filter((_, i) => i !== index));
+    this.#setPins(withoutPin(this.state.pins, index));
   }
 
-  /** Whether a pin lies on a face that is seen. */
-  showsPin({ point }: Reading): boolean {
+  /** Whether a pin lies on a face that is seen, from `eye` (RAS mm). */
+  showsPin({ point }: Reading, eye = this.#eye): boolean {
     const { section } = this;
-    return section !== null && isOnFace(section, this.#facePlanes, this.#eye, point, kPinReach);
+    return section !== null && isOnFace(section, this.#facePlanes, eye, point, kPinReach);
   }
 
   setHover(grip: Grip | null): void {
@@ -398,8 +400,13 @@ export class Viewer {
 
   /** What the face under a place on the canvas (CSS px) shows there; null where there is no face or only air. */
   readingAt(x: number, y: number): Reading | null {
+    return this.readingAlong(this.ray(x, y));
+  }
+
+  /** The same of the face that a ray (RAS mm) meets. */
+  readingAlong(ray: Ray): Reading | null {
     const { section } = this;
-    const point = section && faceUnder(section, this.#facePlanes, this.ray(x, y));
+    const point = section && faceUnder(section, this.#facePlanes, ray);
     return point && readSection(section, point);
   }
 
@@ -473,8 +480,8 @@ export class Viewer {
   }
 
   /** Pins lie over the picture, which stays as it is. */
-  #setPins(pins: readonly Reading[]): void {
-    this.state.pins = pins.slice(-kMaxPins);
+  #setPins(pins: readonly Pin[]): void {
+    this.state.pins = pins;
     this.#canvasStale = true;
     this.changed();
   }

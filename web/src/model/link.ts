@@ -4,7 +4,11 @@ import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { canDraw, type Cut, makeCut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
 import type { Window } from "./grey";
+import type { Pin } from "./pins";
 import { type View, viewFrom } from "./view";
+
+/** A marked point, RAS mm; `joined`: measured from the one before it. */
+export type LinkPin = Pick<Pin, "point" | "joined">;
 
 /** What a link to the viewer may hold, as the options of `clipgs render` write it; all of it optional. */
 export interface Link {
@@ -17,7 +21,7 @@ export interface Link {
   section?: FaceSource;
   grey?: number;
   window?: Window;
-  pins?: readonly Vector3[]; // RAS mm
+  pins?: readonly LinkPin[];
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -50,8 +54,20 @@ function parseCuts(parameters: URLSearchParams): Cut[] | null {
   return cuts.length > 0 && canDraw(cuts) ? cuts : null;
 }
 
+/** All pins, in their order. */
+function parsePins(parameters: URLSearchParams): LinkPin[] {
+  const pins: LinkPin[] = [];
+  for (const [key, text] of parameters) {
+    const at = key === "pin" || key === "to" ? numbers(text, 3, 3) : null;
+    if (at) {
+      pins.push({ point: new Vector3().fromArray(at), joined: key === "to" });
+    }
+  }
+  return pins;
+}
+
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -94,9 +110,9 @@ export function parseLink(hash: string): Link {
   if (window && window[1]! > 0) {
     link.window = { center: window[0]!, width: window[1]! };
   }
-  const pins = parameters.getAll("pin").flatMap((text) => numbers(text, 3, 3) ?? []);
+  const pins = parsePins(parameters);
   if (pins.length > 0) {
-    link.pins = Array.from({ length: pins.length / 3 }, (_, i) => new Vector3().fromArray(pins, 3 * i));
+    link.pins = pins;
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -153,8 +169,8 @@ export function formatLink(link: Link): string {
   if (link.window) {
     parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);
   }
-  for (const pin of link.pins ?? []) {
-    parts.push(`pin=${pin.toArray().map((v) => rounded(v, 2))}`);
+  for (const { point, joined } of link.pins ?? []) {
+    parts.push(`${joined ? "to" : "pin"}=${point.toArray().map((v) => rounded(v, 2))}`);
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

@@ -19,18 +19,24 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** An element of a drawing. */
+export function svg<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, string> = {},
+  ...children: Node[]
+): SVGElementTagNameMap[K] {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
 /** A drawing of the icon set: paths in a 24 × 24 box, stroked in the text's colour. */
 export function icon(paths: string): SVGSVGElement {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 24 24");
-  svg.setAttribute("aria-hidden", "true");
-  svg.classList.add("icon");
-  for (const d of paths.split("|")) {
-    const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-    path.setAttribute("d", d);
-    svg.append(path);
-  }
-  return svg;
+  const lines = paths.split("|").map((d) => svg("path", { d }));
+  return svg("svg", { viewBox: "0 0 24 24", "aria-hidden": "true", class: "icon" }, ...lines);
 }
 
 export const kIcons = {
@@ -43,6 +49,7 @@ export const kIcons = {
   redo: "M15.500 5l4 4-4 4|M19.500 9h-9a5.500 5.500 0 0 0 0 11h4",
   eye: "M2.500 12s3.500-6.500 9.500-6.500 9.500 6.500 9.500 6.500-3.500 6.500-9.500 6.500-9.500-6.500-9.500-6.500z|M12 9.200a2.800 2.800 0 1 0 0 5.600 2.800 2.800 0 0 0 0-5.600z",
   pin: "M12 21s-6.500-6.200-6.500-11a6.500 6.500 0 0 1 13 0c0 4.800-6.500 11-6.500 11z|M12 7.800a2.200 2.200 0 1 0 0 4.400 2.200 2.200 0 0 0 0-4.400z",
+  length: "M5 4v16|M19 4v16|M5 12h14|M8 9l-3 3 3 3|M16 9l3 3-3 3",
   slab: "M3 9l9-4 9 4-9 4z|M3 15l9 4 9-4",
   plus: "M12 5v14|M5 12h14",
   minus: "M5 12h14",

@@ -1,7 +1,8 @@
-import { barLength, directionLetters, pointText, type Reading, valueText } from "../model/values";
+import { type Length, lengthsOf, lengthText, type Mark, type Marking, type Pin } from "../model/pins";
+import { barLength, directionLetters, pointText, valueText } from "../model/values";
 import { cameraAxes, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
-import { h, icon, kIcons } from "./dom";
+import { h, icon, kIcons, svg } from "./dom";
 
 // No wider, CSS px.
 const kReadoutWidth = 300;
@@ -16,8 +17,8 @@ interface Place {
 }
 
 /**
- * What is said about faces over their picture: the value under the pointer, pins, and where faces are grey, a scale
- * bar, the window, and where in the patient the picture's edges are.
+ * What is said about faces over their picture: the value under the pointer, pins, lengths between them, and where faces
+ * are grey, a scale bar, the window, and where in the patient the picture's edges are.
  */
 export class FaceOverlay {
   readonly element: HTMLElement;
@@ -26,6 +27,8 @@ export class FaceOverlay {
   readonly #point = h("span");
   readonly #readout: HTMLElement;
   readonly #pins = h("div", { role: "list", "aria-label": "Pins" });
+  readonly #lines = svg("svg", { "aria-hidden": "true" });
+  readonly #lengths = h("div", { role: "list", "aria-label": "Lengths" });
   readonly #letters = kEdges.map((edge) => h("span", { class: edge }));
   readonly #bar = h("i");
   readonly #length = h("span");
@@ -36,35 +39,46 @@ export class FaceOverlay {
     ...this.#letters,
     h("div", { class: "scale" }, this.#window, this.#length, this.#bar),
   );
-  /** Makes the next click on a face put a pin there. */
-  readonly button: HTMLButtonElement;
-  #shownPins: readonly Reading[] = [];
+  /** Of what the next click on a face marks. */
+  readonly buttons: HTMLElement;
+  readonly #marking: Marking;
+  #shownPins: readonly Pin[] = [];
+  #shownLengths: readonly Length[] = [];
   #pointer: Place | null = null; // over the canvas, with no button pressed
 
-  constructor(viewer: Viewer) {
+  constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
+    this.#marking = marking;
     this.#readout = h(
       "output",
       { class: "reading", "aria-label": "Value under the pointer", "aria-live": "off", hidden: true },
       this.#value,
       this.#point,
     );
-    this.element = h("div", { class: "overlay" }, this.#marks, this.#pins, this.#readout);
-    this.button = h(
-      "button",
-      {
-        class: "small",
-        title: "Mark a point of a face with its value (I)",
-        "aria-pressed": "false",
-        onclick: () => this.#await(!this.#awaiting),
-      },
-      icon(kIcons.pin),
-      "Pin",
+    this.element = h(
+      "div",
+      { class: "overlay" },
+      this.#marks,
+      this.#lines,
+      this.#lengths,
+      this.#pins,
+      this.#readout,
     );
+    const marks: Record<Mark, HTMLButtonElement> = {
+      pin: this.#button("pin", "Pin", "Mark a point of a face with its value (I)"),
+      length: this.#button("length", "Measure", "Measure between two points of faces (L)"),
+    };
+    this.buttons = h("span", { class: "tools" }, marks.pin, marks.length);
+    marking.changed = () => {
+      viewer.canvas.classList.toggle("marking", marking.mark !== null);
+      for (const [mark, button] of Object.entries(marks)) {
+        button.setAttribute("aria-pressed", String(mark === marking.mark));
+      }
+    };
     const { canvas } = viewer;
-    // Before other listeners: the click that puts a pin does nothing else.
+    // Before other listeners: the click that marks a point does nothing else.
     canvas.addEventListener("pointerdown", (event) => {
-      if (this.#awaiting && event.button === 0 && this.#pinAt(this.#placeOf(event))) {
+      if (marking.mark && event.button === 0 && this.#markAt(this.#placeOf(event), marking.mark)) {
         event.stopImmediatePropagation();
       }
     });
@@ -77,32 +91,29 @@ export class FaceOverlay {
     }
   }
 
-  /** Pins the point under the pointer, or else the one of the next click on a face. */
-  pin(): void {
-    if (!this.#pointer || !this.#pinAt(this.#pointer)) {
-      this.#await(!this.#awaiting);
+  /** Marks the point under the pointer, or else the one of the next click on a face. */
+  mark(mark: Mark): void {
+    const other = this.#marking.mark !== null && this.#marking.mark !== mark;
+    if (other || !this.#pointer || !this.#markAt(this.#pointer, mark)) {
+      this.#marking.toggle(mark);
     }
-  }
-
-  /** No click is waited for any more. */
-  cancel(): void {
-    this.#await(false);
   }
 
   /** After every frame. */
   update(): void {
     this.#updateMarks();
     this.#updatePins();
+    this.#updateLengths();
     this.#updateReadout();
   }
 
-  get #awaiting(): boolean {
-    return this.button.getAttribute("aria-pressed") === "true";
-  }
-
-  #await(click: boolean): void {
-    this.button.setAttribute("aria-pressed", String(click));
-    this.#viewer.canvas.classList.toggle("pinning", click);
+  #button(mark: Mark, text: string, title: string): HTMLButtonElement {
+    return h(
+      "button",
+      { class: "small", title, "aria-pressed": "false", onclick: () => this.#marking.toggle(mark) },
+      icon(kIcons[mark]),
+      text,
+    );
   }
 
   #placeOf(event: PointerEvent): Place {
@@ -110,14 +121,10 @@ export class FaceOverlay {
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
-  /** Whether there was something to pin. */
-  #pinAt({ x, y }: Place): boolean {
+  /** Whether there was something to mark. */
+  #markAt({ x, y }: Place, mark: Mark): boolean {
     const reading = this.#viewer.readingAt(x, y);
-    const pinned = reading !== null && this.#viewer.addPin(reading.point);
-    if (pinned) {
-      this.#await(false);
-    }
-    return pinned;
+    return reading !== null && this.#marking.put(reading.point, mark);
   }
 
   #updateMarks(): void {
@@ -150,7 +157,14 @@ export class FaceOverlay {
     const { pins } = viewer.state;
     if (pins !== this.#shownPins) {
       this.#shownPins = pins;
-      this.#pins.replaceChildren(...pins.map((pin, i) => this.#mark(pin, i)));
+      this.#pins.replaceChildren(...pins.map((pin, i) => this.#pin(pin, i)));
+      this.#shownLengths = lengthsOf(pins);
+      this.#lengths.replaceChildren(
+        ...this.#shownLengths.map((length) =>
+          h("div", { class: "length", role: "listitem" }, lengthText(length)),
+        ),
+      );
+      this.#lines.replaceChildren(...this.#shownLengths.map(() => svg("line")));
     }
     pins.forEach((pin, i) => {
       const mark = this.#pins.children[i] as HTMLElement;
@@ -164,7 +178,23 @@ export class FaceOverlay {
     });
   }
 
-  #mark(pin: Reading, index: number): HTMLElement {
+  #updateLengths(): void {
+    this.#shownLengths.forEach(({ from, to }, i) => {
+      const [a, b] = [this.#viewer.project(from), this.#viewer.project(to)];
+      const [line, text] = [this.#lines.children[i]!, this.#lengths.children[i] as HTMLElement];
+      text.hidden = !a || !b;
+      line.toggleAttribute("hidden", text.hidden);
+      if (a && b) {
+        [a, b].forEach(({ x, y }, end) => {
+          line.setAttribute(`x${end + 1}`, x.toFixed(1));
+          line.setAttribute(`y${end + 1}`, y.toFixed(1));
+        });
+        place(text, { x: 0.5 * (a.x + b.x), y: 0.5 * (a.y + b.y) });
+      }
+    });
+  }
+
+  #pin(pin: Pin, index: number): HTMLElement {
     const text = valueText(this.#viewer.section!, pin);
     const where = pointText(pin.point);
     return h(

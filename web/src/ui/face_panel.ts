@@ -17,15 +17,15 @@ export class FacePanel {
   readonly #grey: HTMLInputElement;
   readonly #blend: HTMLElement;
   readonly #window: HTMLElement;
-  readonly #pin: HTMLElement;
+  readonly #marks: HTMLElement;
   readonly #presets = h("div", { class: "segments fit", role: "group", "aria-label": "Window" });
   readonly #center = this.#number("Centre of the window");
   readonly #width = this.#number("Width of the window");
   #windows: ReadonlyMap<string, Window> = new Map();
   #shown = "";
 
-  /** `pin` is the button that marks points of faces. */
-  constructor(viewer: Viewer, pin: HTMLElement) {
+  /** `marks` are the buttons that mark points of faces. */
+  constructor(viewer: Viewer, marks: HTMLElement) {
     this.#viewer = viewer;
     for (const [name, hint] of Object.entries(kSources) as [FaceSource, string][]) {
       const label = name === "volume" ? "Volume" : "Splats";
@@ -51,11 +51,11 @@ export class FacePanel {
         h("label", {}, "Width", this.#width),
       ),
     );
-    this.#pin = pin;
+    this.#marks = marks;
     this.element = h(
       "div",
       {},
-      h("div", { class: "titled" }, h("h3", {}, "Cut face"), pin),
+      h("div", { class: "titled" }, h("h3", {}, "Cut face"), marks),
       h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#sources.values()),
       this.#noSection,
       this.#blend,
@@ -79,7 +79,7 @@ export class FacePanel {
     }
     this.#noSection.textContent = noSection ?? "";
     this.#noSection.hidden = !noSection;
-    this.#pin.hidden = noSection !== null;
+    this.#marks.hidden = noSection !== null;
     this.#blend.hidden = source === "splats";
     this.#grey.value = String(grey);
     this.#window.hidden = source === "splats" || grey === 0 || !window;

@@ -18,6 +18,7 @@ const kHelp: [string, string][] = [
   ["G", "faces cinematic or grey"],
   ["W", "next window of grey values"],
   ["I", "pin the value under the pointer; a click on it removes it"],
+  ["L", "measure from the point under the pointer to the next one"],
   ["H", "show or hide the handle"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],

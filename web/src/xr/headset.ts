@@ -3,6 +3,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 import type { Actions } from "../actions";
 import type { OpenCase } from "../render/open_case";
 import { type Picture, pictureOf } from "../render/splat_layer";
+import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
@@ -51,6 +52,7 @@ export class Headset {
   panel: Panel | null = null;
   readonly #viewer: Viewer;
   readonly #actions: Actions;
+  readonly #marking: Marking;
   readonly #host: Pick<PanelHost, "cases" | "open">;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
@@ -62,13 +64,14 @@ export class Headset {
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
-  constructor(viewer: Viewer, actions: Actions, host: Pick<PanelHost, "cases" | "open">) {
+  constructor(viewer: Viewer, actions: Actions, marking: Marking, host: Pick<PanelHost, "cases" | "open">) {
     this.#viewer = viewer;
     this.#actions = actions;
+    this.#marking = marking;
     this.#host = host;
     const onPage = actions.lookingFrom;
     actions.lookingFrom = () => this.#lookingFrom ?? onPage();
-    this.stage = new Stage(viewer);
+    this.stage = new Stage(viewer, marking);
     const { xr } = viewer.renderer;
     this.#hands = [0, 1].map(
       (index) =>
@@ -145,7 +148,7 @@ export class Headset {
     if (!this.panel) {
       prepareRenderer(this.#viewer.renderer);
       const { stage } = this;
-      this.panel = new Panel(this.#viewer, this.#actions, {
+      this.panel = new Panel(this.#viewer, this.#actions, this.#marking, {
         ...this.#host,
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),
@@ -170,6 +173,7 @@ export class Headset {
   }
 
   #takenOff(): void {
+    this.#marking.toggle(null);
     const { renderer } = this.#viewer;
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
@@ -197,10 +201,10 @@ export class Headset {
       this.stage.place(middle, this.#forward);
       this.#placePanel();
     }
-    this.panel?.update(time, middle);
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time));
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
     this.stage.update(time, middle, pixelAngle);
+    this.panel?.update(time, middle);
     if (this.#shown) {
       this.#prepare(this.#shown, camera, width, height);
     }

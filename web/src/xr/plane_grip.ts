@@ -71,7 +71,10 @@ export class PlaneGrip {
   readonly #store: HandleStore<unknown>;
   readonly #filter = new PoseFilter();
   readonly #release: () => void;
-  #locked = false;
+  /** Whether hands go through the plane, to the case. */
+  locked = false;
+  /** Whether hands meet it at all now. */
+  enabled = true;
   #time = 0;
   #holding: Hand | null = null;
   #sphere: Sphere = { center: new Vector3(), radius: 1 };
@@ -93,16 +96,6 @@ export class PlaneGrip {
     this.#release = this.#store.bind(this.#disc);
   }
 
-  /** Whether hands go through the plane, to the case. */
-  get locked(): boolean {
-    return this.#locked;
-  }
-
-  set locked(locked: boolean) {
-    this.#locked = locked;
-    this.#disc.pointerEvents = locked ? "none" : "auto";
-  }
-
   get holding(): Hand | null {
     return this.#holding;
   }
@@ -117,6 +110,7 @@ export class PlaneGrip {
     const seconds = Math.min(0.1, 0.001 * (time - this.#time));
     this.#time = time;
     this.#disc.visible = cut !== null;
+    this.#disc.pointerEvents = this.locked || !this.enabled ? "none" : "auto";
     if (!cut) {
       this.#store.cancel();
       return;

@@ -4,8 +4,11 @@ import { BoxGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Sc
 
 import { kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
+import type { Marking } from "../model/pins";
+import type { Reading } from "../model/values";
 import { PlaneWidget } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
+import { FaceTarget } from "./face_target";
 import { handOf } from "./hand";
 import { PlaneGrip } from "./plane_grip";
 
@@ -24,6 +27,8 @@ const kClear = 0.35;
 export class Stage {
   readonly scene = new Scene();
   readonly grip: PlaneGrip;
+  /** Of the last frame. */
+  readonly roomFromPatient = new Matrix4();
   readonly #anchor = new Group(); // what hands move: its origin is the case's middle
   readonly #body = new Group(); // the viewer's world
   readonly #box: Mesh<BoxGeometry, MeshBasicMaterial>;
@@ -31,10 +36,15 @@ export class Stage {
   readonly #store: HandleStore<unknown>;
   readonly #release: () => void;
   readonly #viewer: Viewer;
+  readonly #marking: Marking;
+  readonly #target: FaceTarget;
+  readonly #patientFromRoom = new Matrix4();
   #case: OpenCase | null = null;
 
-  constructor(viewer: Viewer) {
+  constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
+    this.#marking = marking;
+    this.#target = new FaceTarget(viewer, marking, this.roomFromPatient);
     this.grip = new PlaneGrip(viewer);
     const unseen = new MeshBasicMaterial();
     unseen.visible = false;
@@ -43,7 +53,7 @@ export class Stage {
     this.#body.matrixAutoUpdate = false;
     this.#body.add(this.#box, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor);
+    this.scene.add(this.#anchor, this.#target);
     this.#store = new HandleStore(this.#anchor, () => ({
       scale: { uniform: true },
       apply: (state, target) => this.#moveCase(state, target),
@@ -54,6 +64,11 @@ export class Stage {
   /** Whether an object is the case, as hands meet it. */
   isCase(object: Object3D): boolean {
     return object === this.#box;
+  }
+
+  /** What is pointed at, while points are marked. */
+  get reading(): Reading | null {
+    return this.#target.reading;
   }
 
   /** Of life size. */
@@ -112,10 +127,17 @@ export class Stage {
   update(time: number, eye: Vector3, pixelAngle: number): void {
     this.#store.update(time);
     this.grip.update(time);
+    const marking = this.#marking.mark !== null;
+    this.#target.visible = marking;
+    this.#target.pointerEvents = marking ? "auto" : "none";
+    this.#box.pointerEvents = marking ? "none" : "auto";
+    this.grip.enabled = !marking;
     const { state, cut } = this.#viewer;
     this.#widget.setPlane(state.handle && this.#case ? cut : null);
     this.#widget.setHover(this.grip.holding ? "rim" : null);
     this.scene.updateMatrixWorld();
+    this.roomFromPatient.multiplyMatrices(this.#body.matrixWorld, kWorldFromPatient);
+    this.#patientFromRoom.copy(this.roomFromPatient).invert();
     this.#widget.update(this.toPatient(eye), pixelAngle);
   }
 
@@ -144,10 +166,6 @@ export class Stage {
     this.#widget.dispose();
     this.#box.geometry.dispose();
     this.#box.material.dispose();
-  }
-
-  get #patientFromRoom(): Matrix4 {
-    return this.#body.matrixWorld.clone().multiply(kWorldFromPatient).invert();
   }
 
   /** Gives the case back to the page, where it lies in the viewer's world itself. */

@@ -237,12 +237,49 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.use("controller");
     });
 
+    it("measures between two points of a face, and says their values", async () => {
+      await wearer.wear();
+      await page.evaluate(() => {
+        window.clipgs.setMode("arbitrary");
+        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
+      });
+      await wearer.pressText("right", "Faces");
+      await wearer.pressText("right", "Measure");
+      const toRoom = await roomFromPatient();
+      const plane = await page.evaluate(() => window.clipgs.state.plane);
+      for (const [r, a] of [
+        [-30, 10],
+        [20, 10],
+      ] as const) {
+        await wearer.pressAt("right", new Vector3(r, a, 0).applyMatrix4(toRoom).toArray());
+      }
+      const [length] = await page.evaluate(() => window.clipgs.lengths);
+      expect(length!.mm).toBeGreaterThan(49);
+      expect(length!.mm).toBeLessThan(51);
+      expect(Math.abs(length!.from[2])).toBeLessThan(1e-3);
+      expect(await page.evaluate(() => window.clipgs.state.plane), "nothing is held meanwhile").toEqual(
+        plane,
+      );
+      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
+      const middle = new Vector3(-5, 10, 0).applyMatrix4(toRoom);
+      await expect.poll(async () => await find(`${length!.mm.toFixed(1)} mm`)).not.toBeNull();
+      const tag = new Vector3(...(await find(`${length!.mm.toFixed(1)} mm`))!);
+      expect(tag.distanceTo(middle)).toBeLessThan(0.06);
+      const [pin] = await page.evaluate(() => window.clipgs.pins);
+      expect(pin!.text).toMatch(/ HU$/);
+      expect(await find(pin!.text)).not.toBeNull();
+      await wearer.pressText("right", "Unpin");
+      await wearer.pressText("right", "Unpin");
+      expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
+    });
+
     it("is worked by its panel: planes, undo, and the menu of cases", async () => {
       await wearer.wear();
       await page.evaluate(() => {
         window.clipgs.setMode("arbitrary");
         window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
       });
+      await wearer.pressText("right", "Cut");
       await wearer.pressText("right", "Coronal");
       await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);
       await wearer.pressText("left", "Undo");

@@ -180,6 +180,46 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.evaluate(() => window.clipgs.removePin(0));
   });
 
+  it("measures between two points of a face", async () => {
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const { center } = await readBounds(session.cases);
+    const at = (r: number, a: number) =>
+      page.evaluate((p) => window.clipgs.project(p)!, [center[0] + r, center[1] + a, 0] as Triple);
+    const lengths = page.getByRole("list", { name: "Lengths" }).getByRole("listitem");
+    await page.getByRole("button", { name: "Measure" }).click();
+    const view = await page.evaluate(() => window.clipgs.state.view);
+    for (const [r, a] of [
+      [-30, 0],
+      [10, 30],
+    ] as const) {
+      const { x, y } = await at(r, a);
+      await page.mouse.click(x, y);
+    }
+    await expect.poll(() => lengths.count()).toBe(1);
+    const [length] = await page.evaluate(() => window.clipgs.lengths);
+    expect(length!.mm).toBeCloseTo(50, 0);
+    expect(await lengths.first().textContent()).toBe(`${length!.mm.toFixed(1)} mm`);
+    const box = (await lengths.first().boundingBox())!;
+    const middle = await at(-10, 15);
+    expect(Math.hypot(box.x + 0.5 * box.width - middle.x, box.y + 0.5 * box.height - middle.y)).toBeLessThan(
+      5,
+    );
+    expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
+    await page.waitForFunction(() => /&pin=[-\d.,]+&to=/.test(location.hash));
+
+    const end = await at(10, -20);
+    await page.mouse.move(end.x, end.y);
+    await page.keyboard.press("l"); // from here
+    const other = await at(10, 0);
+    await page.mouse.move(other.x, other.y);
+    await page.keyboard.press("l"); // to there
+    await expect.poll(() => lengths.count()).toBe(2);
+    expect((await page.evaluate(() => window.clipgs.lengths))[1]!.mm).toBeCloseTo(20, 0);
+    await page.evaluate(() => [3, 2, 1].forEach((index) => window.clipgs.removePin(index)));
+    await expect.poll(() => lengths.count()).toBe(0);
+    await page.evaluate(() => window.clipgs.removePin(0));
+  });
+
   it("says so where a case has no section volume", async () => {
     const bare = join(session.cases, "bare.sog");
     await clipgs("pack", join(session.folder, "scene.ply"), "-o", bare, "--no-section");

@@ -59,15 +59,18 @@ export class Wearer {
     const page = this.#page;
     await page.waitForFunction((wanted) => window.clipgs.headset.find(wanted) !== null, text);
     await this.frames(1); // it is where it stays
-    const [at, eye] = await page.evaluate((wanted) => {
+    await this.pressAt(side, await page.evaluate((wanted) => window.clipgs.headset.find(wanted)!, text));
+  }
+
+  /** Points at a place in the room, m, from before it, and presses and lets go the trigger. */
+  async pressAt(side: Side, place: Triple): Promise<void> {
+    const eye = await this.#page.evaluate(() => {
       const { x, y, z } = window.headset.position;
-      return [window.clipgs.headset.find(wanted)!, [x, y, z] as Triple] as const;
-    }, text);
-    const hand = new Vector3(...eye)
-      .sub(new Vector3(...at))
-      .setLength(kPointingDistance)
-      .add(new Vector3(...at));
-    const turn = new Matrix4().lookAt(hand, new Vector3(...at), new Vector3(0, 1, 0));
+      return [x, y, z] as Triple;
+    });
+    const at = new Vector3(...place);
+    const hand = new Vector3(...eye).sub(at).setLength(kPointingDistance).add(at);
+    const turn = new Matrix4().lookAt(hand, at, new Vector3(0, 1, 0));
     await this.move(side, {
       position: hand.toArray(),
       quaternion: new Quaternion().setFromRotationMatrix(turn).toArray() as Pose["quaternion"],

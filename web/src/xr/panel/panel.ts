@@ -8,11 +8,13 @@ import { type CaseSummary, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
 import { kOrientations, type Orientation, orientationOf, removedSide } from "../../model/planes";
+import type { Marking } from "../../model/pins";
 import { type Mode, stateText } from "../../model/states";
 import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Stage } from "../stage";
+import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { WristButton } from "./wrist_button";
 import { button, choice, column, type Live, label, row, slider } from "./widgets";
@@ -56,10 +58,13 @@ export function prepareRenderer(renderer: WebGLRenderer): void {
 
 /** Everything that the page's panels do, as a panel in the room. */
 export class Panel {
-  /** In the room. */
+  /** In the room: the panel, and what is marked. */
   readonly object = new Group();
+  readonly #board = new Group();
   readonly #viewer: Viewer;
   readonly #actions: Actions;
+  readonly #marking: Marking;
+  readonly #marks: RoomMarks;
   readonly #host: PanelHost;
   readonly #font = new SdfFont();
   readonly #root: Container;
@@ -79,10 +84,12 @@ export class Panel {
   #refreshed = 0;
   #time = 0;
 
-  constructor(viewer: Viewer, actions: Actions, host: PanelHost) {
+  constructor(viewer: Viewer, actions: Actions, marking: Marking, host: PanelHost) {
     this.#viewer = viewer;
     this.#actions = actions;
+    this.#marking = marking;
     this.#host = host;
+    this.#marks = new RoomMarks(viewer, () => this.#font.families());
     const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
       new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }),
     );
@@ -116,11 +123,11 @@ export class Panel {
     // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
     const lift = new Group();
     lift.position.y = kTop;
-    this.object.add(lift.add(this.#root));
+    this.object.add(this.#board.add(lift.add(this.#root)), this.#marks.object);
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
     );
-    this.#move = new HandleStore(this.object, () => ({ scale: false, multitouch: false }));
+    this.#move = new HandleStore(this.#board, () => ({ scale: false, multitouch: false }));
     this.#release = this.#move.bind(bar);
   }
 
@@ -134,7 +141,7 @@ export class Panel {
     return this.#message.value;
   }
 
-  /** Where this text is, in the room; null: it is not shown. */
+  /** Where this text is, of its own or a mark's, in the room; null: it is not shown. */
   find(text: string): Vector3 | null {
     let found: Vector3 | null = null;
     this.#root.traverse((object) => {
@@ -143,7 +150,7 @@ export class Panel {
         found = new Vector3().setFromMatrixPosition(object.matrixWorld);
       }
     });
-    return found;
+    return found ?? this.#marks.find(text);
   }
 
   /** Something of the state is another. */
@@ -163,9 +170,9 @@ export class Panel {
   place(eye: Vector3, forward: Vector3): void {
     const direction = new Vector3(forward.x, 0, forward.z).normalize();
     direction.applyAxisAngle(new Vector3(0, 1, 0), this.#atRight ? -kAside : kAside);
-    this.object.position.copy(eye).addScaledVector(direction, kAway);
-    this.object.position.y -= kBelow;
-    this.object.lookAt(eye);
+    this.#board.position.copy(eye).addScaledVector(direction, kAway);
+    this.#board.position.y -= kBelow;
+    this.#board.lookAt(eye);
   }
 
   /** Before a frame, seen from `eye` in the room. */
@@ -181,11 +188,14 @@ export class Panel {
     this.#time = time;
     this.#root.update(delta);
     this.#wristButtons.forEach((one) => one.update(eye, delta));
+    const { stage } = this.#host;
+    this.#marks.update(stage.reading, stage.roomFromPatient, eye, stage.toPatient(eye), delta);
   }
 
   dispose(): void {
     this.#release();
     this.#root.dispose();
+    this.#marks.dispose();
     this.#wristButtons.forEach((one) => one.dispose());
     this.#pictures.forEach((picture) => picture.dispose());
   }
@@ -300,7 +310,7 @@ export class Panel {
   }
 
   #faces(): (Container | Text)[] {
-    const viewer = this.#viewer;
+    const [viewer, marking] = [this.#viewer, this.#marking];
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
     const byVolume = () => !viewer.noSection && viewer.state.section === "volume";
     const isGrey = () => byVolume() && viewer.state.grey > 0 && viewer.window !== null;
@@ -350,6 +360,19 @@ export class Panel {
           ),
         ),
         isGrey,
+      ),
+      tab(
+        row(
+          ...(["pin", "length"] as const).map((mark) =>
+            button(mark === "pin" ? "Pin" : "Measure", () => this.#set(() => marking.toggle(mark)), {
+              pressed: this.#live(() => marking.mark === mark),
+            }),
+          ),
+          button("Unpin", () => viewer.removePin(viewer.state.pins.length - 1), {
+            enabled: this.#live(() => viewer.state.pins.length > 0),
+          }),
+        ),
+        () => viewer.section !== null,
       ),
     ];
   }

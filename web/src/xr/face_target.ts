@@ -1,0 +1,53 @@
+import type { PointerEvent } from "@pmndrs/pointer-events";
+import { type Intersection, Matrix4, Object3D, Ray, type Raycaster, type Vector3 } from "three";
+
+import type { Marking } from "../model/pins";
+import { type Reading, readSection } from "../model/values";
+import type { Viewer } from "../viewer";
+import { handOf } from "./hand";
+
+/** Before the plane and the case, behind the panel. */
+const kOrder = 1.5;
+
+/** The faces of the cut, while points of them are marked: hands point at them, and a press marks a point. */
+export class FaceTarget extends Object3D {
+  /** What is pointed at. */
+  reading: Reading | null = null;
+  readonly #viewer: Viewer;
+  readonly #roomFromPatient: Matrix4;
+  readonly #patientFromRoom = new Matrix4();
+  readonly #ray = new Ray();
+
+  constructor(viewer: Viewer, marking: Marking, roomFromPatient: Matrix4) {
+    super();
+    this.#viewer = viewer;
+    this.#roomFromPatient = roomFromPatient;
+    this.pointerEventsOrder = kOrder;
+    this.addEventListener("pointermove", ({ point }: PointerEvent) => {
+      this.reading = this.#read(point);
+    });
+    this.addEventListener("pointerout", () => (this.reading = null));
+    this.addEventListener("pointerdown", (event: PointerEvent) => {
+      const reading = this.#read(event.point);
+      if (reading && marking.put(reading.point)) {
+        handOf(event)?.pulse(0.6, 20);
+      }
+    });
+  }
+
+  override raycast({ ray }: Raycaster, intersects: Intersection[]): void {
+    this.#patientFromRoom.copy(this.#roomFromPatient).invert();
+    const reading = this.#viewer.readingAlong(this.#ray.copy(ray).applyMatrix4(this.#patientFromRoom));
+    if (reading) {
+      const point = reading.point.applyMatrix4(this.#roomFromPatient);
+      intersects.push({ object: this, point, distance: point.distanceTo(ray.origin) });
+    }
+  }
+
+  /** Of a point in the room. */
+  #read(point: Vector3): Reading | null {
+    const { section } = this.#viewer;
+    this.#patientFromRoom.copy(this.#roomFromPatient).invert();
+    return section && readSection(section, point.clone().applyMatrix4(this.#patientFromRoom));
+  }
+}

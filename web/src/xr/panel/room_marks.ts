@@ -1,0 +1,173 @@
+import { type Container, type FontFamilies, Text } from "@pmndrs/uikit";
+import { signal } from "@preact/signals-core";
+import {
+  CylinderGeometry,
+  Group,
+  type Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  SphereGeometry,
+  Vector3,
+} from "three";
+
+import { lengthsOf, lengthText, type Pin } from "../../model/pins";
+import { type Reading, valueText } from "../../model/values";
+import type { Viewer } from "../../viewer";
+import { column } from "./widgets";
+
+/** Of what they are seen at: as large from near as from afar. */
+const kPixel = 0.0008;
+const kDot = 0.006;
+const kLine = 0.0025;
+const kGap = 0.012;
+const kFaded = 0.3;
+/** Over the case, whose depth is not theirs. */
+const kOrder = 10;
+
+/** A text in the room that faces the eyes, above or below its point. */
+class Tag {
+  readonly object = new Group();
+  readonly text = signal("");
+  readonly #root: Container;
+
+  constructor(fontFamilies: FontFamilies, above: boolean) {
+    this.#root = column(
+      {
+        pixelSize: kPixel,
+        paddingX: 8,
+        paddingY: 4,
+        borderRadius: 7,
+        backgroundColor: "#14171c",
+        fontFamilies,
+        anchorX: "center",
+        anchorY: above ? "bottom" : "top",
+        depthTest: false,
+        renderOrder: kOrder,
+        "*": { depthTest: false, renderOrder: kOrder, pointerEvents: "none" },
+        pointerEvents: "none",
+      },
+      new Text({ text: this.text, color: "#e4e7ec", fontSize: 16 }),
+    );
+    this.#root.position.y = above ? kGap : -kGap;
+    this.object.add(this.#root);
+  }
+
+  /** Stands at a point of the room, seen from `eye`. */
+  place(point: Vector3, eye: Vector3, delta: number): void {
+    this.object.position.copy(point);
+    this.object.lookAt(eye);
+    this.object.scale.setScalar(point.distanceTo(eye));
+    this.#root.update(delta);
+  }
+
+  dispose(): void {
+    this.object.removeFromParent();
+    this.#root.dispose();
+  }
+}
+
+/** Pins with their values, lengths between them, and the value where a hand points, in the room. */
+export class RoomMarks {
+  readonly object = new Group();
+  readonly #viewer: Viewer;
+  readonly #families: () => FontFamilies;
+  readonly #dot = new SphereGeometry(kDot, 12, 8);
+  readonly #line = new CylinderGeometry(kLine, kLine, 1, 8).rotateX(Math.PI / 2);
+  readonly #seen = new MeshBasicMaterial({ color: 0xffffff, depthTest: false });
+  readonly #faded = new MeshBasicMaterial({
+    color: 0xffffff,
+    depthTest: false,
+    transparent: true,
+    opacity: kFaded,
+  });
+  readonly #cursor: Tag;
+  readonly #point = new Vector3(); // scratch
+  readonly #end = new Vector3();
+  #pins: readonly Pin[] = [];
+  #dots: Mesh[] = [];
+  #lines: Mesh[] = [];
+  #tags: Tag[] = []; // of pins, then of lengths
+
+  constructor(viewer: Viewer, families: () => FontFamilies) {
+    this.#viewer = viewer;
+    this.#families = families;
+    this.#cursor = new Tag(families(), true);
+    this.object.add(this.#cursor.object);
+  }
+
+  /** Before a frame: `reading` is what is pointed at, `eye` where it is seen from, in the room. */
+  update(
+    reading: Reading | null,
+    roomFromPatient: Matrix4,
+    eye: Vector3,
+    patientEye: Vector3,
+    delta: number,
+  ): void {
+    const { pins } = this.#viewer.state;
+    if (pins !== this.#pins) {
+      this.#pins = pins;
+      this.#build();
+    }
+    const inRoom = (point: Vector3, to: Vector3) => to.copy(point).applyMatrix4(roomFromPatient);
+    pins.forEach((pin, i) => {
+      const dot = this.#dots[i]!;
+      inRoom(pin.point, dot.position);
+      dot.scale.setScalar(dot.position.distanceTo(eye));
+      const seen = this.#viewer.showsPin(pin, patientEye);
+      dot.material = seen ? this.#seen : this.#faded;
+      this.#tags[i]!.object.visible = seen;
+      this.#tags[i]!.place(dot.position, eye, delta);
+    });
+    lengthsOf(pins).forEach(({ from, to }, i) => {
+      inRoom(from, this.#point);
+      inRoom(to, this.#end);
+      const line = this.#lines[i]!;
+      line.position.lerpVectors(this.#point, this.#end, 0.5);
+      const away = line.position.distanceTo(eye);
+      line.scale.set(away, away, Math.max(1e-6, this.#point.distanceTo(this.#end)));
+      line.lookAt(this.#end);
+      this.#tags[pins.length + i]!.place(line.position, eye, delta);
+    });
+    this.#cursor.object.visible = reading !== null;
+    if (reading) {
+      this.#cursor.text.value = valueText(this.#viewer.section!, reading);
+      this.#cursor.place(inRoom(reading.point, this.#point), eye, delta);
+    }
+  }
+
+  /** Where this text stands, in the room; null: it is not shown. */
+  find(text: string): Vector3 | null {
+    const tag = [this.#cursor, ...this.#tags].find((one) => one.object.visible && one.text.value === text);
+    return tag?.object.position.clone() ?? null;
+  }
+
+  dispose(): void {
+    this.#clear();
+    this.#cursor.dispose();
+    [this.#dot, this.#line, this.#seen, this.#faded].forEach((one) => one.dispose());
+  }
+
+  #build(): void {
+    this.#clear();
+    const lengths = lengthsOf(this.#pins);
+    this.#dots = this.#pins.map(() => new Mesh(this.#dot, this.#seen));
+    this.#lines = lengths.map(() => new Mesh(this.#line, this.#seen));
+    const { section } = this.#viewer;
+    const texts = [...this.#pins.map((pin) => valueText(section!, pin)), ...lengths.map(lengthText)];
+    this.#tags = texts.map((text, i) => {
+      const tag = new Tag(this.#families(), i < this.#pins.length);
+      tag.text.value = text;
+      return tag;
+    });
+    for (const mesh of [...this.#dots, ...this.#lines]) {
+      mesh.renderOrder = kOrder;
+      mesh.raycast = () => {};
+    }
+    this.object.add(...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object));
+  }
+
+  #clear(): void {
+    this.object.remove(...this.#dots, ...this.#lines);
+    this.#tags.forEach((tag) => tag.dispose());
+  }
+}
