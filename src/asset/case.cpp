@@ -26,8 +26,9 @@ constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
 /// Of a section's image that is too large without loss: the last of them whatever it takes.
 constexpr std::array kLossyQualities = {97.0f, 94.0f, 90.0f};
-/// Of the JSON and the ZIP's directory, about.
-constexpr size_t kMetaBytes = 50'000;
+/// Of the JSON, at most, about, and of the ZIP's directory.
+constexpr size_t kMetaBytes = 40'000;
+constexpr size_t kDirectoryBytes = 2'000;
 /// Layers that take a byte, or more of them do.
 constexpr size_t kLayersPerByte = 2;
 constexpr size_t kMaxMeta = size_t{4} << 20;
@@ -84,6 +85,14 @@ CodedSection code_section(const Section& section, float quality) {
   return {std::move(block), std::move(files.front())};
 }
 
+std::string text_of(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+size_t size_of(const CodedSection& section) {
+  return section.file.bytes.size() + text_of(section.block).size();
+}
+
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
 }  // namespace
@@ -121,9 +130,10 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
     block["thumbnail"] = kThumbnailFile;
   }
   if (section) {
-    const size_t rest = kMetaBytes + total_bytes(files);
+    const size_t rest =
+        total_bytes(files) + text_of(meta).size() + text_of(block).size() + kDirectoryBytes;
     for (size_t q = 0; !coding.section_quality && q < kLossyQualities.size() &&
-                       rest + section->file.bytes.size() > coding.bytes;
+                       rest + size_of(*section) > coding.bytes;
          ++q) {
       section = code_section(*contents.section, kLossyQualities[q]);
     }
@@ -131,7 +141,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
     files.push_back(std::move(section->file));
   }
   meta["clipgs"] = std::move(block);
-  const std::string text = meta.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::string text = text_of(meta);
   files.push_back({kMetaFile, Bytes(text.begin(), text.end())});
   return write_zip(files);
 }

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <httplib.h>
 #include <nlohmann/json.hpp>
+#include <openssl/crypto.h>
+#include <openssl/ssl.h>
 #include <sys/socket.h>
 #include <thread>
 
@@ -29,6 +31,7 @@ constexpr int kMethodNotAllowed = 405;
 constexpr int kRangeNotSatisfiable = 416;
 constexpr int kNoCase = 422;
 
+constexpr const char* kCookie = "__Host-clipgs";
 constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr const char* kCasePrefix = "/cases/";
 constexpr const char* kCaseSuffix = ".sog";
@@ -175,24 +178,58 @@ void give_viewer(const Request& request, Response& response) {
   give(response, file->bytes, content_type(path));
 }
 
+std::unique_ptr<httplib::Server> make_server(const ServerOptions& options) {
+  if (!options.identity) {
+    return std::make_unique<httplib::Server>();
+  }
+  const Certificate& certificate = options.identity->certificate;
+  auto server = std::make_unique<httplib::SSLServer>([&](SSL_CTX& context) {
+    return use_certificate(context, certificate) &&
+           SSL_CTX_set_min_proto_version(&context, TLS1_2_VERSION) == 1;
+  });
+  if (!server->is_valid()) {
+    throw Error(
+        "the server's certificate is of no use to OpenSSL; remove it, and a new one is made");
+  }
+  return server;
+}
+
+bool is_secret(std::string_view given, std::string_view secret) {
+  return given.size() == secret.size() &&
+         CRYPTO_memcmp(given.data(), secret.data(), secret.size()) == 0;
+}
+
+/// What a cookie of the request is, or nothing.
+std::string_view cookie(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const size_t end = std::min(header.find("; "), header.size());
+    const std::string_view one = header.substr(0, end);
+    if (one.starts_with(name) && one.substr(name.size()).starts_with('=')) {
+      return one.substr(name.size() + 1);
+    }
+    header.remove_prefix(std::min(header.size(), end + 2));
+  }
+  return {};
+}
+
 }  // namespace
 
 class Server::Implementation {
  public:
   explicit Implementation(const ServerOptions& options)
-      : options_(options), index_(options.folder) {
-    http_.set_default_headers(default_headers());
-    http_.set_tcp_nodelay(true);
+      : options_(options), index_(options.folder), http_(make_server(options)) {
+    http_->set_default_headers(default_headers());
+    http_->set_tcp_nodelay(true);
     // Browsers open six connections at a time, and each keeps a thread while it is open.
-    http_.new_task_queue = [] { return new httplib::ThreadPool(32); };
-    http_.set_keep_alive_max_count(1000);
-    http_.set_keep_alive_timeout(2);
+    http_->new_task_queue = [] { return new httplib::ThreadPool(32); };
+    http_->set_keep_alive_max_count(1000);
+    http_->set_keep_alive_timeout(2);
     // The library's default, SO_REUSEPORT, would let two servers share a port unnoticed.
-    http_.set_socket_options([](socket_t socket) {
+    http_->set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
     });
-    http_.set_pre_routing_handler([this](const Request& request, Response& response) {
+    http_->set_pre_routing_handler([this](const Request& request, Response& response) {
       answer(request, response);
       return httplib::Server::HandlerResponse::Handled;
     });
@@ -200,15 +237,18 @@ class Server::Implementation {
   }
 
   int port() const { return port_; }
-  std::string url() const {
-    const bool v6 = options_.host.find(':') != std::string::npos;
-    return fmt::format("http://{}{}{}:{}/", v6 ? "[" : "", options_.host, v6 ? "]" : "", port_);
+  std::string url() const { return url_at(options_.host); }
+  std::string url_at(const std::string& host) const {
+    const bool v6 = host.find(':') != std::string::npos;
+    const bool secure = options_.identity.has_value();
+    return fmt::format("{}://{}{}{}:{}/{}", secure ? "https" : "http", v6 ? "[" : "", host,
+                       v6 ? "]" : "", port_, secure ? options_.identity->token : "");
   }
   CaseIndex& index() { return index_; }
 
   void run() {
     started_ = true;
-    if (!stopped_ && !http_.listen_after_bind() && !stopped_) {
+    if (!stopped_ && !http_->listen_after_bind() && !stopped_) {
       finished_ = true;
       throw Error("{}:{}: listening failed ({})", options_.host, port_, std::strerror(errno));
     }
@@ -218,10 +258,10 @@ class Server::Implementation {
   void stop() {
     stopped_ = true;
     // A server that is just starting cannot be stopped yet.
-    while (started_ && !finished_ && !http_.is_running()) {
+    while (started_ && !finished_ && !http_->is_running()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    http_.stop();
+    http_->stop();
   }
 
  private:
@@ -229,8 +269,8 @@ class Server::Implementation {
     errno = 0;
     port_ = options_.port;
     if (options_.port == 0) {
-      port_ = http_.bind_to_any_port(options_.host);
-    } else if (!http_.bind_to_port(options_.host, options_.port)) {
+      port_ = http_->bind_to_any_port(options_.host);
+    } else if (!http_->bind_to_port(options_.host, options_.port)) {
       port_ = -1;
     }
     if (port_ > 0) {
@@ -249,6 +289,8 @@ class Server::Implementation {
     set_ranges(request, {});  // only a case has ranges
     if (is_loopback(options_.host) && !is_loopback(host_name(request.get_header_value("Host")))) {
       fail(response, kForbidden, "open this server by its own address, " + url());
+    } else if (options_.identity && !may_enter(request, response)) {
+      // answered
     } else if (request.method != "GET" && request.method != "HEAD") {
       response.set_header("Allow", "GET, HEAD");
       response.set_header("Connection", "close");  // a body may follow that nobody reads
@@ -265,9 +307,31 @@ class Server::Implementation {
     }
   }
 
+  /// Whether the request has the token; one that brings it in its address is sent on without it.
+  bool may_enter(const Request& request, Response& response) const {
+    const std::string& token = options_.identity->token;
+    if (is_secret(cookie(request.get_header_value("Cookie"), kCookie), token)) {
+      return true;
+    }
+    if (is_secret(std::string_view(request.path).substr(1), token)) {
+      constexpr int kFound = 302;
+      response.status = kFound;
+      response.set_header("Location", "/");
+      response.set_header("Cache-Control", "no-store");
+      response.set_header(
+          "Set-Cookie",
+          fmt::format("{}={}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=31536000", kCookie,
+                      token));
+    } else {
+      fail(response, kForbidden,
+           "open the whole address that clipgs serve printed, with the letters at its end");
+    }
+    return false;
+  }
+
   ServerOptions options_;
   CaseIndex index_;
-  httplib::Server http_;
+  std::unique_ptr<httplib::Server> http_;
   int port_ = -1;
   std::atomic<bool> started_ = false;
   std::atomic<bool> stopped_ = false;
@@ -282,6 +346,8 @@ Server::~Server() = default;
 int Server::port() const { return implementation_->port(); }
 
 std::string Server::url() const { return implementation_->url(); }
+
+std::string Server::url_at(const std::string& host) const { return implementation_->url_at(host); }
 
 size_t Server::case_count() const {
   const CaseEntries entries = implementation_->index().list();

@@ -2,7 +2,10 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "serve/certificate.h"
 
 namespace clipgs {
 
@@ -10,6 +13,9 @@ struct ServerOptions {
   std::filesystem::path folder;    ///< its *.sog are the cases
   std::string host = "127.0.0.1";  ///< address to listen on
   int port = 8080;                 ///< 0: any free one
+  /// Encrypts (TLS 1.2 or newer), and answers only those who came by the address with the token in
+  /// it once: "https://192.168.1.20:8080/k3v9qtxw". Browsers then keep it in a cookie.
+  std::optional<Identity> identity;
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
@@ -31,8 +37,10 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const;
-  /// "http://127.0.0.1:8080/".
+  /// "http://127.0.0.1:8080/", with the token where there is one.
   std::string url() const;
+  /// The same at another of the machine's addresses.
+  std::string url_at(const std::string& host) const;
   /// Cases that can be shown, and files of the folder that cannot.
   size_t case_count() const;
   size_t broken_count() const;

@@ -58,7 +58,7 @@ class ServerTest : public ::testing::Test {
   }
 
   void start() {
-    server_ = std::make_unique<Server>(ServerOptions{case_folder(), "127.0.0.1", 0});
+    server_ = std::make_unique<Server>(ServerOptions{case_folder(), "127.0.0.1", 0, {}});
     thread_ = std::thread([this] { server_->run(); });
   }
 
@@ -192,9 +192,40 @@ TEST_F(ServerTest, GivesTheViewer) {
   }
 }
 
+TEST_F(ServerTest, EncryptsAndAnswersThoseAloneWhoKnowTheToken) {
+  const Identity identity = load_identity(folder_ / "state", {"127.0.0.1"});
+  Server server({case_folder(), "127.0.0.1", 0, identity});
+  EXPECT_EQ(server.url(),
+            "https://127.0.0.1:" + std::to_string(server.port()) + "/" + identity.token);
+  std::thread thread([&] { server.run(); });
+  write_text(folder_ / "authority.pem", identity.certificate.certificate);
+  httplib::SSLClient client("127.0.0.1", server.port());
+  client.set_ca_cert_path((folder_ / "authority.pem").c_str());
+  client.enable_server_certificate_verification(true);
+  for (const char* path : {"/", "/api/cases", "/cases/head.sog", "/k3v9qtxw", "/assets"}) {
+    const auto refused = client.Get(path);
+    ASSERT_TRUE(refused) << path << " " << httplib::to_string(refused.error());
+    EXPECT_EQ(refused->status, 403) << path;
+  }
+  const auto entered = client.Get("/" + identity.token);
+  ASSERT_TRUE(entered);
+  EXPECT_EQ(entered->status, 302);
+  EXPECT_EQ(entered->get_header_value("Location"), "/");
+  const std::string cookie = entered->get_header_value("Set-Cookie");
+  EXPECT_NE(cookie.find("; Secure; HttpOnly; SameSite=Strict"), std::string::npos);
+  const std::string pair = cookie.substr(0, cookie.find(';'));
+  EXPECT_EQ(client.Get("/api/cases", {{"Cookie", "other=1; " + pair}})->status, 200);
+  EXPECT_EQ(client.Get("/cases/head.sog", {{"Cookie", pair}})->status, 200);
+  EXPECT_EQ(client.Get("/api/cases", {{"Cookie", pair + "x"}})->status, 403);
+  httplib::Client plain("127.0.0.1", server.port());
+  EXPECT_FALSE(plain.Get("/api/cases"));
+  server.stop();
+  thread.join();
+}
+
 TEST_F(ServerTest, APortThatIsTakenIsAnError) {
   try {
-    const Server second({case_folder(), "127.0.0.1", server_->port()});
+    const Server second({case_folder(), "127.0.0.1", server_->port(), {}});
     FAIL() << "two servers on one port";
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("taken"), std::string::npos);
@@ -203,18 +234,18 @@ TEST_F(ServerTest, APortThatIsTakenIsAnError) {
 }
 
 TEST_F(ServerTest, TheFolderMustBeThere) {
-  EXPECT_THROW(Server({folder_ / "nowhere", "127.0.0.1", 0}), Error);
-  EXPECT_THROW(Server({case_folder() / "head.sog", "127.0.0.1", 0}), Error);
+  EXPECT_THROW(Server({folder_ / "nowhere", "127.0.0.1", 0, {}}), Error);
+  EXPECT_THROW(Server({case_folder() / "head.sog", "127.0.0.1", 0, {}}), Error);
 }
 
 TEST_F(ServerTest, AnEmptyFolderIsServed) {
   fs::create_directory(folder_ / "empty");
-  const Server server({folder_ / "empty", "127.0.0.1", 0});
+  const Server server({folder_ / "empty", "127.0.0.1", 0, {}});
   EXPECT_EQ(server.case_count(), 0U);
 }
 
 TEST_F(ServerTest, StopsBeforeItRuns) {
-  Server server({case_folder(), "127.0.0.1", 0});
+  Server server({case_folder(), "127.0.0.1", 0, {}});
   server.stop();
   server.run();
 }

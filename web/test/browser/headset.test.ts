@@ -31,7 +31,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await clipgs("pack", join(session.folder, "scene.ply"), ...other);
       const bytes = readFileSync(join(cases, "phantom.sog"));
       writeFileSync(join(cases, "damaged.sog"), bytes.subarray(0, bytes.length / 2));
-    });
+    }, "--headset");
     page = await session.openInHeadset("#case=phantom", errors);
     await page.evaluate(() => window.clipgs.ready);
     wearer = new Wearer(page);

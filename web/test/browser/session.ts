@@ -18,12 +18,13 @@ export class Session {
   #server!: ChildProcess;
   #browser!: Browser;
 
-  /** Serves what `makeCases` puts into the folder of cases. */
-  async start(makeCases: (cases: string) => Promise<void> | void): Promise<void> {
+  /** Serves what `makeCases` puts into the folder of cases, with more options of `clipgs serve`. */
+  async start(makeCases: (cases: string) => Promise<void> | void, ...options: string[]): Promise<void> {
     mkdirSync(this.cases, { recursive: true });
     await makeCases(this.cases);
-    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json"], {
+    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json", ...options], {
       stdio: ["ignore", "pipe", "inherit"],
+      env: { ...process.env, XDG_STATE_HOME: this.folder },
     });
     const line = await new Promise<string>((done, fail) => {
       createInterface(this.#server.stdout!).once("line", done);
@@ -64,7 +65,7 @@ export class Session {
     viewport = { width: 900, height: 600 },
     scripts: { path?: string; content?: string }[] = [],
   ): Promise<Page> {
-    const page = await this.#browser.newPage({ viewport });
+    const page = await this.#browser.newPage({ viewport, ignoreHTTPSErrors: true });
     for (const script of scripts) {
       await page.addInitScript(script);
     }
