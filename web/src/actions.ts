@@ -6,7 +6,7 @@ import { flipped, type Plane, projectBox } from "./model/geometry";
 import { isSameWindow, type Window } from "./model/grey";
 import { History } from "./model/history";
 import { freeAxis, kAxes, type Orientation, planeAcross } from "./model/planes";
-import type { Mode } from "./model/states";
+import { type Mode, stateText } from "./model/states";
 import { viewDirection } from "./model/view";
 import type { Viewer } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
@@ -151,6 +151,18 @@ export class Actions {
     }
     const [min, max] = projectBox(info.bounds, cut.normal.clone().negate());
     return { min, max, step: 0.1, value: -cut.offset };
+  }
+
+  /** Where the plane is: "12.3 mm" from where all is cut away, or which state; empty where nothing is cut. */
+  get positionText(): string {
+    const { info, planeState } = this.#viewer;
+    const { position } = this;
+    if (!info || !position) {
+      return "";
+    }
+    return planeState === null
+      ? `${(position.value - position.min).toFixed(1)} mm`
+      : stateText(info.states, planeState);
   }
 
   /** To a value of `position`'s scale, or its end. */

@@ -55,6 +55,8 @@ export interface ClipgsApi {
   readonly pins: { point: Triple; value: number; error: number; text: string; joined: boolean }[];
   /** What is measured between pins, mm. */
   readonly lengths: { from: Triple; to: Triple; mm: number }[];
+  /** Of the case, RAS mm. */
+  readonly bounds: { min: Triple; max: Triple } | null;
   /** What is shown. */
   readonly state: {
     case: string | null;
@@ -129,6 +131,10 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     setWindow: (window) => viewer.setWindow(window && { ...window }),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
     removePin: (index) => viewer.removePin(index),
+    get bounds() {
+      const bounds = viewer.info?.bounds;
+      return bounds ? { min: bounds.min.toArray(), max: bounds.max.toArray() } : null;
+    },
     get pins() {
       return viewer.state.pins.map((pin) => ({
         point: pin.point.toArray(),

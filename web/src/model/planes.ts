@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import { type Box, type Plane, projectBox } from "./geometry";
+import { capital } from "./values";
 
 export const kOrientations = ["axial", "coronal", "sagittal"] as const;
 export type Orientation = (typeof kOrientations)[number];
@@ -35,7 +36,7 @@ export function orientationOf(plane: Plane): Orientation | null {
 }
 
 /** The side that a plane removes, in words: "superior" for one that keeps what lies below. */
-export function removedSide(plane: Plane): string {
+function removedSide(plane: Plane): string {
   const n = plane.normal;
   const sizes = n.toArray().map(Math.abs);
   const axis = sizes.indexOf(Math.max(...sizes));
@@ -45,4 +46,10 @@ export function removedSide(plane: Plane): string {
     ["superior", "inferior"],
   ][axis]!;
   return n.getComponent(axis) < 0 ? names[0]! : names[1]!;
+}
+
+/** "Axial, superior removed" */
+export function planeText(plane: Plane): string {
+  const orientation = orientationOf(plane);
+  return `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(plane)} removed`;
 }

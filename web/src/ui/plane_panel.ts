@@ -1,6 +1,6 @@
 import { type Actions, kLeastThickness, kThickness, type Position } from "../actions";
-import { kOrientations, type Orientation, orientationOf, removedSide } from "../model/planes";
-import { kModes, type Mode, stateText } from "../model/states";
+import { kOrientations, type Orientation, orientationOf, planeText } from "../model/planes";
+import { kModes, type Mode } from "../model/states";
 import { capital, decimal } from "../model/values";
 import type { Viewer } from "../viewer";
 import type { ClipOperator } from "../worker/protocol";
@@ -219,29 +219,24 @@ export class PlanePanel {
   /** Where the plane is: in words, and on the slider; to the right less is removed, or states go along the axis. */
   #updatePosition(): void {
     const { info, cut, planeState } = this.#viewer;
-    const orientation = cut && orientationOf(cut);
-    const place = orientation ? capital(orientation) : "Oblique";
     this.#statesHint.hidden = planeState === null;
     this.#side.hidden = planeState !== null;
     this.#slider.setAttribute(
       "aria-label",
       this.#uniaxial ? "State of the plane" : "Position of the plane, mm",
     );
-    const { position } = this.#actions;
+    const { position, positionText } = this.#actions;
+    this.#readout.textContent = positionText;
     if (!cut || !info || !position) {
       this.#side.textContent = "Nothing is cut";
-      this.#readout.textContent = "";
-    } else if (planeState !== null) {
-      const { states } = info;
-      this.#setSlider(position);
-      this.#readout.textContent = stateText(states, planeState);
-      this.#statesHint.textContent = `${place}, every ${decimal(states.spacing, 2)} mm, ${removedSide(cut)} removed`;
     } else {
-      const { min, max, value } = position;
+      const { min, max } = position;
       this.#setSlider(position);
-      this.#thickness.max = String(max - min);
-      this.#side.textContent = `${place}, ${removedSide(cut)} removed`;
-      this.#readout.textContent = `${(value - min).toFixed(1)} mm`;
+      this.#side.textContent = planeText(cut);
+      this.#statesHint.textContent = `${planeText(cut)}, every ${decimal(info.states.spacing, 2)} mm`;
+      if (planeState === null) {
+        this.#thickness.max = String(max - min);
+      }
     }
     this.#slider.setAttribute("aria-valuetext", this.#readout.textContent || "Nothing is cut");
   }

@@ -302,6 +302,30 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await page.waitForFunction(() => !window.clipgs.headset.worn);
     });
 
+    it("has letters where the patient's sides are", async () => {
+      await wearer.wear();
+      const { min, max } = await page.evaluate(() => window.clipgs.bounds!);
+      const center = min.map((v, k) => 0.5 * (v + max[k]!)) as Triple;
+      const toRoom = await roomFromPatient();
+      for (const [letter, axis, end] of [
+        ["R", 0, max],
+        ["L", 0, min],
+        ["A", 1, max],
+        ["P", 1, min],
+        ["S", 2, max],
+        ["I", 2, min],
+      ] as const) {
+        const side = [...center] as Triple;
+        side[axis] = end[axis]!;
+        const at = new Vector3(...(await page.evaluate((text) => window.clipgs.headset.find(text)!, letter)));
+        const beyond = at.applyMatrix4(toRoom.clone().invert()).sub(new Vector3(...side));
+        const out = beyond.getComponent(axis) * Math.sign(end[axis]! - center[axis]!);
+        expect(out, letter).toBeGreaterThan(0);
+        expect(out, letter).toBeLessThan(60);
+        expect(beyond.setComponent(axis, 0).length(), letter).toBeLessThan(1);
+      }
+    });
+
     it("can be taken off and put on again", async () => {
       await wearer.wear();
       await page.evaluate(() => window.clipgs.headset.leave());

@@ -14,7 +14,7 @@ import {
 import { canDraw, planesOf } from "../../src/model/cut";
 import { formatLink, parseLink } from "../../src/model/link";
 import { PlaneDrag, snapped } from "../../src/model/plane_drag";
-import { freeAxis, kAxes, orientationOf, planeAcross, removedSide } from "../../src/model/planes";
+import { freeAxis, kAxes, orientationOf, planeAcross, planeText } from "../../src/model/planes";
 import { applyView, viewDirection, viewFrom } from "../../src/model/view";
 
 const box = { min: new Vector3(-100, -60, 0), max: new Vector3(100, 60, 300) };
@@ -72,11 +72,11 @@ describe("planes", () => {
     const front = planeAcross(new Vector3(0, 1, 0), box, viewDirection(10, 0));
     expect(front.normal.y).toBe(-1);
     expect(orientationOf(front)).toBe("coronal");
-    expect(removedSide(front)).toBe("anterior");
+    expect(planeText(front)).toBe("Coronal, anterior removed");
     const back = planeAcross(new Vector3(0, 1, 0), box, viewDirection(170, 0));
-    expect(removedSide(back)).toBe("posterior");
+    expect(planeText(back)).toBe("Coronal, posterior removed");
     const above = planeAcross(new Vector3(0, 0, 1), box, viewDirection(0, 20));
-    expect([removedSide(above), above.offset]).toEqual(["superior", -150]);
+    expect([planeText(above), above.offset]).toEqual(["Axial, superior removed", -150]);
     expect(orientationOf(planeThrough(new Vector3(1, 1, 0), new Vector3()))).toBeNull();
   });
 });

@@ -7,13 +7,14 @@ import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
-import { kOrientations, type Orientation, orientationOf, removedSide } from "../../model/planes";
+import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
 import type { Marking } from "../../model/pins";
-import { type Mode, stateText } from "../../model/states";
+import type { Mode } from "../../model/states";
 import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Stage } from "../stage";
+import { OrientationLetters } from "./orientation_letters";
 import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { WristButton } from "./wrist_button";
@@ -65,6 +66,8 @@ export class Panel {
   readonly #actions: Actions;
   readonly #marking: Marking;
   readonly #marks: RoomMarks;
+  readonly #letters: OrientationLetters;
+  #lettered = true;
   readonly #host: PanelHost;
   readonly #font = new SdfFont();
   readonly #root: Container;
@@ -90,6 +93,7 @@ export class Panel {
     this.#marking = marking;
     this.#host = host;
     this.#marks = new RoomMarks(viewer, () => this.#font.families());
+    this.#letters = new OrientationLetters(this.#font.families());
     const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
       new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }),
     );
@@ -123,7 +127,7 @@ export class Panel {
     // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
     const lift = new Group();
     lift.position.y = kTop;
-    this.object.add(this.#board.add(lift.add(this.#root)), this.#marks.object);
+    this.object.add(this.#board.add(lift.add(this.#root)), this.#marks.object, this.#letters.object);
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
     );
@@ -141,7 +145,7 @@ export class Panel {
     return this.#message.value;
   }
 
-  /** Where this text is, of its own or a mark's, in the room; null: it is not shown. */
+  /** Where this text is, of its own, a mark's or a letter, in the room; null: it is not shown. */
   find(text: string): Vector3 | null {
     let found: Vector3 | null = null;
     this.#root.traverse((object) => {
@@ -150,7 +154,7 @@ export class Panel {
         found = new Vector3().setFromMatrixPosition(object.matrixWorld);
       }
     });
-    return found ?? this.#marks.find(text);
+    return found ?? this.#marks.find(text) ?? this.#letters.find(text);
   }
 
   /** Something of the state is another. */
@@ -189,6 +193,11 @@ export class Panel {
     this.#root.update(delta);
     this.#wristButtons.forEach((one) => one.update(eye, delta));
     const { stage } = this.#host;
+    const bounds = this.#viewer.info?.bounds;
+    this.#letters.object.visible = this.#lettered && bounds !== undefined;
+    if (this.#lettered && bounds) {
+      this.#letters.update(bounds, stage.roomFromPatient, eye, delta);
+    }
     this.#marks.update(stage.reading, stage.roomFromPatient, eye, stage.toPatient(eye), delta);
   }
 
@@ -196,6 +205,7 @@ export class Panel {
     this.#release();
     this.#root.dispose();
     this.#marks.dispose();
+    this.#letters.dispose();
     this.#wristButtons.forEach((one) => one.dispose());
     this.#pictures.forEach((picture) => picture.dispose());
   }
@@ -401,6 +411,9 @@ export class Panel {
             this.#live(() => (this.#atRight ? "Panel to the left" : "Panel to the right")),
             () => this.#set(() => this.#changeSide()),
           ),
+          button("Letters", () => this.#set(() => (this.#lettered = !this.#lettered)), {
+            pressed: this.#live(() => this.#lettered),
+          }),
           button("Take off", () => this.#host.leave()),
         ),
       ),
@@ -421,16 +434,13 @@ export class Panel {
   }
 
   get #readout(): string {
-    const { cut, info, planeState } = this.#viewer;
-    if (!cut || !info) {
-      return "Nothing is cut";
-    }
-    if (planeState !== null) {
-      return stateText(info.states, planeState);
-    }
-    const orientation = orientationOf(cut);
-    const { min, value } = this.#actions.position!;
-    return `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(cut)} removed · ${(value - min).toFixed(1)} mm`;
+    const { cut, planeState } = this.#viewer;
+    const { positionText } = this.#actions;
+    return cut
+      ? planeState === null
+        ? `${planeText(cut)} · ${positionText}`
+        : positionText
+      : "Nothing is cut";
   }
 
   /** Changes what the viewer does not tell of. */

@@ -1,5 +1,4 @@
-import { type Container, type FontFamilies, Text } from "@pmndrs/uikit";
-import { signal } from "@preact/signals-core";
+import type { FontFamilies } from "@pmndrs/uikit";
 import {
   CylinderGeometry,
   Group,
@@ -13,59 +12,12 @@ import {
 import { lengthsOf, lengthText, type Pin } from "../../model/pins";
 import { type Reading, valueText } from "../../model/values";
 import type { Viewer } from "../../viewer";
-import { column } from "./widgets";
+import { kOverCase, Tag } from "./tag";
 
 /** Of what they are seen at: as large from near as from afar. */
-const kPixel = 0.0008;
 const kDot = 0.006;
 const kLine = 0.0025;
-const kGap = 0.012;
 const kFaded = 0.3;
-/** Over the case, whose depth is not theirs. */
-const kOrder = 10;
-
-/** A text in the room that faces the eyes, above or below its point. */
-class Tag {
-  readonly object = new Group();
-  readonly text = signal("");
-  readonly #root: Container;
-
-  constructor(fontFamilies: FontFamilies, above: boolean) {
-    this.#root = column(
-      {
-        pixelSize: kPixel,
-        paddingX: 8,
-        paddingY: 4,
-        borderRadius: 7,
-        backgroundColor: "#14171c",
-        fontFamilies,
-        anchorX: "center",
-        anchorY: above ? "bottom" : "top",
-        depthTest: false,
-        renderOrder: kOrder,
-        "*": { depthTest: false, renderOrder: kOrder, pointerEvents: "none" },
-        pointerEvents: "none",
-      },
-      new Text({ text: this.text, color: "#e4e7ec", fontSize: 16 }),
-    );
-    this.#root.position.y = above ? kGap : -kGap;
-    this.object.add(this.#root);
-  }
-
-  /** Stands at a point of the room, seen from `eye`. */
-  place(point: Vector3, eye: Vector3, delta: number): void {
-    this.object.position.copy(point);
-    this.object.lookAt(eye);
-    this.object.scale.setScalar(point.distanceTo(eye));
-    this.#root.update(delta);
-  }
-
-  dispose(): void {
-    this.object.removeFromParent();
-    this.#root.dispose();
-  }
-}
-
 /** Pins with their values, lengths between them, and the value where a hand points, in the room. */
 export class RoomMarks {
   readonly object = new Group();
@@ -91,7 +43,7 @@ export class RoomMarks {
   constructor(viewer: Viewer, families: () => FontFamilies) {
     this.#viewer = viewer;
     this.#families = families;
-    this.#cursor = new Tag(families(), true);
+    this.#cursor = new Tag(families(), "above");
     this.object.add(this.#cursor.object);
   }
 
@@ -155,12 +107,12 @@ export class RoomMarks {
     const { section } = this.#viewer;
     const texts = [...this.#pins.map((pin) => valueText(section!, pin)), ...lengths.map(lengthText)];
     this.#tags = texts.map((text, i) => {
-      const tag = new Tag(this.#families(), i < this.#pins.length);
+      const tag = new Tag(this.#families(), i < this.#pins.length ? "above" : "below");
       tag.text.value = text;
       return tag;
     });
     for (const mesh of [...this.#dots, ...this.#lines]) {
-      mesh.renderOrder = kOrder;
+      mesh.renderOrder = kOverCase;
       mesh.raycast = () => {};
     }
     this.object.add(...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object));

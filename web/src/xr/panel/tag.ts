@@ -1,0 +1,54 @@
+import { type Container, type FontFamilies, Text } from "@pmndrs/uikit";
+import { signal } from "@preact/signals-core";
+import { Group, type Vector3 } from "three";
+
+import { column } from "./widgets";
+
+/** The order of what is drawn over the case, whatever its depth. */
+export const kOverCase = 10;
+/** Of what it is seen at: as large from near as from afar. */
+const kPixel = 0.0008;
+const kGap = 0.012;
+const kAnchors = { above: "bottom", below: "top", at: "center" } as const;
+
+/** A text in the room that faces the eyes, above, below or at its point. */
+export class Tag {
+  readonly object = new Group();
+  readonly text = signal("");
+  readonly #root: Container;
+
+  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at") {
+    this.#root = column(
+      {
+        pixelSize: kPixel,
+        paddingX: 8,
+        paddingY: 4,
+        borderRadius: 7,
+        backgroundColor: "#14171c",
+        fontFamilies,
+        anchorX: "center",
+        anchorY: kAnchors[where],
+        depthTest: false,
+        renderOrder: kOverCase,
+        "*": { depthTest: false, renderOrder: kOverCase, pointerEvents: "none" },
+        pointerEvents: "none",
+      },
+      new Text({ text: this.text, color: "#e4e7ec", fontSize: 16 }),
+    );
+    this.#root.position.y = { above: kGap, below: -kGap, at: 0 }[where];
+    this.object.add(this.#root);
+  }
+
+  /** Stands at a point of the room, seen from `eye`. */
+  place(point: Vector3, eye: Vector3, delta: number): void {
+    this.object.position.copy(point);
+    this.object.lookAt(eye);
+    this.object.scale.setScalar(point.distanceTo(eye));
+    this.#root.update(delta);
+  }
+
+  dispose(): void {
+    this.object.removeFromParent();
+    this.#root.dispose();
+  }
+}
