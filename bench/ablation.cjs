@@ -5,7 +5,7 @@ const fs = require("node:fs");
 const {known, show, mean, line, head} = require("./markdown.cjs");
 
 const [folder, ...cases] = process.argv.slice(2);
-const rows = [
+const allRows = [
   ["lt", "LT only", 34.58],
   ["aam", "AAM only, everywhere", 35.95],
   ["aam-hard", "AAM, hard truncation", 36.26],
@@ -14,6 +14,8 @@ const rows = [
   ["position", "AAM that sees centre and plane alone, LT"],
 ];
 const path = (name, row, end) => `${folder}/${name}/ablation/${row}.${end}`;
+/** Those that are made. */
+const rows = allRows.filter(([row]) => cases.every((name) => fs.existsSync(path(name, row, "figures"))));
 const number = (file) => (fs.existsSync(file) ? Number(fs.readFileSync(file, "utf8")) : null);
 const figures = (name, row) => JSON.parse(fs.readFileSync(path(name, row, "figures"), "utf8"));
 const axis = (row) => cases.map((name) => figures(name, row).rows.find((r) => r.split === "test_axis"));

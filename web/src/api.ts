@@ -11,6 +11,7 @@ import { valueText } from "./model/values";
 import type { Picture } from "./render/splat_layer";
 import type { ViewerStats } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
+import type { Effort } from "./xr/governor";
 import type { EyePicture, Surroundings } from "./xr/headset";
 
 /** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */
@@ -84,6 +85,10 @@ export interface ClipgsApi {
     readonly scale: number;
     /** What the eyes see of the case in the next frame. */
     capture(): Promise<EyePicture[]>;
+    /** Whether less is drawn where frames would come late. */
+    steady: boolean;
+    /** What is drawn of the case now: all is {scale: 1, extent: Infinity, leastPixels: 0}. */
+    readonly effort: Effort;
     /** What its panel says of a case that could not be opened, or nothing. */
     readonly message: string;
     /** Where a text of its panel is in the room, m; null: it is not shown. */
@@ -180,6 +185,15 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
         return headset.stage.scale;
       },
       capture: () => headset.capture(),
+      get steady() {
+        return headset.governor.enabled;
+      },
+      set steady(steady) {
+        headset.governor.enabled = steady;
+      },
+      get effort() {
+        return headset.governor.effort;
+      },
       get message() {
         return headset.panel?.message ?? "";
       },

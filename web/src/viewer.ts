@@ -449,10 +449,13 @@ export class Viewer {
     }
   }
 
-  /** Begins to cull and sort for `camera` and a picture of width × height px, unless that is being done. */
-  sortFor(camera: PerspectiveCamera, width: number, height: number): void {
+  /**
+   * Begins to cull and sort for `camera` and a picture of width × height px, without splats that reach no farther than
+   * `leastPixels`, unless that is being done.
+   */
+  sortFor(camera: PerspectiveCamera, width: number, height: number, leastPixels: number): void {
     if (this.#case && !this.#client.sorting) {
-      void this.#sort(this.#case, camera, width, height);
+      void this.#sort(this.#case, camera, width, height, leastPixels);
     }
   }
 
@@ -515,8 +518,14 @@ export class Viewer {
     return this.#layer.read(this.#subject(current, rays, height), this.#camera, width, height);
   }
 
-  async #sort(current: OpenCase, camera: PerspectiveCamera, width: number, height: number): Promise<void> {
-    const sorted = await current.sort(camera, width, height, this.state);
+  async #sort(
+    current: OpenCase,
+    camera: PerspectiveCamera,
+    width: number,
+    height: number,
+    leastPixels = 0,
+  ): Promise<void> {
+    const sorted = await current.sort(camera, width, height, this.state, leastPixels);
     if (sorted) {
       this.#ordered = current === this.#case;
       this.stats.sortMs = sorted.milliseconds;

@@ -37,6 +37,7 @@ struct View {
   float tan_max[2];
   float pixel_angle;  // largest tangent that one pixel spans: 1/focal length
   float near;
+  float least_pixels;  // splats that reach no farther are left out
   float plane_count;
   float planes[kMaxPlanes][4];  // each keeps plane·x − plane[3] >= 0
 };
@@ -133,6 +134,7 @@ void cull_unseen() {
   const float stretch_x = std::sqrt(1.0f + lx * lx);
   const float stretch_y = std::sqrt(1.0f + ly * ly);
   const float blur = kBlurDeviation * v.pixel_angle;
+  const float least = v.least_pixels * v.pixel_angle;
   for (std::uint32_t i = 0; i < scene.count; ++i) {
     const float x = scene.x[i] - v.position[0];
     const float y = scene.y[i] - v.position[1];
@@ -144,7 +146,7 @@ void cull_unseen() {
     const float spread = reach * scene.size[i];
     const float half_x = spread * stretch_x + reach * blur * tz;  // extent × z
     const float half_y = spread * stretch_y + reach * blur * tz;
-    const bool keep = (reach >= 0.0f) & (tz > v.near) & (tx + half_x >= v.tan_min[0] * tz) &
+    const bool keep = (reach >= 0.0f) & (spread >= least * tz) & (tz > v.near) & (tx + half_x >= v.tan_min[0] * tz) &
                       (tx - half_x <= v.tan_max[0] * tz) & (ty + half_y >= v.tan_min[1] * tz) &
                       (ty - half_y <= v.tan_max[1] * tz);
     scene.depth[i] = keep ? tz : -1.0f;

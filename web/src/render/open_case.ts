@@ -74,19 +74,20 @@ export class OpenCase {
   }
 
   /**
-   * Culls and sorts for a picture of width × height px, and hands the order to the GPU. One at a time. Null where the
-   * worker has another case by now.
+   * Culls and sorts for a picture of width × height px, without splats that reach no farther than `leastPixels`, and
+   * hands the order to the GPU. One at a time. Null where the worker has another case by now.
    */
   async sort(
     camera: PerspectiveCamera,
     width: number,
     height: number,
     { cuts, clip }: Style,
+    leastPixels = 0,
   ): Promise<SortResult | null> {
     const { mesh } = this;
     const view = new Float32Array(kViewFloats);
     mesh.setClip(planesOf(cuts), clip);
-    writeSortView(view, mesh.sceneCamera(camera, width, height), mesh.planes);
+    writeSortView(view, mesh.sceneCamera(camera, width, height), mesh.planes, leastPixels);
     const { count, order, milliseconds } = await this.#client.sort(
       this.#ticket,
       view,

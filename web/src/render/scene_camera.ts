@@ -60,8 +60,16 @@ export function setSceneCamera(
   return scale;
 }
 
-/** Writes `camera` and `planes` (scene space) as the worker's sorting wants them. */
-export function writeSortView(out: Float32Array, camera: SceneCamera, planes: readonly Vector4[]): void {
+/**
+ * Writes `camera` and `planes` (scene space) as the worker's sorting wants them; splats that reach no farther than
+ * `leastPixels` are left out.
+ */
+export function writeSortView(
+  out: Float32Array,
+  camera: SceneCamera,
+  planes: readonly Vector4[],
+  leastPixels = 0,
+): void {
   const r = camera.rotation.elements; // column by column
   out.set([r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]], 0);
   camera.position.toArray(out, 9);
@@ -71,6 +79,7 @@ export function writeSortView(out: Float32Array, camera: SceneCamera, planes: re
   out[15] = (camera.size.y - camera.principal.y) / camera.focal.y;
   out[16] = 1 / Math.min(camera.focal.x, camera.focal.y);
   out[17] = camera.near;
-  out[18] = planes.length;
-  planes.forEach((plane, i) => plane.toArray(out, 19 + 4 * i));
+  out[18] = leastPixels;
+  out[19] = planes.length;
+  planes.forEach((plane, i) => plane.toArray(out, 20 + 4 * i));
 }

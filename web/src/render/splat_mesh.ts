@@ -27,6 +27,9 @@ import { shader } from "./shaders";
 /** Quads drawn as one instance: an instance costs as much as many vertices on some drivers. */
 const kQuadsPerInstance = 128;
 
+/** No splat is seen as far as this. */
+const kAnyExtent = 10;
+
 function quads(): InstancedBufferGeometry {
   const corners = new Float32Array(kQuadsPerInstance * 12);
   const indices = new Uint16Array(kQuadsPerInstance * 6);
@@ -105,6 +108,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uPlaneCount: { value: 0 },
           uSlabs: { value: 0 },
           uClip: { value: 0 },
+          uExtent: { value: kAnyExtent },
         },
         transparent: true,
         depthWrite: false,
@@ -164,6 +168,12 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     const result = makeSceneCamera();
     setSceneCamera(result, camera, this.matrixWorld, width, height, this.#mmPerUnit);
     return result;
+  }
+
+  /** Standard deviations that splats are drawn to, at most. */
+  set extent(extent: number) {
+    this.material.uniforms["uExtent"]!.value = Math.min(extent, kAnyExtent);
+    this.material.uniformsNeedUpdate = true;
   }
 
   /** A point of the world in scene space. */

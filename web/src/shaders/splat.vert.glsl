@@ -25,6 +25,7 @@ uniform vec3 uGains[kPlanes];
 uniform int uPlaneCount;
 uniform int uSlabs;
 uniform int uClip;
+uniform float uExtent;  // sigmas that are drawn at most
 
 // The sum of SH of degree 1 in the normal n of a plane: what its cut adds to a splat's colour.
 vec3 faceColor(int label, vec3 n) {
@@ -60,7 +61,7 @@ void main() {
   if (!s.visible) {
     return;
   }
-  vec2 corner = position.xy * s.reach;
+  vec2 corner = position.xy * min(s.reach, uExtent);
   vec2 offset = corner.x * s.sigma.x * s.axis + corner.y * s.sigma.y * vec2(-s.axis.y, s.axis.x);
   vPosition = corner;
   for (int i = 0; i < kPlanes; ++i) {

@@ -7,6 +7,7 @@ import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
+import { Governor } from "./governor";
 import { Hand } from "./hand";
 import type { Panel, PanelHost } from "./panel/panel";
 import { Stage } from "./stage";
@@ -28,6 +29,8 @@ const kNear = 0.05; // m
 const kFar = 30;
 /** What a face costs in a headset: rays a pixel. */
 const kRays = 1;
+/** Frames a second where the headset does not say: the least that one shows. */
+const kFrameRate = 72;
 
 /** What an eye saw, and from where: as a frame of a dataset's transforms.json says it, RAS mm. */
 export interface EyePicture {
@@ -46,6 +49,7 @@ export interface EyePicture {
 /** A case in a headset: while it is worn, it draws in place of the page. */
 export class Headset {
   readonly stage: Stage;
+  readonly governor = new Governor();
   /** It is put on or taken off. */
   changed: () => void = () => {};
   /** Null until it is worn for the first time. */
@@ -112,7 +116,7 @@ export class Headset {
     this.#placed = false;
     this.#version = -1;
     this.#viewer.yieldTo(this);
-    renderer.setAnimationLoop((time) => this.#frame(time));
+    renderer.setAnimationLoop((time, frame) => this.#frame(time, frame));
     this.changed();
   }
 
@@ -154,6 +158,7 @@ export class Headset {
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
         stage,
+        governor: this.governor,
         wrists: this.#hands.map((hand) => hand.wrist),
         summon: () => this.#placePanel(),
       });
@@ -177,15 +182,19 @@ export class Headset {
     const { renderer } = this.#viewer;
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
+    if (this.#shown) {
+      this.#shown.mesh.extent = Infinity;
+    }
     this.stage.setCase(null);
     this.#shown = null;
     this.#viewer.yieldTo(null);
     this.changed();
   }
 
-  #frame(time: number): void {
+  #frame(time: number, frame: XRFrame | undefined): void {
     const viewer = this.#viewer;
     const { renderer } = viewer;
+    this.#govern(time, frame);
     renderer.xr.updateCamera(this.#camera);
     const eyes = renderer.xr.getCamera().cameras as Eye[];
     viewer.tick();
@@ -214,6 +223,22 @@ export class Headset {
       this.#wanted.splice(0).forEach((resolve) => resolve(pictures));
     }
     this.#draw(true);
+  }
+
+  /** No more is drawn than the headset has time for. */
+  #govern(time: number, frame: XRFrame | undefined): void {
+    const { xr } = this.#viewer.renderer;
+    const rate = xr.getSession()?.frameRate ?? kFrameRate;
+    const before = this.governor.effort;
+    this.governor.count(time, 1000 / rate);
+    if (this.governor.effort !== before) {
+      this.panel?.refresh();
+    }
+    const space = xr.getReferenceSpace();
+    const views = (space && frame?.getViewerPose(space)?.views) ?? [];
+    for (const view of views) {
+      view.requestViewportScale?.(this.governor.effort.scale);
+    }
   }
 
   /** The case, with what it is held and cut by or alone. */
@@ -266,6 +291,8 @@ export class Headset {
       shown.faces?.setVisible(faces !== null);
     }
     shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#both.middle));
-    viewer.sortFor(camera, width, height);
+    const { extent, leastPixels } = this.governor.effort;
+    shown.mesh.extent = extent;
+    viewer.sortFor(camera, width, height, leastPixels);
   }
 }

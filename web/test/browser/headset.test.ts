@@ -86,6 +86,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
   it("shows each eye what clipgs render makes for its pose, and the eyes not the same", async () => {
     await wearer.wear();
+    await page.evaluate(() => (window.clipgs.headset.steady = false));
     for (const [plane, section] of [
       [null, "volume"],
       [[0.5, 0.3, -0.6, 10], "volume"],
@@ -300,6 +301,32 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.pressText("right", "View");
       await wearer.pressText("right", "Take off");
       await page.waitForFunction(() => !window.clipgs.headset.worn);
+    });
+
+    it("draws less where frames come late, and all where it need not be steady", async () => {
+      await wearer.wear();
+      const drawn = () => page.evaluate(() => window.clipgs.stats.drawn);
+      await page.evaluate(() => {
+        window.clipgs.setPlane(null);
+        window.clipgs.headset.steady = false;
+      });
+      await wearer.frames(5);
+      const all = await drawn();
+      await page.evaluate(() => (window.clipgs.headset.steady = true));
+      // No software renderer holds 72 frames a second.
+      await expect.poll(() => page.evaluate(() => window.clipgs.headset.effort.leastPixels)).toBe(3);
+      await expect.poll(drawn).toBeLessThan(0.99 * all);
+      await wearer.pressText("right", "View");
+      const said = await page.evaluate(
+        ({ drawn: some, total }) =>
+          [some, total].map((n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f")).join(" of "),
+        await page.evaluate(() => window.clipgs.stats),
+      );
+      const text = `${said} splats, 50 % resolution, to 2.2 σ, from 3 px`;
+      await expect.poll(() => page.evaluate((t) => window.clipgs.headset.find(t), text)).not.toBeNull();
+      await wearer.pressText("right", "Steady");
+      await wearer.frames(5);
+      await expect.poll(drawn).toBe(all);
     });
 
     it("has letters where the patient's sides are", async () => {

@@ -98,9 +98,9 @@ describe("the WASM module", () => {
     order.load(scene);
   });
 
-  function sorted(camera: SceneCamera, planes: Vector4[], clip: number): number[] {
+  function sorted(camera: SceneCamera, planes: Vector4[], clip: number, leastPixels = 0): number[] {
     const view = new Float32Array(kViewFloats);
-    writeSortView(view, camera, planes);
+    writeSortView(view, camera, planes, leastPixels);
     const indices = new Uint32Array(kCount);
     return [...indices.subarray(0, order.sort(view, clip, indices))];
   }
@@ -145,6 +145,24 @@ describe("the WASM module", () => {
   it("gives nothing when everything is cut away or behind", () => {
     expect(sorted(cameras.whole, [new Vector4(0, 0, 1, 5)], kClipOperators.exact)).toEqual([]);
     expect(sorted(cameraAt(new Vector3(0, 0, 2), new Vector3(0, 0, 4), 40), [plane], 0)).toEqual([]);
+  });
+
+  it("leaves out what reaches no farther than it is told", () => {
+    const camera = cameras.whole;
+    const all = sorted(camera, [plane], 0);
+    const pixels = (i: number) => {
+      const { mean, opacity } = splats[i]!;
+      const w = scene.packed[4 * i + 3]!;
+      const scales = [0, 8, 16].map((shift) => scene.scaleCodebook[(w >> shift) & 255]!);
+      const depth = mean.clone().sub(camera.position).applyMatrix3(camera.rotation).z;
+      const reach = Math.sqrt(2 * Math.log(255 * opacity));
+      return (reach * Math.max(...scales) * camera.focal.x) / depth;
+    };
+    const sizes = all.map(pixels).sort((a, b) => a - b);
+    const least = 0.5 * (sizes[sizes.length >> 1]! + sizes[(sizes.length >> 1) + 1]!);
+    const got = sorted(camera, [plane], 0, least);
+    expect(new Set(got)).toEqual(new Set(all.filter((i) => pixels(i) > least)));
+    expect(got.length).toBeLessThan(0.6 * all.length);
   });
 
   it("takes another scene", () => {

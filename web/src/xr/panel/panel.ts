@@ -13,6 +13,7 @@ import type { Mode } from "../../model/states";
 import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
+import type { Effort, Governor } from "../governor";
 import type { Stage } from "../stage";
 import { OrientationLetters } from "./orientation_letters";
 import { RoomMarks } from "./room_marks";
@@ -31,6 +32,8 @@ const kBelow = 0.12;
 const kTop = 0.27;
 /** It follows the state so often while something moves, ms. */
 const kRefreshMs = 100;
+/** What is drawn is counted so often, ms. */
+const kCountMs = 500;
 /** What is met first, where a hand points at several things. */
 const kOrder = 2;
 
@@ -45,6 +48,7 @@ export interface PanelHost {
   /** Puts case and panel before the eyes, the case in life size. */
   place(): void;
   readonly stage: Stage;
+  readonly governor: Governor;
   /** Of bare hands. */
   readonly wrists: readonly Object3D[];
   /** Puts the panel before the eyes. */
@@ -181,7 +185,8 @@ export class Panel {
 
   /** Before a frame, seen from `eye` in the room. */
   update(time: number, eye: Vector3): void {
-    if (this.#stale && time - this.#refreshed > kRefreshMs) {
+    const counting = this.#tab.value === "view" && time - this.#refreshed > kCountMs;
+    if (counting || (this.#stale && time - this.#refreshed > kRefreshMs)) {
       this.#stale = false;
       this.#refreshed = time;
       this.#showWindows();
@@ -395,6 +400,7 @@ export class Panel {
   #view(): (Container | Text)[] {
     const tab = (element: Container | Text) => this.#only("view", element);
     const { stats } = this.#viewer;
+    const { governor } = this.#host;
     return [
       tab(label(this.#live(() => `The case at ${scaleText(this.#host.stage.scale)}`))),
       tab(
@@ -411,6 +417,9 @@ export class Panel {
             this.#live(() => (this.#atRight ? "Panel to the left" : "Panel to the right")),
             () => this.#set(() => this.#changeSide()),
           ),
+          button("Steady", () => this.#set(() => (governor.enabled = !governor.enabled)), {
+            pressed: this.#live(() => governor.enabled),
+          }),
           button("Letters", () => this.#set(() => (this.#lettered = !this.#lettered)), {
             pressed: this.#live(() => this.#lettered),
           }),
@@ -419,7 +428,10 @@ export class Panel {
       ),
       tab(
         label(
-          this.#live(() => `${formatCount(stats.drawn)} of ${formatCount(stats.total)} splats`),
+          this.#live(
+            () =>
+              `${formatCount(stats.drawn)} of ${formatCount(stats.total)} splats, ${effortText(governor.effort)}`,
+          ),
           { quiet: true, size: 15 },
         ),
       ),
@@ -518,6 +530,16 @@ function replaceChildren(parent: Container, children: Container[]): void {
     (child as Container).dispose();
   }
   children.forEach((child) => parent.add(child));
+}
+
+/** What is given up for frames in time. */
+function effortText({ scale, extent, leastPixels }: Effort): string {
+  const parts = [
+    ...(scale < 1 ? [`${Math.round(100 * scale)} % resolution`] : []),
+    ...(extent < Infinity ? [`to ${extent.toFixed(1)} σ`] : []),
+    ...(leastPixels > 0 ? [`from ${leastPixels} px`] : []),
+  ];
+  return parts.length > 0 ? parts.join(", ") : "in full";
 }
 
 function scaleText(scale: number): string {
