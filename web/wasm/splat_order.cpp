@@ -146,9 +146,9 @@ void cull_unseen() {
     const float spread = reach * scene.size[i];
     const float half_x = spread * stretch_x + reach * blur * tz;  // extent × z
     const float half_y = spread * stretch_y + reach * blur * tz;
-    const bool keep = (reach >= 0.0f) & (spread >= least * tz) & (tz > v.near) & (tx + half_x >= v.tan_min[0] * tz) &
-                      (tx - half_x <= v.tan_max[0] * tz) & (ty + half_y >= v.tan_min[1] * tz) &
-                      (ty - half_y <= v.tan_max[1] * tz);
+    const bool keep = (reach >= 0.0f) & (spread >= least * tz) & (tz > v.near) &
+                      (tx + half_x >= v.tan_min[0] * tz) & (tx - half_x <= v.tan_max[0] * tz) &
+                      (ty + half_y >= v.tan_min[1] * tz) & (ty - half_y <= v.tan_max[1] * tz);
     scene.depth[i] = keep ? tz : -1.0f;
   }
 }
