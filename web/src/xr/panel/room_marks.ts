@@ -9,7 +9,7 @@ import {
   Vector3,
 } from "three";
 
-import { lengthsOf, lengthText, type Pin } from "../../model/pins";
+import { type Length, lengthsOf, lengthText, type Pin } from "../../model/pins";
 import { type Reading, valueText } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import { kOverCase, Tag } from "./tag";
@@ -36,6 +36,7 @@ export class RoomMarks {
   readonly #point = new Vector3(); // scratch
   readonly #end = new Vector3();
   #pins: readonly Pin[] = [];
+  #lengths: readonly Length[] = [];
   #dots: Mesh[] = [];
   #lines: Mesh[] = [];
   #tags: Tag[] = []; // of pins, then of lengths
@@ -70,7 +71,7 @@ export class RoomMarks {
       this.#tags[i]!.object.visible = seen;
       this.#tags[i]!.place(dot.position, eye, delta);
     });
-    lengthsOf(pins).forEach(({ from, to }, i) => {
+    this.#lengths.forEach(({ from, to }, i) => {
       inRoom(from, this.#point);
       inRoom(to, this.#end);
       const line = this.#lines[i]!;
@@ -102,6 +103,7 @@ export class RoomMarks {
   #build(): void {
     this.#clear();
     const lengths = lengthsOf(this.#pins);
+    this.#lengths = lengths;
     this.#dots = this.#pins.map(() => new Mesh(this.#dot, this.#seen));
     this.#lines = lengths.map(() => new Mesh(this.#line, this.#seen));
     const { section } = this.#viewer;
