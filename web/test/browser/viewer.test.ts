@@ -569,6 +569,45 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(psnr(await pagePicture(page, 128, 128), before).color).toBeGreaterThan(60);
   });
 
+  it("frees what it held when cases are switched, fifty times", async () => {
+    const script = {
+      content: `window.held = { textures: 0, buffers: 0 };
+        for (const kind of ["Texture", "Buffer"]) {
+          const { prototype } = WebGL2RenderingContext;
+          for (const [verb, step] of [["create", 1], ["delete", -1]]) {
+            const original = prototype[verb + kind];
+            prototype[verb + kind] = function (...args) {
+              window.held[kind.toLowerCase() + "s"] += step;
+              return original.apply(this, args);
+            };
+          }
+        }`,
+    };
+    const small = { width: 200, height: 150 };
+    const visitor = await session.open("#case=phantom&size=64x64", errors, small, [script]);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const devtools = await visitor.context().newCDPSession(visitor);
+    const switchCases = async (times: number) => {
+      await visitor.evaluate(async (n) => {
+        for (let i = 0; i < n; ++i) {
+          await window.clipgs.open(i % 2 === 0 ? "solid" : "phantom");
+        }
+      }, times);
+      await devtools.send("HeapProfiler.collectGarbage");
+      const heap = (await devtools.send("Runtime.getHeapUsage")) as {
+        usedSize: number;
+        backingStorageSize: number;
+      };
+      return { heap, gpu: await visitor.evaluate("window.held") };
+    };
+    const before = await switchCases(4);
+    const after = await switchCases(50);
+    expect(after.gpu).toEqual(before.gpu);
+    expect(after.heap.usedSize - before.heap.usedSize).toBeLessThan(1e6);
+    expect(after.heap.backingStorageSize - before.heap.backingStorageSize).toBeLessThan(1e6);
+    await visitor.close();
+  });
+
   it("leaves no error in the page", () => {
     expect(errors).toEqual([]);
   });
