@@ -79,11 +79,12 @@ step "build release" configure_and_build release
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
 step "build asan ubsan" configure_and_build asan core volume cinema splat section train bake asset measure serve
-step "tests asan ubsan" run_tests asan -L fast
+# Statistics over many samples, finite differences and the same again at other thread counts take minutes there,
+# through code that other tests go through as well.
+step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
 count_tests "tests asan ubsan"
 # The rooms that work on several threads.
 step "build tsan" configure_and_build tsan core cinema splat section train measure
-# Statistics over many samples and finite differences take minutes there and start no new threads.
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|LearnsAndGrows'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.

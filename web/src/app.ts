@@ -179,6 +179,16 @@ export class App {
     this.#title.textContent = title;
     document.title = `${title} · clipgs`;
     this.#update();
+    this.#prefetchAfter(name);
+  }
+
+  /** The case after this one in the menu, so that going through them takes no time. */
+  #prefetchAfter(name: string): void {
+    const good = this.#cases.filter((one) => !one.error);
+    const next = good[(good.findIndex((one) => one.name === name) + 1) % good.length];
+    if (next && next.name !== name) {
+      this.viewer.prefetch(next.file);
+    }
   }
 
   /** Takes over what the address says. */

@@ -206,6 +206,11 @@ export class Viewer {
     await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
   }
 
+  /** Fetches a case that may be opened next. */
+  prefetch(url: string): void {
+    this.#client.prefetch(url);
+  }
+
   /** A gradient behind the case, or black. */
   background = true;
 

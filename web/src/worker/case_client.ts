@@ -38,6 +38,11 @@ export class CaseClient {
     });
   }
 
+  /** Fetches what may be loaded next. */
+  prefetch(url: string): void {
+    this.#post({ kind: "prefetch", url: new URL(url, location.href).href });
+  }
+
   /** What is being sorted; null: nothing. */
   get sorting(): Promise<unknown> | null {
     return this.#sorting;

@@ -6,6 +6,7 @@ import { ImageDecoder } from "../sog/images";
 import { parseSection, type Section } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
 import { CaseError, readZip } from "../sog/zip";
+import { FileCache } from "./file_cache";
 import type { Reply, Request } from "./protocol";
 import { SplatOrder } from "./splat_order";
 
@@ -15,6 +16,7 @@ const worker = self as unknown as {
   onmessage: (event: MessageEvent<Request>) => void;
 };
 
+const files = new FileCache();
 let module: Promise<WebAssembly.Module> | null = null;
 let current: { ticket: number; order: SplatOrder } | null = null;
 let newestLoad = -1;
@@ -26,43 +28,6 @@ function reply(message: Reply, transfer: Transferable[] = []): void {
 async function compile(): Promise<WebAssembly.Module> {
   module ??= WebAssembly.compileStreaming(fetch(wasmUrl));
   return module;
-}
-
-/** The whole body, with progress. Throws CaseError. */
-async function download(url: string, ticket: number): Promise<Uint8Array> {
-  let response: Response;
-  try {
-    response = await fetch(url);
-  } catch {
-    throw new CaseError("the server does not answer; is clipgs serve still running?");
-  }
-  if (!response.ok || !response.body) {
-    const text = await response.text();
-    throw new CaseError(
-      response.headers.get("content-type")?.startsWith("text/plain") && text
-        ? text.trim()
-        : `the server has no such case (status ${response.status}); choose another from the menu`,
-    );
-  }
-  const total = Number(response.headers.get("content-length") ?? 0);
-  let bytes = new Uint8Array(total || 1 << 20);
-  let loaded = 0;
-  try {
-    const reader = response.body.getReader();
-    for (let part = await reader.read(); !part.done; part = await reader.read()) {
-      if (loaded + part.value.length > bytes.length) {
-        const larger = new Uint8Array(2 * (loaded + part.value.length));
-        larger.set(bytes.subarray(0, loaded));
-        bytes = larger;
-      }
-      bytes.set(part.value, loaded);
-      loaded += part.value.length;
-      reply({ kind: "progress", ticket, loaded, total });
-    }
-  } catch {
-    throw new CaseError("the connection broke while the case was loading; try again");
-  }
-  return bytes.subarray(0, loaded);
 }
 
 async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<SogImages> {
@@ -102,7 +67,10 @@ async function decodeSection(meta: SogMeta, archive: Map<string, Uint8Array>): P
 async function load(ticket: number, url: string): Promise<void> {
   newestLoad = ticket;
   try {
-    const [bytes, wasm] = await Promise.all([download(url, ticket), compile()]);
+    const [bytes, wasm] = await Promise.all([
+      files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total })),
+      compile(),
+    ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
     const scene = packScene(meta, await decodeImages(meta, archive));
@@ -144,6 +112,8 @@ worker.onmessage = (event) => {
   const request = event.data;
   if (request.kind === "load") {
     void load(request.ticket, request.url);
+  } else if (request.kind === "prefetch") {
+    void files.prefetch(request.url);
   } else {
     sort(request);
   }

@@ -24,6 +24,8 @@ export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 4 * kMaxPlanes;
 /** To the worker. */
 export type Request =
   | { kind: "load"; ticket: number; url: string }
+  /** Fetches what may be loaded next; nothing answers. */
+  | { kind: "prefetch"; url: string }
   /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */
   | { kind: "sort"; scene: number; view: Float32Array; clip: number; order: Uint32Array };
 

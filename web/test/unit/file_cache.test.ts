@@ -1,0 +1,70 @@
+import { createServer, type Server } from "node:http";
+import type { AddressInfo } from "node:net";
+import { afterAll, beforeAll, beforeEach, describe, expect, it } from "vitest";
+
+import { FileCache } from "../../src/worker/file_cache";
+
+const kLarge = 30_000_000;
+
+describe("the cache of files", () => {
+  let server: Server;
+  let url = "";
+  let version = 1;
+  let answers: number[] = [];
+
+  beforeAll(async () => {
+    server = createServer((request, response) => {
+      const etag = `"${version}"`;
+      const known = request.headers["if-none-match"] === etag;
+      const missing = request.url === "/missing";
+      const status = missing ? 422 : known ? 304 : 200;
+      answers.push(status);
+      response.writeHead(status, missing ? { "content-type": "text/plain" } : { etag });
+      const large = request.url?.startsWith("/large") ? Buffer.alloc(kLarge, version) : `version ${version}`;
+      response.end(missing ? "it is broken\n" : known ? "" : large);
+    });
+    await new Promise<void>((listening) => server.listen(0, "127.0.0.1", listening));
+    url = `http://127.0.0.1:${(server.address() as AddressInfo).port}/`;
+  });
+
+  afterAll(() => void server.close());
+
+  beforeEach(() => {
+    version = 1;
+    answers = [];
+  });
+
+  const text = async (cache: FileCache, path: string) =>
+    new TextDecoder().decode(await cache.get(url + path, () => {}));
+
+  it("fetches a file once, and again when it changed", async () => {
+    const cache = new FileCache();
+    expect([await text(cache, "a"), await text(cache, "a")]).toEqual(["version 1", "version 1"]);
+    version = 2;
+    expect(await text(cache, "a")).toBe("version 2");
+    expect(answers).toEqual([200, 304, 200]);
+  });
+
+  it("shares what is being fetched with who wants it meanwhile", async () => {
+    const cache = new FileCache();
+    const prefetched = cache.prefetch(`${url}a`);
+    expect(await text(cache, "a")).toBe("version 1");
+    await prefetched;
+    expect(answers).toEqual([200]);
+  });
+
+  it("says what the server says, and forgets what it cannot have", async () => {
+    const cache = new FileCache();
+    await cache.prefetch(`${url}missing`);
+    await expect(text(cache, "missing")).rejects.toThrow("it is broken");
+    await expect(cache.get("http://127.0.0.1:1/", () => {})).rejects.toThrow(/does not answer/);
+  });
+
+  it("keeps no more than it may, the oldest go", async () => {
+    const cache = new FileCache();
+    for (const path of ["large1", "large2", "large1", "large3", "large1", "large2"]) {
+      expect((await cache.get(url + path, () => {})).length).toBe(kLarge);
+    }
+    expect(answers).toEqual([200, 200, 304, 200, 304, 200]);
+  });
+});
