@@ -85,7 +85,7 @@ step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|
 count_tests "tests asan ubsan"
 # The rooms that work on several threads.
 step "build tsan" configure_and_build tsan core cinema splat section train measure
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|LearnsAndGrows'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.
 step "tidy" bash scripts/tidy.sh src/core src/measure
