@@ -289,7 +289,7 @@ class Server::Implementation {
     set_ranges(request, {});  // only a case has ranges
     if (is_loopback(options_.host) && !is_loopback(host_name(request.get_header_value("Host")))) {
       fail(response, kForbidden, "open this server by its own address, " + url());
-    } else if (options_.identity && !may_enter(request, response)) {
+    } else if (options_.identity && !may_enter(options_.identity->token, request, response)) {
       // answered
     } else if (request.method != "GET" && request.method != "HEAD") {
       response.set_header("Allow", "GET, HEAD");
@@ -308,8 +308,7 @@ class Server::Implementation {
   }
 
   /// Whether the request has the token; one that brings it in its address is sent on without it.
-  bool may_enter(const Request& request, Response& response) const {
-    const std::string& token = options_.identity->token;
+  static bool may_enter(const std::string& token, const Request& request, Response& response) {
     if (is_secret(cookie(request.get_header_value("Cookie"), kCookie), token)) {
       return true;
     }
