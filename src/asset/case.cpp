@@ -66,14 +66,6 @@ bool has_layers(const json& block) {
   return states != block.end() && states->contains("file");
 }
 
-size_t total_bytes(std::span<const ZipEntry> files) {
-  size_t sum = 0;
-  for (const ZipEntry& file : files) {
-    sum += file.bytes.size();
-  }
-  return sum;
-}
-
 struct CodedSection {
   json block;
   ZipEntry file;

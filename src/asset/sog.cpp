@@ -221,8 +221,8 @@ struct Writer {
     images.emplace_back("sh0.webp", std::move(image));
   }
 
-  /// A palette of at most `size` whole sets of coefficients.
-  void add_color_sets(const ColorSets& sets, size_t size) {
+  /// A palette of at most `size` whole sets of coefficients; an error counts by the splat's weight.
+  void add_color_sets(const ColorSets& sets, size_t size, const std::vector<float>& weights) {
     const size_t dimension = 3 * sets.coefficients;
     std::vector<float> points(g.size() * dimension);
     for (size_t d = 0; d < dimension; ++d) {
@@ -231,7 +231,7 @@ struct Writer {
         points[i * dimension + d] = std::clamp(plane[i], -kMaxSh, kMaxSh);
       }
     }
-    const Palette palette = fit_palette(points, seen_areas(), dimension, size);
+    const Palette palette = fit_palette(points, weights, dimension, size);
     const Codebook codebook = fit_codebook(palette.centroids);
 
     const auto rows = static_cast<int>((palette.size() + kCentroidsPerRow - 1) / kCentroidsPerRow);
@@ -301,14 +301,6 @@ size_t fewest_bytes(const std::vector<ColorSets>& all_sets, size_t splats, size_
            static_cast<double>(size * 3 * sets.coefficients);
   }
   return static_cast<size_t>(kLeastOfRaw * raw);
-}
-
-size_t total_bytes(const std::vector<ZipEntry>& files) {
-  size_t sum = 0;
-  for (const ZipEntry& file : files) {
-    sum += file.bytes.size();
-  }
-  return sum;
 }
 
 // ---- reading ------------------------------------------------------------------------------------
@@ -556,6 +548,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
     all_sets.push_back({ordered.face(), sh_coefficients(Gaussians::kFaceDegree),
                         Gaussians::kFaceDegree, kFaceKey});
   }
+  const std::vector<float> weights = writer.seen_areas();
   const size_t least = palette_size(ordered.size(), kMostSplatsPerCentroid);
   size_t size = palette_size(ordered.size(), kFewestSplatsPerCentroid);
   while (size > least && taken + fewest_bytes(all_sets, ordered.size(), size) > room) {
@@ -563,7 +556,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
   }
   do {
     for (const ColorSets& sets : all_sets) {
-      writer.add_color_sets(sets, size);
+      writer.add_color_sets(sets, size, weights);
     }
     encoded = writer.encode();
     size /= 2;

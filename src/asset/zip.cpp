@@ -154,4 +154,12 @@ std::map<std::string, Bytes> read_zip(std::span<const std::uint8_t> bytes,
   }
 }
 
+size_t total_bytes(std::span<const ZipEntry> files) {
+  size_t sum = 0;
+  for (const ZipEntry& file : files) {
+    sum += file.bytes.size();
+  }
+  return sum;
+}
+
 }  // namespace clipgs

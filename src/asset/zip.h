@@ -15,6 +15,9 @@ struct ZipEntry {
   Bytes bytes;
 };
 
+/// Of their contents together.
+size_t total_bytes(std::span<const ZipEntry> files);
+
 /// A ZIP of stored entries (method 0) in the given order: sizes and checksums in the local headers,
 /// one fixed date, no extra fields, so that the same entries give the same bytes. Throws Error if
 /// it would pass what a plain ZIP can hold (4 GiB).
