@@ -1,5 +1,5 @@
 import type { PointerEvent } from "@pmndrs/pointer-events";
-import { type Intersection, Matrix4, Object3D, Ray, type Raycaster, type Vector3 } from "three";
+import { type Intersection, type Matrix4, Object3D, Ray, type Raycaster, type Vector3 } from "three";
 
 import type { Marking } from "../model/pins";
 import { type Reading, readSection } from "../model/values";
@@ -15,13 +15,15 @@ export class FaceTarget extends Object3D {
   reading: Reading | null = null;
   readonly #viewer: Viewer;
   readonly #roomFromPatient: Matrix4;
-  readonly #patientFromRoom = new Matrix4();
+  readonly #patientFromRoom: Matrix4;
   readonly #ray = new Ray();
 
-  constructor(viewer: Viewer, marking: Marking, roomFromPatient: Matrix4) {
+  /** The matrices are those of the last frame, each the other's inverse. */
+  constructor(viewer: Viewer, marking: Marking, roomFromPatient: Matrix4, patientFromRoom: Matrix4) {
     super();
     this.#viewer = viewer;
     this.#roomFromPatient = roomFromPatient;
+    this.#patientFromRoom = patientFromRoom;
     this.pointerEventsOrder = kOrder;
     this.addEventListener("pointermove", ({ point }: PointerEvent) => {
       this.reading = this.#read(point);
@@ -36,7 +38,6 @@ export class FaceTarget extends Object3D {
   }
 
   override raycast({ ray }: Raycaster, intersects: Intersection[]): void {
-    this.#patientFromRoom.copy(this.#roomFromPatient).invert();
     const reading = this.#viewer.readingAlong(this.#ray.copy(ray).applyMatrix4(this.#patientFromRoom));
     if (reading) {
       const point = reading.point.applyMatrix4(this.#roomFromPatient);
@@ -47,7 +48,6 @@ export class FaceTarget extends Object3D {
   /** Of a point in the room. */
   #read(point: Vector3): Reading | null {
     const { section } = this.#viewer;
-    this.#patientFromRoom.copy(this.#roomFromPatient).invert();
     return section && readSection(section, point.clone().applyMatrix4(this.#patientFromRoom));
   }
 }

@@ -44,7 +44,7 @@ export class Stage {
   constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
     this.#marking = marking;
-    this.#target = new FaceTarget(viewer, marking, this.roomFromPatient);
+    this.#target = new FaceTarget(viewer, marking, this.roomFromPatient, this.#patientFromRoom);
     this.grip = new PlaneGrip(viewer);
     const unseen = new MeshBasicMaterial();
     unseen.visible = false;

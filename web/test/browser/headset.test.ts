@@ -82,6 +82,12 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       .multiply(patientFromEye.invert());
   }
 
+  const cutAcross = () =>
+    page.evaluate(() => {
+      window.clipgs.setMode("arbitrary");
+      window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
+    });
+
   const normal = async () => new Vector3(...(await page.evaluate(() => window.clipgs.state.plane!.normal)));
 
   it("shows each eye what clipgs render makes for its pose, and the eyes not the same", async () => {
@@ -137,10 +143,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
     it("turns the plane as the hand turns that holds it", async () => {
       await wearer.wear();
-      await page.evaluate(() => {
-        window.clipgs.setMode("arbitrary");
-        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-      });
+      await cutAcross();
       await wearer.frames(2);
       const toRoom = await roomFromPatient();
       const held = new Vector3(0, 0, 0).applyMatrix4(toRoom).toArray();
@@ -216,10 +219,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     it("is used with bare hands as with controllers", async () => {
       await wearer.wear();
       await wearer.use("hand");
-      await page.evaluate(() => {
-        window.clipgs.setMode("arbitrary");
-        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-      });
+      await cutAcross();
       await wearer.frames(2);
       const held = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient()).toArray();
       await wearer.moveBare("right", { position: held, quaternion: [0, 0, 0, 1] });
@@ -240,10 +240,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
     it("measures between two points of a face, and says their values", async () => {
       await wearer.wear();
-      await page.evaluate(() => {
-        window.clipgs.setMode("arbitrary");
-        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-      });
+      await cutAcross();
       await wearer.pressText("right", "Faces");
       await wearer.pressText("right", "Measure");
       const toRoom = await roomFromPatient();
@@ -276,10 +273,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
     it("is worked by its panel: planes, undo, and the menu of cases", async () => {
       await wearer.wear();
-      await page.evaluate(() => {
-        window.clipgs.setMode("arbitrary");
-        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-      });
+      await cutAcross();
       await wearer.pressText("right", "Cut");
       await wearer.pressText("right", "Coronal");
       await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);

@@ -18,6 +18,7 @@ import { kOverCase, Tag } from "./tag";
 const kDot = 0.006;
 const kLine = 0.0025;
 const kFaded = 0.3;
+
 /** Pins with their values, lengths between them, and the value where a hand points, in the room. */
 export class RoomMarks {
   readonly object = new Group();
@@ -102,12 +103,11 @@ export class RoomMarks {
 
   #build(): void {
     this.#clear();
-    const lengths = lengthsOf(this.#pins);
-    this.#lengths = lengths;
+    this.#lengths = lengthsOf(this.#pins);
     this.#dots = this.#pins.map(() => new Mesh(this.#dot, this.#seen));
-    this.#lines = lengths.map(() => new Mesh(this.#line, this.#seen));
+    this.#lines = this.#lengths.map(() => new Mesh(this.#line, this.#seen));
     const { section } = this.#viewer;
-    const texts = [...this.#pins.map((pin) => valueText(section!, pin)), ...lengths.map(lengthText)];
+    const texts = [...this.#pins.map((pin) => valueText(section!, pin)), ...this.#lengths.map(lengthText)];
     this.#tags = texts.map((text, i) => {
       const tag = new Tag(this.#families(), i < this.#pins.length ? "above" : "below");
       tag.text.value = text;
