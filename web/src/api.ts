@@ -74,6 +74,8 @@ export interface ClipgsApi {
     window: Window | null;
   };
   readonly stats: Readonly<ViewerStats>;
+  /** Whether resolution is given up where frames would come late, while something moves. */
+  steady: boolean;
   /** The picture alone, as `clipgs render` writes it; `moving`: as it is drawn while something moves. */
   renderToPixels(width: number, height: number, moving?: boolean): Promise<Picture>;
   /** The case in a headset. Entering rejects with a line for a person, and needs a click of the user's. */
@@ -117,6 +119,12 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
   return {
     ready,
     stats: viewer.stats,
+    get steady() {
+      return viewer.steady;
+    },
+    set steady(steady) {
+      viewer.steady = steady;
+    },
     open: (name) => app.open(name),
     setView: ({ azimuth, elevation, zoom = 1 }) =>
       viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),

@@ -214,6 +214,9 @@ export class Viewer {
   /** A gradient behind the case, or black. */
   background = true;
 
+  /** While something moves, resolution is given up where frames would come late. */
+  steady = true;
+
   /** Fits the drawing buffer to the canvas's size on the page; `inset` (CSS px) is covered by panels. */
   resize(inset: Inset): void {
     this.#inset = inset;
@@ -573,7 +576,7 @@ export class Viewer {
   #drawSplats(current: OpenCase, moving: boolean): void {
     this.#splatsStale = false;
     this.#canvasStale = true;
-    this.stats.scale = moving ? this.#rate.scale : 1;
+    this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
     const subject = this.#subject(current, moving ? 1 : kMostRays, this.#height);
     this.#coarse = moving && (this.stats.scale < 1 || subject.faces !== null);
     this.#layer.draw(subject, this.#camera, this.stats.scale);

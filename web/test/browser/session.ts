@@ -65,14 +65,25 @@ export class Session {
     viewport = { width: 900, height: 600 },
     scripts: { path?: string; content?: string }[] = [],
   ): Promise<Page> {
+    const page = await this.openPage(this.url + hash, errors, viewport, scripts);
+    await page.waitForFunction(() => window.clipgs !== undefined);
+    return page;
+  }
+
+  /** Opens any page in the same browser. */
+  async openPage(
+    url: string,
+    errors: string[] = [],
+    viewport = { width: 900, height: 600 },
+    scripts: { path?: string; content?: string }[] = [],
+  ): Promise<Page> {
     const page = await this.#browser.newPage({ viewport, ignoreHTTPSErrors: true });
     for (const script of scripts) {
       await page.addInitScript(script);
     }
     page.setDefaultTimeout(kPageMs);
     page.on("pageerror", (error) => errors.push(error.message));
-    await page.goto(this.url + hash);
-    await page.waitForFunction(() => window.clipgs !== undefined);
+    await page.goto(url);
     return page;
   }
 

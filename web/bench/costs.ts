@@ -1,0 +1,201 @@
+// What the viewer costs a browser besides frames; run by bench/web.sh, which says how.
+
+import { copyFileSync, readdirSync, readFileSync } from "node:fs";
+import { basename, join, resolve } from "node:path";
+import { parseArgs } from "node:util";
+import { gzipSync } from "node:zlib";
+import type { Page } from "playwright-core";
+import { PerspectiveCamera, Vector4 } from "three";
+
+import { makeSceneCamera, setSceneCamera, writeSortView } from "../src/render/scene_camera";
+import type { PackedScene } from "../src/sog/sog";
+import { kClipOperators, kViewFloats } from "../src/worker/protocol";
+import { SplatOrder } from "../src/worker/splat_order";
+import { Session } from "../test/browser/session";
+import { median, table } from "./measure";
+
+const kRounds = 5;
+const kSorted = 300_000;
+const kLongTaskMs = 8;
+const [file = "", other = file] = parseArgs({ allowPositionals: true }).positionals;
+const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "../build/release/web");
+
+function gzippedKb(paths: readonly string[]): string {
+  const bytes = paths.reduce((sum, path) => sum + gzipSync(readFileSync(path), { level: 9 }).length, 0);
+  return `${(bytes / 1024).toFixed(0)} KB`;
+}
+
+function filesIn(folder: string): string[] {
+  return readdirSync(folder, { withFileTypes: true, recursive: true })
+    .filter((entry) => entry.isFile())
+    .map((entry) => join(entry.parentPath, entry.name));
+}
+
+function bundles(): string[][] {
+  const peers = "bench/peers/node_modules";
+  const three = ["core", "module"].map((part) => `${peers}/three/build/three.${part}.min.js`);
+  return [
+    ["bundle with everything, gzipped", gzippedKb(filesIn(join(out, "dist"))), "350 KB"],
+    [
+      "Spark 2.2.0 and three.js",
+      gzippedKb([`${peers}/@sparkjsdev/spark/dist/spark.module.min.js`, ...three]),
+      "",
+    ],
+    ["PlayCanvas 2.23.3", gzippedKb([`${peers}/playcanvas/build/playcanvas.min.mjs`]), ""],
+    [
+      "GaussianSplats3D 0.4.7 and three.js",
+      gzippedKb([`${peers}/@mkkellogg/gaussian-splats-3d/build/gaussian-splats-3d.module.js`, ...three]),
+      "",
+    ],
+  ];
+}
+
+/** Gaussians in a cube of 2 units, all of which are seen from where the camera is. */
+function makeScene(count: number): PackedScene {
+  let state = 1;
+  const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0);
+  const packed = Uint32Array.from({ length: 4 * count }, random);
+  for (let i = 0; i < count; ++i) {
+    packed[4 * i + 2] = (packed[4 * i + 2]! & 0x00ffffff) | ((random() >>> 30) << 24);
+    packed[4 * i + 3]! |= 0x10000000; // opacity
+  }
+  return {
+    count,
+    packed,
+    meanMin: [-0.69, -0.69, -0.69],
+    meanMax: [0.69, 0.69, 0.69],
+    scaleCodebook: Float32Array.from({ length: 256 }, (_, i) => 0.001 + 0.0001 * i),
+    sh0: new Uint8Array(4 * count),
+    sh0Codebook: new Float32Array(256),
+    shN: null,
+    faces: null,
+  };
+}
+
+/** Culling and sorting, ms, and how many are drawn: uncut, and with a plane through the middle. */
+async function sorting(): Promise<string[][]> {
+  const wasm = await WebAssembly.compile(readFileSync(join(out, "splat_order.wasm")));
+  const order = new SplatOrder(wasm);
+  order.load(makeScene(kSorted));
+  const camera = new PerspectiveCamera(40, 1, 0.01, 100);
+  camera.position.set(0, 0, 6);
+  camera.updateMatrixWorld();
+  const seen = makeSceneCamera();
+  setSceneCamera(seen, camera, camera.matrixWorld.clone().identity(), 1024, 1024, 1000);
+  const result = new Uint32Array(kSorted);
+  return [0, 1].map((planes) => {
+    const view = new Float32Array(kViewFloats);
+    writeSortView(view, seen, planes ? [new Vector4(0.6, 0, 0.8, 0)] : []);
+    let drawn = 0;
+    const times = Array.from({ length: 41 }, () => {
+      const start = performance.now();
+      drawn = order.sort(view, planes ? kClipOperators.exact : kClipOperators.none, result);
+      return performance.now() - start;
+    });
+    const what = `culling and sorting ${kSorted / 1000} k splats${planes ? ", half of them cut away" : ""}`;
+    return [`${what} (${drawn / 1000} k drawn)`, `${median(times).toFixed(1)} ms`, "6 ms"];
+  });
+}
+
+/** From the beginning of navigation, with nothing in the browser's cache. */
+async function firstPicture(session: Session): Promise<string[]> {
+  const times: number[] = [];
+  for (let round = 0; round < kRounds; ++round) {
+    const page = await session.open("#case=first");
+    times.push(await page.evaluate(() => window.clipgs.ready.then(() => performance.now())));
+    await page.close();
+  }
+  const megabytes = (readFileSync(file).length / 1e6).toFixed(1);
+  return [`first picture of a case of ${megabytes} MB`, `${(median(times) / 1000).toFixed(2)} s`, "1.5 s"];
+}
+
+/** To a case that was open before, until it is seen. */
+async function switching(session: Session): Promise<string[]> {
+  const page = await session.open("#case=first");
+  const times = await page.evaluate(async (rounds) => {
+    const { clipgs } = window;
+    await clipgs.ready;
+    await clipgs.open("second");
+    const times = [];
+    for (let round = 0; round < rounds; ++round) {
+      const start = performance.now();
+      await clipgs.open(round % 2 ? "second" : "first");
+      times.push(performance.now() - start);
+    }
+    return times;
+  }, kRounds);
+  await page.close();
+  return ["switching the case", `${(median(times) / 1000).toFixed(2)} s`, "1 s"];
+}
+
+interface TraceEvent {
+  name: string;
+  cat: string;
+  pid: number;
+  tid: number;
+  dur?: number; // μs
+  tdur?: number;
+  args: { name?: string };
+}
+
+/** What `act` makes a page's main thread do, task by task: ms of the thread's own time. */
+async function mainThreadTasks(page: Page, act: () => Promise<void>): Promise<number[]> {
+  const client = await page.context().newCDPSession(page);
+  const events: TraceEvent[] = [];
+  client.on("Tracing.dataCollected", ({ value }) => events.push(...(value as unknown as TraceEvent[])));
+  const complete = new Promise((done) => client.once("Tracing.tracingComplete", done));
+  await client.send("Tracing.start", {
+    transferMode: "ReportEvents",
+    traceConfig: { includedCategories: ["toplevel", "blink.user_timing", "__metadata"] },
+  });
+  await act();
+  await client.send("Tracing.end");
+  await complete;
+  const marked = events.find(({ name }) => name === "plane moved");
+  return events
+    .filter(
+      ({ name, pid, tid }) =>
+        name === "ThreadControllerImpl::RunTask" && pid === marked?.pid && tid === marked.tid,
+    )
+    .map(({ tdur = 0 }) => tdur / 1000);
+}
+
+async function planeTasks(session: Session): Promise<string[]> {
+  const page = await session.open("#case=first");
+  await page.evaluate(() => window.clipgs.ready);
+  const move = (frames: number) =>
+    page.evaluate(async (frames) => {
+      const { clipgs } = window;
+      const { min, max } = clipgs.bounds!;
+      for (let i = 0; i < frames; ++i) {
+        clipgs.setPlane({
+          normal: [0.6, 0, 0.8],
+          offset: min[2] + ((i + 1) / (frames + 1)) * (max[2] - min[2]),
+        });
+        performance.mark("plane moved");
+        await new Promise(requestAnimationFrame);
+      }
+    }, frames);
+  await move(10); // compiles
+  const tasks = await mainThreadTasks(page, () => move(60));
+  await page.close();
+  const long = tasks.filter((ms) => ms > kLongTaskMs).length;
+  return [
+    `longest task of the main thread while the plane moves (${long} of ${tasks.length} over ${kLongTaskMs} ms)`,
+    `${Math.max(...tasks).toFixed(1)} ms`,
+    `${kLongTaskMs} ms`,
+  ];
+}
+
+const rows = [...bundles(), ...(await sorting())];
+const session = new Session();
+await session.start((cases) => {
+  copyFileSync(file, join(cases, "first.sog"));
+  copyFileSync(other, join(cases, "second.sog"));
+});
+try {
+  rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
+} finally {
+  process.exitCode = (await session.stop()) ?? 0;
+}
+console.log(table([basename(file), "measured", "limit"], rows));

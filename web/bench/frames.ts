@@ -1,0 +1,271 @@
+// What a frame takes beside other viewers of Gaussian scenes; run by bench/web.sh, which says how.
+//
+// Every viewer draws the case's Gaussians in the same view, in turns in one browser: with the camera turning around
+// them, and with a plane that moves. clipgs cuts Gaussians where the plane goes through them; Spark and PlayCanvas,
+// each by what its documentation offers, remove those whose centre is beyond it; GaussianSplats3D has no planes and
+// draws all of them in an order that need not change. No faces are drawn from a volume.
+
+import { execFileSync } from "node:child_process";
+import { copyFileSync, createReadStream, existsSync, readFileSync } from "node:fs";
+import { createServer, type Server } from "node:http";
+import type { AddressInfo } from "node:net";
+import { extname, join, resolve } from "node:path";
+import { parseArgs } from "node:util";
+import type { Page } from "playwright-core";
+import { Matrix4, PerspectiveCamera, Vector3 } from "three";
+
+import { type CaseInfo, parseCaseInfo } from "../src/model/case_info";
+import { kWorldFromPatient, projectBox, type Triple } from "../src/model/geometry";
+import { applyView, kFieldOfView, viewFrom } from "../src/model/view";
+import { makeSceneCamera, setSceneCamera } from "../src/render/scene_camera";
+import { parseSogMeta } from "../src/sog/sog";
+import { readZip } from "../src/sog/zip";
+import { kProgram } from "../test/browser/program";
+import { Session } from "../test/browser/session";
+import { median, table } from "./measure";
+
+const { positionals, values } = parseArgs({
+  allowPositionals: true,
+  options: {
+    size: { type: "string", default: "512" }, // px
+    frames: { type: "string", default: "12" }, // of a movement
+    rounds: { type: "string", default: "5" },
+    shots: { type: "string" }, // a folder for what each of them shows
+  },
+});
+const [file = ""] = positionals;
+const kSize = Number(values.size);
+const kFrames = Number(values.frames);
+const kRounds = Number(values.rounds);
+const kElevation = 24; // degrees
+const kAzimuth = 28;
+const kBlankBytes = 10_000; // of a picture that shows nothing, at most
+const kPeers = { spark: "Spark 2.2.0", playcanvas: "PlayCanvas 2.23.3", gs3d: "GaussianSplats3D 0.4.7" };
+
+/** Keeps dot(normal, x) >= offset. */
+interface Cut {
+  normal: Triple;
+  offset: number;
+}
+
+/** One frame of a movement: where the camera is, and what is cut, RAS mm. */
+interface Moment {
+  azimuth: number;
+  plane: Cut | null;
+}
+
+/** A viewer in its page. */
+interface Contender {
+  name: string;
+  page: Page;
+  /** What a frame of a movement takes, ms. */
+  time(movement: Moment[]): Promise<number>;
+}
+
+/** In every page: shows moments, and waits until the GPU has drawn them. */
+declare global {
+  interface Window {
+    show(moment: unknown): void;
+    timeMovement(movement: unknown[]): Promise<number>;
+  }
+}
+
+/** Takes `window.show` for what draws a moment. */
+function installTimer(): void {
+  const finish = () => {
+    const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  };
+  const frames = async (moments: unknown[]) => {
+    for (const moment of moments) {
+      window.show(moment);
+      await new Promise(requestAnimationFrame);
+    }
+    finish();
+  };
+  window.timeMovement = async (movement) => {
+    await frames(movement.slice(0, 2)); // nothing is left to wait for
+    const start = performance.now();
+    await frames(movement);
+    return (performance.now() - start) / movement.length;
+  };
+}
+
+async function clipgsPage(session: Session): Promise<Page> {
+  const page = await session.open(`#size=${kSize}x${kSize}`, [], { width: kSize, height: kSize });
+  await page.evaluate(installTimer);
+  await page.evaluate(async (elevation) => {
+    const { clipgs } = window;
+    await clipgs.ready;
+    clipgs.steady = false;
+    clipgs.setSection("splats");
+    window.show = (moment) => {
+      const { azimuth, plane } = moment as Moment;
+      clipgs.setView({ azimuth, elevation });
+      clipgs.setPlane(plane);
+    };
+  }, kElevation);
+  return page;
+}
+
+function clipgs(page: Page, clip: "exact" | "hard"): Contender {
+  const time = async (movement: Moment[]) => {
+    await page.evaluate((operator) => window.clipgs.setClip(operator), clip);
+    return page.evaluate((moments) => window.timeMovement(moments), movement);
+  };
+  return { name: `clipgs, ${clip}`, page, time };
+}
+
+/** What the pages in bench/peers resolve to. */
+interface Peer {
+  setCamera(matrix: number[]): void;
+  setPlane(plane: Cut | null): void;
+  draw(): void;
+}
+
+/** A viewer that knows the scene alone: its camera and planes are in scene space. */
+async function peer(session: Session, url: string, name: string, info: CaseInfo): Promise<Contender> {
+  const page = await session.openPage(url, [], { width: kSize, height: kSize });
+  page.on("pageerror", (error) => console.error(`${name}: ${error.message}`));
+  await page.waitForFunction(() => "peer" in window);
+  await page.evaluate(installTimer);
+  await page.evaluate(async () => {
+    const viewer = await (window as unknown as { peer: Promise<Peer> }).peer;
+    window.show = (moment) => {
+      const { camera, plane } = moment as { camera: number[]; plane: Cut | null };
+      viewer.setCamera(camera);
+      viewer.setPlane(plane);
+      viewer.draw();
+    };
+  });
+  const time = (movement: Moment[]) => {
+    const moments = movement.map(({ azimuth, plane }) => ({
+      camera: sceneCamera(info, azimuth),
+      plane: plane && scenePlane(info, plane),
+    }));
+    return page.evaluate((moments) => window.timeMovement(moments), moments);
+  };
+  return { name, page, time };
+}
+
+/** The matrix of a camera of three.js in scene space. */
+function sceneCamera(info: CaseInfo, azimuth: number): number[] {
+  const camera = new PerspectiveCamera();
+  applyView(camera, viewFrom(azimuth, kElevation), info.sphere, kSize, kSize);
+  const world = new Matrix4().multiplyMatrices(kWorldFromPatient, info.sceneToPatient);
+  const seen = makeSceneCamera();
+  setSceneCamera(seen, camera, world, kSize, kSize, info.mmPerUnit);
+  const { rotation, position } = seen;
+  const [right, down, forward] = [new Vector3(), new Vector3(), new Vector3()];
+  new Matrix4().setFromMatrix3(rotation).transpose().extractBasis(right, down, forward);
+  return new Matrix4().makeBasis(right, down.negate(), forward.negate()).setPosition(position).toArray();
+}
+
+function scenePlane({ sceneToPatient, mmPerUnit }: CaseInfo, { normal, offset }: Cut): Cut {
+  const n = new Vector3(...normal);
+  const origin = new Vector3().setFromMatrixPosition(sceneToPatient);
+  const inScene = n.clone().transformDirection(sceneToPatient.clone().invert());
+  return { normal: inScene.toArray(), offset: (offset - n.dot(origin)) / mmPerUnit };
+}
+
+function makeMovements({ bounds }: CaseInfo): Record<string, Moment[]> {
+  const axis = new Vector3(1, 0.3, 0.5).normalize();
+  const [first, last] = projectBox(bounds, axis);
+  const at = (share: number) => ({ normal: axis.toArray(), offset: first + share * (last - first) });
+  const movement = (moment: (share: number) => Moment) =>
+    Array.from({ length: kFrames }, (_, i) => moment(i / (kFrames - 1)));
+  return {
+    "turning, nothing cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: null })),
+    "plane moving through": movement((s) => ({ azimuth: kAzimuth, plane: at(0.8 - 0.7 * s) })),
+    "half cut": movement((s) => ({ azimuth: kAzimuth, plane: at(0.45 + 0.1 * s) })),
+  };
+}
+
+/** Serves files by their absolute path. */
+function serveFiles(): Promise<Server> {
+  const types: Record<string, string> = {
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".mjs": "text/javascript",
+  };
+  const server = createServer((request, response) => {
+    const path = decodeURIComponent(new URL(request.url!, "http://localhost").pathname);
+    if (existsSync(path)) {
+      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
+      createReadStream(path).pipe(response);
+    } else {
+      response.writeHead(404).end();
+    }
+  });
+  return new Promise((done) => server.listen(0, "127.0.0.1", () => done(server)));
+}
+
+async function openAll(session: Session, info: CaseInfo, server: Server): Promise<Contender[]> {
+  const page = await clipgsPage(session);
+  const contenders = [clipgs(page, "exact"), clipgs(page, "hard")];
+  const splats = join(session.folder, "splats.ply");
+  execFileSync(kProgram, ["--quiet", "export", file, "-o", splats]);
+  const { port } = server.address() as AddressInfo;
+  for (const [key, name] of Object.entries(kPeers)) {
+    const wanted = new URLSearchParams({
+      peer: key,
+      scene: key === "gs3d" ? splats : resolve(file), // which reads no SOG
+      size: String(kSize),
+      fov: String((kFieldOfView * 180) / Math.PI),
+    });
+    const url = `http://127.0.0.1:${port}${resolve("bench/peers/index.html")}?${wanted}`;
+    contenders.push(await peer(session, url, name, info));
+  }
+  return contenders;
+}
+
+/** Some begin to draw a while after they say that they are ready. */
+async function waitUntilShown({ name, page, time }: Contender, moment: Moment): Promise<void> {
+  for (let i = 0; i < 60; ++i) {
+    await page.bringToFront();
+    await time([moment, moment, moment]);
+    if ((await page.screenshot()).length > kBlankBytes) {
+      return;
+    }
+  }
+  throw new Error(`${name} shows nothing`);
+}
+
+async function main(): Promise<void> {
+  const info = parseCaseInfo(parseSogMeta(await readZip(readFileSync(file))).clipgs);
+  const movements = makeMovements(info);
+  const session = new Session();
+  await session.start((cases) => copyFileSync(file, join(cases, "case.sog")));
+  const server = await serveFiles();
+  try {
+    const contenders = await openAll(session, info, server);
+    for (const contender of contenders) {
+      await waitUntilShown(contender, { azimuth: kAzimuth, plane: null });
+    }
+    const times = contenders.map(() => Object.keys(movements).map((): number[] => []));
+    for (let round = 0; round < kRounds; ++round) {
+      for (const [m, [movement, moments]] of Object.entries(movements).entries()) {
+        for (const [c, contender] of contenders.entries()) {
+          await contender.page.bringToFront();
+          times[c]![m]!.push(await contender.time(moments));
+          if (values.shots && round === 0) {
+            const name = `${contender.name} ${movement}.png`.replaceAll(/[ ,]+/g, "-");
+            await contender.page.screenshot({ path: join(values.shots, name) });
+          }
+        }
+      }
+      console.error(`round ${round + 1} of ${kRounds}`);
+    }
+    const medians = times.map((one) => one.map(median));
+    const rows = contenders.map(({ name }, c) => [
+      name,
+      ...medians[c]!.map((ms, m) => `${ms.toFixed(1)} (${(medians[0]![m]! / ms).toFixed(2)})`),
+    ]);
+    console.log(table(["ms a frame (clipgs, exact, to this)", ...Object.keys(movements)], rows));
+  } finally {
+    server.close();
+    process.exitCode = (await session.stop()) ?? 0;
+  }
+}
+
+await main();
