@@ -14,6 +14,7 @@ import {
 } from "three";
 
 import { kWorldFromPatient, type Plane, planeThrough, projectOnto, type Sphere } from "../model/geometry";
+import { OrientationSnap } from "../model/orientation_snap";
 import { kRim, tangents } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
 import { type Hand, handOf } from "./hand";
@@ -69,7 +70,10 @@ export class PlaneGrip {
   readonly #disc: Disc;
   readonly #held = new Object3D(); // what hands move
   readonly #store: HandleStore<unknown>;
+  /** Of planes that are turned. */
+  readonly snap = new OrientationSnap();
   readonly #filter = new PoseFilter();
+  readonly #middle = new Vector3(); // scratch
   readonly #release: () => void;
   /** Whether hands go through the plane, to the case. */
   locked = false;
@@ -118,7 +122,7 @@ export class PlaneGrip {
     this.#store.update(time);
     if (this.#holding) {
       this.#filter.follow(this.#held.position, this.#held.quaternion, seconds);
-      this.#move(planeOfPose(this.#filter.position, this.#filter.quaternion));
+      this.#move(this.#snapped(planeOfPose(this.#filter.position, this.#filter.quaternion)));
     } else {
       poseOfPlane(cut, this.#sphere.center, this.#held.position, this.#held.quaternion);
       this.#filter.reset(this.#held.position, this.#held.quaternion);
@@ -140,11 +144,28 @@ export class PlaneGrip {
     const hand = handOf(state.event as PointerEvent | undefined);
     if (state.first && hand) {
       this.#holding = hand;
+      this.snap.begin(this.#viewer.cut!.normal);
       hand.pulse(0.6, 30);
     } else if (state.last) {
       this.#holding?.pulse(0.3, 20);
       this.#holding = null;
     }
+  }
+
+  /** Where a body plane holds it, turned about the handle's middle; it ticks when one begins to. */
+  #snapped(plane: Plane): Plane {
+    if (this.#viewer.state.mode === "uniaxial") {
+      return plane;
+    }
+    const { snap } = this;
+    const before = snap.caught;
+    const normal = snap.turn(plane.normal);
+    if (snap.caught !== before && snap.caught) {
+      this.#holding?.pulse(0.5, 15);
+    }
+    return snap.caught
+      ? planeThrough(normal, this.#middle.copy(this.#filter.position).applyMatrix4(kPatientFromWorld))
+      : plane;
   }
 
   /** Keeps the plane within the case; ticks at its ends and, in the uniaxial mode, at every state. */
