@@ -5,6 +5,7 @@ import { type Cut, makeCut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
 import type { Plane, Triple } from "./model/geometry";
 import type { Window } from "./model/grey";
+import type { Layers } from "./model/layers";
 import { lengthsOf } from "./model/pins";
 import type { Mode, PlaneStates } from "./model/states";
 import { valueText } from "./model/values";
@@ -47,6 +48,8 @@ export interface ClipgsApi {
   setGrey(grey: number): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: Window | null): void;
+  /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
+  setLayers(layers: Partial<Layers>): void;
   /** Marks a point with its value, 20 of them at most, and measures from the pin before it where it is `joined`; false
    * where there is no value: outside and in air. */
   addPin(point: Triple, joined?: boolean): boolean;
@@ -72,6 +75,7 @@ export interface ClipgsApi {
     section: FaceSource;
     grey: number;
     window: Window | null;
+    layers: Layers;
   };
   readonly stats: Readonly<ViewerStats>;
   /** Whether resolution is given up where frames would come late, while something moves. */
@@ -142,6 +146,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
+    setLayers: (layers) => viewer.setLayers(layers),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
     removePin: (index) => viewer.removePin(index),
     get bounds() {
@@ -165,7 +170,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
       }));
     },
     get state() {
-      const { view, mode, cuts, clip, section, grey } = viewer.state;
+      const { view, mode, cuts, clip, section, grey, layers } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
@@ -180,6 +185,7 @@ export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
         section,
         grey,
         window: viewer.window,
+        layers: { ...layers },
       };
     },
     renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),

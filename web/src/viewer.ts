@@ -14,6 +14,7 @@ import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import type { Window } from "./model/grey";
+import { kAllLayers, type Layers } from "./model/layers";
 import type { LinkPin } from "./model/link";
 import { type Pin, withoutPin, withPin } from "./model/pins";
 import type { Grip } from "./model/plane_drag";
@@ -77,6 +78,7 @@ export class Viewer {
     grey: 0,
     window: null,
     handle: true,
+    layers: kAllLayers,
     pins: [],
   };
   readonly stats: ViewerStats = {
@@ -313,13 +315,19 @@ export class Viewer {
     this.#touch();
   }
 
+  setLayers(layers: Partial<Layers>): void {
+    this.state.layers = { ...this.state.layers, ...layers };
+    this.#touch();
+  }
+
   /**
    * Marks a point (RAS mm), `joined`: measured from the pin before it. The oldest pin goes where there are too many.
-   * Returns whether the point has a value; none is marked else.
+   * Returns whether the point has a value; none is marked else. Marks that were hidden are shown again.
    */
   addPin(point: Vector3, joined = false): boolean {
     const reading = this.section && readSection(this.section, point);
     if (reading) {
+      this.state.layers = { ...this.state.layers, marks: true };
       this.#setPins(withPin(this.state.pins, { ...reading, joined }));
     }
     return reading !== null;

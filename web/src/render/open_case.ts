@@ -5,6 +5,7 @@ import { type Cut, planesOf } from "../model/cut";
 import type { FaceSource } from "../model/faces";
 import { kWorldFromPatient } from "../model/geometry";
 import { type Window, windowPresets } from "../model/grey";
+import type { Layers } from "../model/layers";
 import type { Section } from "../sog/section";
 import type { CaseClient } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
@@ -23,6 +24,7 @@ export interface Style {
   clip: ClipOperator;
   section: FaceSource;
   grey: number; // 0 cinematic … 1 grey
+  layers: Layers;
 }
 
 /** What culling and sorting said last. */
@@ -102,21 +104,23 @@ export class OpenCase {
   subject(
     camera: PerspectiveCamera,
     height: number,
-    { cuts, clip, section, grey }: Style,
+    { cuts, clip, section, grey, layers }: Style,
     window: Window | null,
     rays: number,
   ): Subject {
     const { mesh, faces, info } = this;
     const planes = planesOf(cuts);
     mesh.setClip(planes, clip);
-    if (!faces || section === "splats") {
+    mesh.visible = true;
+    if (!faces || section === "splats" || !layers.faces) {
       return { mesh, faces: null };
     }
+    mesh.visible = layers.body || planes.length === 0;
     // A pixel at the far side of the case, mm.
     const eye = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert());
     const reach = eye.distanceTo(info.sphere.center) + info.sphere.radius;
     const pixel = (2 * reach * Math.tan((camera.fov * Math.PI) / 360)) / height;
-    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0);
+    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0, !mesh.visible);
     faces.setStyle(grey, window);
     faces.rays = rays;
     return { mesh, faces };

@@ -5,6 +5,8 @@ import {
   Data3DTexture,
   DataTexture,
   DataUtils,
+  DoubleSide,
+  FrontSide,
   GLSL3,
   HalfFloatType,
   type IUniform,
@@ -134,6 +136,7 @@ function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels:
     depthWrite: opaque,
     depthFunc: LessDepth,
     transparent: !opaque,
+    forceSinglePass: true,
     blending: opaque ? NoBlending : CustomBlending,
     blendSrc: OneFactor,
     blendDst: OneFactor,
@@ -199,12 +202,13 @@ export class SectionFaces {
 
   /**
    * Shows the faces that planes (RAS mm) expose, and those where the volume ends in matter. Their edges are smooth
-   * where a pixel is no more than `margin` mm and has several rays.
+   * where a pixel is no more than `margin` mm and has several rays. `alone`, without the body, the volume's ends are
+   * none, and one face is seen from behind, too; several would lie over each other.
    */
-  setPlanes(planes: readonly Plane[], margin: number): void {
+  setPlanes(planes: readonly Plane[], margin: number, alone = false): void {
     planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
     this.#uniforms["uPlaneCount"]!.value = planes.length;
-    const all = [...planes, ...this.ends];
+    const all = alone ? planes : [...planes, ...this.ends];
     const corners: number[] = [];
     const outwards: number[] = [];
     const lights: number[] = [];
@@ -228,6 +232,7 @@ export class SectionFaces {
     this.opaque.geometry.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry = geometry;
+      mesh.material.side = alone && planes.length === 1 ? DoubleSide : FrontSide;
     }
   }
 

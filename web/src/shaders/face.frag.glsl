@@ -43,6 +43,9 @@ vec4 cinematic(FaceSum sum, vec3 towardsEye, float rays) {
 
 void main() {
   vec3 eye = (uPatientFromWorld * vec4(cameraPosition, 1.0)).xyz;
+  if (!gl_FrontFacing) {
+    eye -= 2.0 * dot(eye - vPosition, vOutward) * vOutward;  // from behind a face is seen as in a mirror
+  }
   vec3 right = dFdx(vPosition);
   vec3 up = dFdy(vPosition);
   vec3 last = vec3(textureSize(uVoxels, 0) - 1);

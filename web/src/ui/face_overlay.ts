@@ -154,7 +154,10 @@ export class FaceOverlay {
 
   #updatePins(): void {
     const viewer = this.#viewer;
-    const { pins } = viewer.state;
+    const { pins, layers } = viewer.state;
+    for (const marks of [this.#pins, this.#lines, this.#lengths]) {
+      marks.toggleAttribute("hidden", !layers.marks);
+    }
     if (pins !== this.#shownPins) {
       this.#shownPins = pins;
       this.#pins.replaceChildren(...pins.map((pin, i) => this.#pin(pin, i)));
