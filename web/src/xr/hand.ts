@@ -28,6 +28,9 @@ const kReach = 0.07;
 const kRayLength = 1.5;
 /** Of a controller's buttons, A or X. */
 const kMenuButton = 4;
+/** Of its axes, forward and back; less than this share of the way is none. */
+const kStickAxis = 3;
+const kDeadZone = 0.15;
 const kColor = 0x7fd8f2;
 const kJoints = 25;
 const kJointRadius = 0.008; // m, where it is not told
@@ -128,6 +131,12 @@ export class Hand {
     this.#ray.visible = at !== undefined;
     this.#ray.scale.z =
       at && !(at.object as { isVoidObject?: boolean }).isVoidObject ? at.distance : kRayLength;
+  }
+
+  /** How far the controller's stick is pushed forward: −1 … 1. */
+  get stick(): number {
+    const back = this.source?.gamepad?.axes[kStickAxis] ?? 0;
+    return Math.abs(back) > kDeadZone ? -back : 0;
   }
 
   /** A tick that is felt, where the controller can: strength 0 … 1. */

@@ -3,6 +3,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 import type { Actions } from "../actions";
 import type { OpenCase } from "../render/open_case";
 import { type Picture, pictureOf } from "../render/splat_layer";
+import { kAllLayers } from "../model/layers";
 import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
@@ -29,6 +30,8 @@ const kNear = 0.05; // m
 const kFar = 30;
 /** What a face costs in a headset: rays a pixel. */
 const kRays = 1;
+/** How fast a stick slides the plane, mm or states a second. */
+const kStickSpeed = 40;
 /** Frames a second where the headset does not say: the least that one shows. */
 const kFrameRate = 72;
 
@@ -63,6 +66,7 @@ export class Headset {
   readonly #hands: Hand[];
   readonly #forward = new Vector3();
   #placed = false;
+  #time = 0;
   #shown: OpenCase | null = null;
   #version = -1;
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
@@ -89,6 +93,8 @@ export class Headset {
     );
     this.stage.scene.add(...this.#hands.map((hand) => hand.object));
     xr.addEventListener("sessionend", () => this.#takenOff());
+    // What a session draws into does not come back.
+    viewer.canvas.addEventListener("webglcontextlost", () => void this.leave());
   }
 
   get worn(): boolean {
@@ -157,6 +163,7 @@ export class Headset {
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
+        turnTo: (side) => this.stage.turnTo(side, this.#both.middle),
         stage,
         governor: this.governor,
         wrists: this.#hands.map((hand) => hand.wrist),
@@ -187,6 +194,7 @@ export class Headset {
     }
     this.stage.setCase(null);
     this.#shown = null;
+    this.#viewer.setLayers(kAllLayers); // the page has no switches for them
     this.#viewer.yieldTo(null);
     this.changed();
   }
@@ -211,6 +219,8 @@ export class Headset {
       this.#placePanel();
     }
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time));
+    this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
+    this.#time = time;
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
     this.stage.update(time, middle, pixelAngle);
     this.panel?.update(time, middle);
@@ -223,6 +233,21 @@ export class Headset {
       this.#wanted.splice(0).forEach((resolve) => resolve(pictures));
     }
     this.#draw(true);
+  }
+
+  /** Sticks slide the plane that is not held, and tick at every state. */
+  #slide(seconds: number): void {
+    const { grip } = this.stage;
+    for (const hand of this.#hands) {
+      const { stick } = hand;
+      if (stick !== 0 && !grip.holding && !grip.locked) {
+        const before = this.#viewer.planeState;
+        this.#actions.step(stick * Math.abs(stick) * kStickSpeed * seconds);
+        if (this.#viewer.planeState !== before) {
+          hand.pulse(0.2, 8);
+        }
+      }
+    }
   }
 
   /** No more is drawn than the headset has time for. */

@@ -1,20 +1,32 @@
 import { HandleStore, type HandleState } from "@pmndrs/handle";
 import type { PointerEvent } from "@pmndrs/pointer-events";
-import { BoxGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, type Object3D, Scene, Vector3 } from "three";
+import {
+  BoxGeometry,
+  Group,
+  Matrix4,
+  Mesh,
+  MeshBasicMaterial,
+  type Object3D,
+  Quaternion,
+  Scene,
+  Vector3,
+} from "three";
 
 import { kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
-import type { Marking } from "../model/pins";
+import type { Marking, Pin } from "../model/pins";
 import type { Reading } from "../model/values";
+import { cameraAxes } from "../model/view";
 import { PlaneWidget } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
 import { FaceTarget } from "./face_target";
 import { handOf } from "./hand";
+import { PinTarget } from "./pin_target";
 import { PlaneGrip } from "./plane_grip";
 
 /** Of life size. */
-const kLeastScale = 0.1;
-const kMostScale = 20;
+export const kLeastScale = 0.1;
+export const kMostScale = 20;
 /** Where a case is put: this far before the eyes and below them, m; never nearer than its radius and kClear. */
 const kAhead = 0.8;
 const kBelow = 0.25;
@@ -37,14 +49,16 @@ export class Stage {
   readonly #release: () => void;
   readonly #viewer: Viewer;
   readonly #marking: Marking;
-  readonly #target: FaceTarget;
+  readonly #faceTarget: FaceTarget;
+  readonly #pinTarget: PinTarget;
   readonly #patientFromRoom = new Matrix4();
   #case: OpenCase | null = null;
 
   constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
     this.#marking = marking;
-    this.#target = new FaceTarget(viewer, marking, this.roomFromPatient, this.#patientFromRoom);
+    this.#faceTarget = new FaceTarget(viewer, marking, this.roomFromPatient, this.#patientFromRoom);
+    this.#pinTarget = new PinTarget(viewer, marking, this.roomFromPatient);
     this.grip = new PlaneGrip(viewer);
     const unseen = new MeshBasicMaterial();
     unseen.visible = false;
@@ -53,7 +67,7 @@ export class Stage {
     this.#body.matrixAutoUpdate = false;
     this.#body.add(this.#box, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor, this.#target);
+    this.scene.add(this.#anchor, this.#faceTarget, this.#pinTarget);
     this.#store = new HandleStore(this.#anchor, () => ({
       scale: { uniform: true },
       apply: (state, target) => this.#moveCase(state, target),
@@ -68,7 +82,17 @@ export class Stage {
 
   /** What is pointed at, while points are marked. */
   get reading(): Reading | null {
-    return this.#target.reading;
+    return this.#faceTarget.reading;
+  }
+
+  /** The pin that a press would remove. */
+  get pointedPin(): Pin | null {
+    return this.#pinTarget.pin;
+  }
+
+  /** How the viewer's world is turned in the room. */
+  get quaternion(): Quaternion {
+    return this.#anchor.quaternion;
   }
 
   /** Of life size. */
@@ -123,13 +147,27 @@ export class Stage {
     this.#anchor.rotation.set(0, facing - (this.#viewer.state.view.azimuth * Math.PI) / 180, 0);
   }
 
+  /** Turns the case in its place so that eyes at `eye` look at a side (RAS), the head up where it can be. */
+  turnTo(side: Vector3, eye: Vector3): void {
+    const { right, down } = cameraAxes(side.clone().negate());
+    const [x, y, z] = [right, down.negate(), side.clone()].map((axis) =>
+      axis.transformDirection(kWorldFromPatient),
+    );
+    const world = new Matrix4().makeBasis(x!, y!, z!);
+    const towards = new Vector3().subVectors(eye, this.#anchor.position).setY(0).normalize();
+    const up = new Vector3(0, 1, 0);
+    const room = new Matrix4().makeBasis(new Vector3().crossVectors(up, towards), up, towards);
+    this.#anchor.quaternion.setFromRotationMatrix(room.multiply(world.transpose()));
+  }
+
   /** Before a frame, seen from `eye` (in the room) with `pixelAngle` the tangent of a pixel's angle. */
   update(time: number, eye: Vector3, pixelAngle: number): void {
     this.#store.update(time);
     this.grip.update(time);
-    const marking = this.#marking.mark !== null;
-    this.#target.visible = marking;
-    this.#target.pointerEvents = marking ? "auto" : "none";
+    const { mark } = this.#marking;
+    const marking = mark !== null;
+    this.#faceTarget.pointerEvents = marking ? "auto" : "none";
+    this.#pinTarget.pointerEvents = mark === "pin" ? "auto" : "none";
     this.#box.pointerEvents = marking ? "none" : "auto";
     this.grip.enabled = !marking;
     const { state, cut } = this.#viewer;

@@ -7,6 +7,7 @@ import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
+import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
 import type { Marking } from "../../model/pins";
 import type { Mode } from "../../model/states";
@@ -14,7 +15,9 @@ import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Effort, Governor } from "../governor";
-import type { Stage } from "../stage";
+import { kLeastScale, kMostScale, type Stage } from "../stage";
+import { kHelp } from "./help";
+import { OrientationCube } from "./orientation_cube";
 import { OrientationLetters } from "./orientation_letters";
 import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
@@ -23,13 +26,18 @@ import { button, choice, column, type Live, label, row, slider } from "./widgets
 
 /** m a px. */
 const kPixel = 0.001;
-const kWidth = 440; // px
+const kWidth = 480; // px
 /** Where it is put: this far from the eyes, aside of where they look and below, m and radians. */
 const kAway = 1.0;
 const kAside = 0.72;
 const kBelow = 0.12;
+/** How near and how far it can be moved, m. */
+const kNearest = 0.6;
+const kFarthest = 2;
 /** Of its top above its middle, m. */
 const kTop = 0.27;
+/** Of the cube from its middle, m: above its right end. */
+const kCube = new Vector3(0.2, kTop + 0.055, 0);
 /** It follows the state so often while something moves, ms. */
 const kRefreshMs = 100;
 /** What is drawn is counted so often, ms. */
@@ -37,7 +45,14 @@ const kCountMs = 500;
 /** What is met first, where a hand points at several things. */
 const kOrder = 2;
 
-const kTabs = { cut: "Cut", faces: "Faces", cases: "Cases", view: "View" } as const;
+const kTabs = {
+  cut: "Cut",
+  faces: "Faces",
+  layers: "Layers",
+  cases: "Cases",
+  view: "View",
+  help: "Help",
+} as const;
 type Tab = keyof typeof kTabs;
 
 /** What is done for the panel by what is around it. */
@@ -47,6 +62,8 @@ export interface PanelHost {
   leave(): void;
   /** Puts case and panel before the eyes, the case in life size. */
   place(): void;
+  /** Turns the case so that a side of the patient (RAS) is looked at. */
+  turnTo(side: Vector3): void;
   readonly stage: Stage;
   readonly governor: Governor;
   /** Of bare hands. */
@@ -71,6 +88,7 @@ export class Panel {
   readonly #marking: Marking;
   readonly #marks: RoomMarks;
   readonly #letters: OrientationLetters;
+  readonly #cube: OrientationCube;
   #lettered = true;
   readonly #host: PanelHost;
   readonly #font = new SdfFont();
@@ -90,6 +108,8 @@ export class Panel {
   #stale = false;
   #refreshed = 0;
   #time = 0;
+  readonly #eye = new Vector3();
+  readonly #cubePlace = new Vector3(); // scratch
 
   constructor(viewer: Viewer, actions: Actions, marking: Marking, host: PanelHost) {
     this.#viewer = viewer;
@@ -98,6 +118,7 @@ export class Panel {
     this.#host = host;
     this.#marks = new RoomMarks(viewer, () => this.#font.families());
     this.#letters = new OrientationLetters(this.#font.families());
+    this.#cube = new OrientationCube((side) => host.turnTo(side), kOrder);
     const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
       new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }),
     );
@@ -119,8 +140,10 @@ export class Panel {
       choice<Tab>(kTabs, this.#tab, (tab) => this.show(tab)),
       ...this.#cut(),
       ...this.#faces(),
+      ...this.#layers(),
       ...this.#casesTab(),
       ...this.#view(),
+      this.#only("help", help()),
       new Text({
         text: this.#message,
         color: "#ffb3a6",
@@ -131,11 +154,20 @@ export class Panel {
     // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
     const lift = new Group();
     lift.position.y = kTop;
-    this.object.add(this.#board.add(lift.add(this.#root)), this.#marks.object, this.#letters.object);
+    this.object.add(this.#board.add(lift.add(this.#root)));
+    this.object.add(this.#marks.object, this.#letters.object, this.#cube.object);
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
     );
-    this.#move = new HandleStore(this.#board, () => ({ scale: false, multitouch: false }));
+    this.#move = new HandleStore(this.#board, () => ({
+      scale: false,
+      rotate: false,
+      multitouch: false,
+      apply: ({ current }, board) => {
+        board.position.copy(current.position).sub(this.#eye).clampLength(kNearest, kFarthest).add(this.#eye);
+        board.lookAt(this.#eye);
+      },
+    }));
     this.#release = this.#move.bind(bar);
   }
 
@@ -149,7 +181,8 @@ export class Panel {
     return this.#message.value;
   }
 
-  /** Where this text is, of its own, a mark's or a letter, in the room; null: it is not shown. */
+  /** Where this text is, of its own, a mark's or a letter, or the cube's side of this name, in the room; null: it is
+   * not shown. */
   find(text: string): Vector3 | null {
     let found: Vector3 | null = null;
     this.#root.traverse((object) => {
@@ -158,7 +191,7 @@ export class Panel {
         found = new Vector3().setFromMatrixPosition(object.matrixWorld);
       }
     });
-    return found ?? this.#marks.find(text) ?? this.#letters.find(text);
+    return found ?? this.#marks.find(text) ?? this.#letters.find(text) ?? this.#cube.find(text);
   }
 
   /** Something of the state is another. */
@@ -185,6 +218,7 @@ export class Panel {
 
   /** Before a frame, seen from `eye` in the room. */
   update(time: number, eye: Vector3): void {
+    this.#eye.copy(eye);
     const counting = this.#tab.value === "view" && time - this.#refreshed > kCountMs;
     if (counting || (this.#stale && time - this.#refreshed > kRefreshMs)) {
       this.#stale = false;
@@ -203,7 +237,10 @@ export class Panel {
     if (this.#lettered && bounds) {
       this.#letters.update(bounds, stage.roomFromPatient, eye, delta);
     }
-    this.#marks.update(stage.reading, stage.roomFromPatient, eye, stage.toPatient(eye), delta);
+    const { reading, pointedPin, roomFromPatient } = stage;
+    this.#marks.update(reading, pointedPin, roomFromPatient, eye, stage.toPatient(eye), delta);
+    this.#cubePlace.copy(kCube).applyQuaternion(this.#board.quaternion).add(this.#board.position);
+    this.#cube.place(this.#cubePlace, stage.quaternion);
   }
 
   dispose(): void {
@@ -211,6 +248,7 @@ export class Panel {
     this.#root.dispose();
     this.#marks.dispose();
     this.#letters.dispose();
+    this.#cube.dispose();
     this.#wristButtons.forEach((one) => one.dispose());
     this.#pictures.forEach((picture) => picture.dispose());
   }
@@ -281,6 +319,10 @@ export class Panel {
           button("Lock", () => this.#set(() => (grip.locked = !grip.locked)), {
             pressed: this.#live(() => grip.locked),
           }),
+          button("Snap", () => this.#set(() => (grip.snap.enabled = !grip.snap.enabled)), {
+            enabled: free,
+            pressed: this.#live(() => grip.snap.enabled),
+          }),
           button("Reset", () => actions.resetPlane()),
         ),
       ),
@@ -295,9 +337,6 @@ export class Panel {
       tab(
         row(
           button("Cut", () => actions.toggle(), { pressed: isCut }),
-          button("Handle", () => viewer.setHandle(!viewer.state.handle), {
-            pressed: this.#live(() => viewer.state.handle),
-          }),
           button("Undo", () => actions.undo(), { enabled: this.#live(() => actions.canUndo) }),
           button("Redo", () => actions.redo(), { enabled: this.#live(() => actions.canRedo) }),
         ),
@@ -327,7 +366,7 @@ export class Panel {
   #faces(): (Container | Text)[] {
     const [viewer, marking] = [this.#viewer, this.#marking];
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
-    const byVolume = () => !viewer.noSection && viewer.state.section === "volume";
+    const byVolume = () => this.#byVolume;
     const isGrey = () => byVolume() && viewer.state.grey > 0 && viewer.window !== null;
     const change = (part: Partial<Window>) => {
       const { window } = viewer;
@@ -392,6 +431,36 @@ export class Panel {
     ];
   }
 
+  #layers(): (Container | Text)[] {
+    const viewer = this.#viewer;
+    const tab = (element: Container | Text, where?: () => boolean) => this.#only("layers", element, where);
+    const layer = (text: string, name: keyof Layers, enabled: () => boolean) =>
+      button(text, () => viewer.setLayers({ [name]: !viewer.state.layers[name] }), {
+        enabled: this.#live(enabled),
+        pressed: this.#live(() => viewer.state.layers[name]),
+      });
+    return [
+      tab(
+        row(
+          layer("Body", "body", () => this.#byVolume && viewer.state.layers.faces),
+          layer("Cut faces", "faces", () => this.#byVolume),
+        ),
+      ),
+      tab(
+        row(
+          button("Handle", () => viewer.setHandle(!viewer.state.handle), {
+            pressed: this.#live(() => viewer.state.handle),
+          }),
+          layer("Marks", "marks", () => true),
+          button("Letters", () => this.#set(() => (this.#lettered = !this.#lettered)), {
+            pressed: this.#live(() => this.#lettered),
+          }),
+        ),
+      ),
+      tab(label("Without the body, the cut faces stand in the room alone.", { quiet: true, size: 15 })),
+    ];
+  }
+
   #casesTab(): (Container | Text)[] {
     const list = new Container({ maxHeight: 420, overflow: "scroll", flexDirection: "column" });
     return [this.#only("cases", list.add(this.#cards))];
@@ -403,6 +472,16 @@ export class Panel {
     const { governor } = this.#host;
     return [
       tab(label(this.#live(() => `The case at ${scaleText(this.#host.stage.scale)}`))),
+      tab(
+        slider(
+          this.#live(() => ({
+            min: Math.log(kLeastScale),
+            max: Math.log(kMostScale),
+            value: Math.log(this.#host.stage.scale),
+          })),
+          (value) => this.#set(() => (this.#host.stage.scale = Math.exp(value))),
+        ),
+      ),
       tab(
         row(
           button("Life size", () => this.#set(() => (this.#host.stage.scale = 1)), {
@@ -420,9 +499,6 @@ export class Panel {
           button("Steady", () => this.#set(() => (governor.enabled = !governor.enabled)), {
             pressed: this.#live(() => governor.enabled),
           }),
-          button("Letters", () => this.#set(() => (this.#lettered = !this.#lettered)), {
-            pressed: this.#live(() => this.#lettered),
-          }),
           button("Take off", () => this.#host.leave()),
         ),
       ),
@@ -435,14 +511,12 @@ export class Panel {
           { quiet: true, size: 15 },
         ),
       ),
-      tab(
-        label(
-          "Trigger or pinch: takes hold of the plane at its rim or from near, and of the case. Grip: of the case " +
-            "alone. Both hands: scale it.",
-          { quiet: true, size: 15 },
-        ),
-      ),
     ];
+  }
+
+  /** Whether cut faces are drawn from the volume, where they are shown. */
+  get #byVolume(): boolean {
+    return !this.#viewer.noSection && this.#viewer.state.section === "volume";
   }
 
   get #readout(): string {
@@ -522,6 +596,15 @@ export class Panel {
     }
     this.refresh();
   }
+}
+
+function help(): Container {
+  return column(
+    { gap: 7 },
+    ...kHelp.map(([what, does]) =>
+      column({ gap: 1 }, label(what, { size: 15 }), label(does, { quiet: true, size: 15 })),
+    ),
+  );
 }
 
 function replaceChildren(parent: Container, children: Container[]): void {

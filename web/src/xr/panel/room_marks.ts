@@ -33,6 +33,8 @@ export class RoomMarks {
     transparent: true,
     opacity: kFaded,
   });
+  readonly #pointed = new MeshBasicMaterial({ color: 0xff8f7f, depthTest: false });
+  readonly #placed = new Group(); // pins and lengths
   readonly #cursor: Tag;
   readonly #point = new Vector3(); // scratch
   readonly #end = new Vector3();
@@ -46,18 +48,20 @@ export class RoomMarks {
     this.#viewer = viewer;
     this.#families = families;
     this.#cursor = new Tag(families(), "above");
-    this.object.add(this.#cursor.object);
+    this.object.add(this.#placed, this.#cursor.object);
   }
 
-  /** Before a frame: `reading` is what is pointed at, `eye` where it is seen from, in the room. */
+  /** Before a frame: `reading` or `pointed` is pointed at, `eye` is where it is seen from, in the room. */
   update(
     reading: Reading | null,
+    pointed: Pin | null,
     roomFromPatient: Matrix4,
     eye: Vector3,
     patientEye: Vector3,
     delta: number,
   ): void {
-    const { pins } = this.#viewer.state;
+    const { pins, layers } = this.#viewer.state;
+    this.#placed.visible = layers.marks;
     if (pins !== this.#pins) {
       this.#pins = pins;
       this.#build();
@@ -68,7 +72,7 @@ export class RoomMarks {
       inRoom(pin.point, dot.position);
       dot.scale.setScalar(dot.position.distanceTo(eye));
       const seen = this.#viewer.showsPin(pin, patientEye);
-      dot.material = seen ? this.#seen : this.#faded;
+      dot.material = pin === pointed ? this.#pointed : seen ? this.#seen : this.#faded;
       this.#tags[i]!.object.visible = seen;
       this.#tags[i]!.place(dot.position, eye, delta);
     });
@@ -91,14 +95,15 @@ export class RoomMarks {
 
   /** Where this text stands, in the room; null: it is not shown. */
   find(text: string): Vector3 | null {
-    const tag = [this.#cursor, ...this.#tags].find((one) => one.object.visible && one.text.value === text);
+    const tags = [this.#cursor, ...(this.#placed.visible ? this.#tags : [])];
+    const tag = tags.find((one) => one.object.visible && one.text.value === text);
     return tag?.object.position.clone() ?? null;
   }
 
   dispose(): void {
     this.#clear();
     this.#cursor.dispose();
-    [this.#dot, this.#line, this.#seen, this.#faded].forEach((one) => one.dispose());
+    [this.#dot, this.#line, this.#seen, this.#faded, this.#pointed].forEach((one) => one.dispose());
   }
 
   #build(): void {
@@ -117,11 +122,11 @@ export class RoomMarks {
       mesh.renderOrder = kOverCase;
       mesh.raycast = () => {};
     }
-    this.object.add(...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object));
+    this.#placed.add(...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object));
   }
 
   #clear(): void {
-    this.object.remove(...this.#dots, ...this.#lines);
+    this.#placed.remove(...this.#dots, ...this.#lines);
     this.#tags.forEach((tag) => tag.dispose());
   }
 }

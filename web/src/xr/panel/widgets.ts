@@ -61,7 +61,7 @@ export function button(
     flexGrow: 1,
     flexBasis: 0,
     minHeight: kButtonHeight,
-    paddingX: 8,
+    paddingX: 5,
     paddingY: 6,
     gap: 10,
     borderRadius: kRadius,
