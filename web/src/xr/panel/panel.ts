@@ -590,7 +590,8 @@ export class Panel {
     try {
       await this.#host.open(name);
     } catch (error) {
-      const { message } = error as Error;
+      const why = (error as Error).message;
+      const message = why.startsWith(name) ? why : `${name}: ${why}`;
       this.#root.setProperties({ fontFamilies: this.#font.families(message) });
       this.#message.value = message;
     }
