@@ -1,4 +1,4 @@
-import { readFileSync, writeFileSync } from "node:fs";
+import { readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
@@ -10,13 +10,17 @@ import { coverage, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
 import { Session } from "./session";
-import { type Pose, Wearer } from "./wearer";
+import { type Side, Wearer } from "./wearer";
 
 const kMinPsnr = 33;
 /** How far apart the emulated headset's eyes are, m. */
 const kEyes = 0.063;
 /** Of a second case: in letters that no font of ours has. */
 const kOtherTitle = "重ねて";
+/** Of a third, which is removed while the menu is open. */
+const kGoneTitle = "Soon gone";
+/** Of the room. */
+const kX = new Vector3(1, 0, 0);
 
 describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -29,11 +33,22 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       copyMadeCases(session);
       const other = ["-o", join(cases, "other.sog"), "--title", kOtherTitle];
       await clipgs("pack", join(session.folder, "scene.ply"), ...other);
+      await clipgs(
+        "pack",
+        join(session.folder, "scene.ply"),
+        "-o",
+        join(cases, "gone.sog"),
+        "--title",
+        kGoneTitle,
+      );
       const bytes = readFileSync(join(cases, "phantom.sog"));
       writeFileSync(join(cases, "damaged.sog"), bytes.subarray(0, bytes.length / 2));
+      writeFileSync(join(cases, "notes.sog"), "no case at all");
+      ["photo.sog", "solid.sog"].forEach((name) => rmSync(join(cases, name))); // the menu need not be scrolled
     }, "--headset");
     page = await session.openInHeadset("#case=phantom", errors);
     await page.evaluate(() => window.clipgs.ready);
+    await page.evaluate(() => (window.clipgs.headset.steady = false)); // all is drawn, however long it takes
     wearer = new Wearer(page);
   });
 
@@ -64,6 +79,20 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     return readPng(page, png);
   }
 
+  /** That both eyes see what `clipgs render` makes for their poses. Returns what they see. */
+  async function expectAsRendered(what: string, ...options: string[]): Promise<EyePicture[]> {
+    const both = await eyes();
+    expect(both.length).toBe(2);
+    for (const eye of both) {
+      const truth = await rendered(eye, ...options);
+      expect(coverage(truth)).toBeGreaterThan(0.02);
+      const { width, height } = eye.picture;
+      const data = Uint8Array.from(eye.picture.data, (v, i) => (i % 4 === 3 ? 255 : v)); // on black
+      expect(psnr({ width, height, data }, truth).color, `dB of ${what}`).toBeGreaterThan(kMinPsnr);
+    }
+    return both;
+  }
+
   const headPosition = () =>
     page.evaluate(() => {
       const { x, y, z } = window.headset.position;
@@ -92,7 +121,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
 
   it("shows each eye what clipgs render makes for its pose, and the eyes not the same", async () => {
     await wearer.wear();
-    await page.evaluate(() => (window.clipgs.headset.steady = false));
     for (const [plane, section] of [
       [null, "volume"],
       [[0.5, 0.3, -0.6, 10], "volume"],
@@ -106,26 +134,18 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         [plane, section] as const,
       );
       await wearer.frames(5);
-      const both = await eyes();
-      expect(both.length).toBe(2);
-      const middles: number[] = [];
-      for (const eye of both) {
-        const options = ["--section", section, ...(plane ? ["--plane", plane.join(",")] : [])];
-        const truth = await rendered(eye, ...options);
-        expect(coverage(truth)).toBeGreaterThan(0.02);
-        const { width, height } = eye.picture;
-        const data = Uint8Array.from(eye.picture.data, (v, i) => (i % 4 === 3 ? 255 : v)); // on black
-        const likeness = psnr({ width, height, data }, truth).color;
-        expect(likeness, `dB of ${String(plane)}, faces by ${section}`).toBeGreaterThan(kMinPsnr);
+      const options = ["--section", section, ...(plane ? ["--plane", plane.join(",")] : [])];
+      const both = await expectAsRendered(`${String(plane)}, faces by ${section}`, ...options);
+      const middles = both.map(({ picture, camera }) => {
         let [sum, weight] = [0, 0];
-        eye.picture.data.forEach((v, i) => {
+        picture.data.forEach((v, i) => {
           if (i % 4 === 0) {
-            sum += v * ((i / 4) % width);
+            sum += v * ((i / 4) % picture.width);
             weight += v;
           }
         });
-        middles.push(sum / weight - eye.camera.cx);
-      }
+        return sum / weight - camera.cx;
+      });
       // What is straight ahead lies to the right for the left eye.
       const depth = 0.8;
       const disparity = (both[0]!.camera.fl_x * kEyes) / depth;
@@ -138,104 +158,171 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     // What hands do does not depend on the size of pictures, which take most of the time.
     beforeAll(async () => {
       await page.evaluate(() => window.clipgs.headset.leave());
-      await page.setViewportSize({ width: 160, height: 120 });
+      await page.setViewportSize({ width: 240, height: 120 });
+      await page.evaluate(() => window.clipgs.setSection("volume"));
     });
 
-    it("turns the plane as the hand turns that holds it", async () => {
-      await wearer.wear();
-      await cutAcross();
-      await wearer.frames(2);
-      const toRoom = await roomFromPatient();
-      const held = new Vector3(0, 0, 0).applyMatrix4(toRoom).toArray();
-      await wearer.move("right", { position: held, quaternion: [0, 0, 0, 1] });
-      const before = await normal();
-      await wearer.press("right", "trigger", 1);
-      const axis = new Vector3(1, 0, 0);
-      for (let degrees = 8; degrees <= 40; degrees += 8) {
-        const turn = new Quaternion().setFromAxisAngle(axis, (degrees * Math.PI) / 180);
-        await wearer.move("right", { position: held, quaternion: turn.toArray() as Pose["quaternion"] });
+    /** Turns what holds something at a place of the room about the room's x, to so many degrees. */
+    async function turn(side: Side, at: Vector3, from: number, to: number): Promise<void> {
+      const kSteps = 5;
+      for (let i = 1; i <= kSteps; ++i) {
+        const angle = ((from + ((to - from) * i) / kSteps) * Math.PI) / 180;
+        await wearer.reach(side, at, new Quaternion().setFromAxisAngle(kX, angle));
       }
-      await wearer.frames(10);
-      await wearer.press("right", "trigger", 0);
-      const after = await normal();
-      const angle = (before.angleTo(after) * 180) / Math.PI;
-      expect(angle).toBeGreaterThan(38);
-      expect(angle).toBeLessThan(42);
-      const inRoom = (direction: Vector3) => direction.clone().transformDirection(toRoom);
-      const expected = inRoom(before).applyAxisAngle(axis, (40 * Math.PI) / 180);
-      expect(inRoom(after).angleTo(expected)).toBeLessThan(0.04);
-      await wearer.move("right", { position: [0.3, 1.2, -0.3], quaternion: [0, 0, 0, 1] });
-      expect((await normal()).angleTo(after), "once it is let go").toBeLessThan(1e-6);
+      await wearer.frames(10); // until the filtered pose is there
+    }
+
+    for (const what of ["controller", "hand"] as const) {
+      it(`turns the plane as the ${what} turns that holds it, and shows it as clipgs render does`, async () => {
+        await wearer.wear();
+        await wearer.use(what);
+        const start = new Vector3(0.1, 0.4, -0.9).normalize();
+        await page.evaluate((n) => {
+          window.clipgs.setMode("arbitrary");
+          window.clipgs.setPlane({ normal: n, offset: 0 });
+        }, start.toArray());
+        await wearer.frames(2);
+        const toRoom = await roomFromPatient();
+        const held = new Vector3().applyMatrix4(toRoom);
+        await wearer.reach("right", held);
+        await wearer.hold("right", 1);
+        await wearer.frames(10); // closing, an emulated hand turns a little
+        const before = await normal();
+        await turn("right", held, 0, 40);
+        await wearer.hold("right", 0);
+        const after = await normal();
+        const angle = (before.angleTo(after) * 180) / Math.PI;
+        const inRoom = (direction: Vector3) => direction.clone().transformDirection(toRoom);
+        const expected = inRoom(before).applyAxisAngle(kX, (40 * Math.PI) / 180);
+        expect(inRoom(after).angleTo(expected), `turned by ${angle}°`).toBeLessThan(0.04);
+        await wearer.reach("right", new Vector3(0.3, 1.2, -0.3));
+        expect((await normal()).angleTo(after), "once it is let go").toBeLessThan(1e-6);
+        const { normal: n, offset } = (await page.evaluate(() => window.clipgs.state.plane))!;
+        await wearer.frames(5);
+        await expectAsRendered(`what the ${what} turned`, "--plane", [...n, offset].join(","));
+        await wearer.use("controller");
+      });
+    }
+
+    it("clicks the plane onto a body plane near by, with a tick, unless told otherwise", async () => {
+      await wearer.wear();
+      const toRoom = await roomFromPatient();
+      const axis = kX.clone().transformDirection(toRoom.clone().invert());
+      const axial = new Vector3(0, 0, -1);
+      const held = new Vector3().applyMatrix4(toRoom);
+      await page.evaluate(() => {
+        const actuator = window.headset.controllers.right!.inputSource.gamepad!.hapticActuators[0]!;
+        window.ticks = [];
+        actuator.pulse = (strength) => Promise.resolve(window.ticks.push(strength) > 0);
+      });
+      const takeTilted = async () => {
+        const tilted = axial.clone().applyAxisAngle(axis, (20 * Math.PI) / 180);
+        await page.evaluate((n) => window.clipgs.setPlane({ normal: n, offset: 0 }), tilted.toArray());
+        await wearer.reach("right", held);
+        await wearer.hold("right", 1);
+        await page.evaluate(() => (window.ticks = []));
+      };
+      const offAxial = async () => ((await normal()).angleTo(axial) * 180) / Math.PI;
+
+      await cutAcross();
+      await takeTilted();
+      await turn("right", held, 0, -17);
+      expect(await offAxial()).toBe(0);
+      expect(await page.evaluate(() => window.ticks)).toEqual([0.5]);
+      await turn("right", held, -17, -26);
+      expect(await offAxial(), "it is held").toBe(0);
+      await turn("right", held, -26, -34);
+      expect(Math.abs((await offAxial()) - 14)).toBeLessThan(1.5);
+      await wearer.hold("right", 0);
+
+      await wearer.pressText("left", "Help");
+      await wearer.pressText("left", "Cut"); // the tab; in it there is a button of that name, too
+      await wearer.pressText("left", "Snap");
+      await takeTilted();
+      await turn("right", held, 0, -17);
+      expect(Math.abs((await offAxial()) - 3)).toBeLessThan(1.5);
+      await wearer.hold("right", 0);
+      await wearer.pressText("left", "Snap");
     });
 
     it("scales the case with two hands", async () => {
       await wearer.wear();
       const middle = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient());
-      const at = (x: number): Pose => ({
-        position: [middle.x + x, middle.y, middle.z],
-        quaternion: [0, 0, 0, 1],
-      });
-      await wearer.move("left", at(-0.05));
-      await wearer.move("right", at(0.05));
+      const apart = async (x: number) => {
+        await wearer.reach("left", middle.clone().setX(middle.x - x));
+        await wearer.reach("right", middle.clone().setX(middle.x + x));
+      };
+      await apart(0.05);
       await wearer.press("left", "squeeze", 1);
       await wearer.press("right", "squeeze", 1);
       for (const x of [0.06, 0.08, 0.1]) {
-        await wearer.move("left", at(-x));
-        await wearer.move("right", at(x));
+        await apart(x);
       }
       const scale = await page.evaluate(() => window.clipgs.headset.scale);
       expect(scale).toBeGreaterThan(1.9);
       expect(scale).toBeLessThan(2.1);
       await wearer.press("left", "squeeze", 0);
       await wearer.press("right", "squeeze", 0);
-      await wearer.move("right", at(0.4));
+      await wearer.reach("right", middle.clone().setX(middle.x + 0.4));
       expect(await page.evaluate(() => window.clipgs.headset.scale)).toBeCloseTo(scale, 6);
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Before me");
+      await expect.poll(() => page.evaluate(() => window.clipgs.headset.scale)).toBe(1);
     });
 
-    it("keeps to the states of the axis in the uniaxial mode", async () => {
+    it("keeps to the states of the axis in the uniaxial mode, with either hand", async () => {
       await wearer.wear();
       await page.evaluate(() => window.clipgs.setState(100));
       await wearer.frames(2);
       const before = await normal();
       const states = (await page.evaluate(() => window.clipgs.states))!;
-      const position = states.first + 100 * states.spacing;
       const toRoom = await roomFromPatient();
-      const held = new Vector3(...states.axis).multiplyScalar(position).applyMatrix4(toRoom);
-      await wearer.move("right", { position: held.toArray(), quaternion: [0, 0, 0, 1] });
-      await wearer.press("right", "trigger", 1);
-      const scale = await page.evaluate(() => window.clipgs.headset.scale);
-      const up = new Vector3(...states.axis).transformDirection(toRoom).multiplyScalar(0.02 * scale);
-      const target = held.clone().add(up).toArray();
-      await wearer.move("right", { position: target, quaternion: [0, 0, 0, 1] });
-      await wearer.frames(10);
-      const state = (await page.evaluate(() => window.clipgs.state.state))!;
-      expect(Math.abs((state - 100) * states.spacing - 20)).toBeLessThan(1 + states.spacing);
-      const turned = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), 0.5).toArray();
-      await wearer.move("right", { position: target, quaternion: turned as Pose["quaternion"] });
-      await wearer.press("right", "trigger", 0);
-      expect((await normal()).angleTo(before)).toBeLessThan(1e-6);
+      const axis = new Vector3(...states.axis);
+      const place = (state: number) =>
+        axis
+          .clone()
+          .multiplyScalar(states.first + state * states.spacing)
+          .applyMatrix4(toRoom);
+      const shown = async () => (await page.evaluate(() => window.clipgs.state.state))!;
+      for (const side of ["right", "left"] as const) {
+        const from = await shown();
+        const held = place(from);
+        await wearer.reach(side, held);
+        await wearer.hold(side, 1);
+        const target = held.clone().addScaledVector(axis.clone().transformDirection(toRoom), 0.02);
+        await wearer.reach(side, target);
+        await wearer.frames(10);
+        const moved = ((await shown()) - from) * states.spacing;
+        expect(Math.abs(moved - 20), `${side}, mm`).toBeLessThan(1 + states.spacing);
+        await wearer.reach(side, target, new Quaternion().setFromAxisAngle(kX, 0.5));
+        await wearer.hold(side, 0);
+        expect((await normal()).angleTo(before), side).toBeLessThan(1e-6);
+        await wearer.reach(side, new Vector3(0, 1, 1));
+      }
     });
 
-    it("is used with bare hands as with controllers", async () => {
+    it("slides the plane by the stick of either controller", async () => {
       await wearer.wear();
-      await wearer.use("hand");
       await cutAcross();
+      const offset = () => page.evaluate(() => window.clipgs.state.plane!.offset);
+      const push = (side: Side, y: number) =>
+        page.evaluate(
+          ([which, forward]) => window.headset.controllers[which]!.updateAxes("thumbstick", 0, -forward),
+          [side, y] as const,
+        );
+      await push("right", 1);
+      await expect.poll(offset).toBeLessThan(-2);
+      await push("right", 0);
       await wearer.frames(2);
-      const held = new Vector3(0, 0, 0).applyMatrix4(await roomFromPatient()).toArray();
-      await wearer.moveBare("right", { position: held, quaternion: [0, 0, 0, 1] });
-      await wearer.pinch("right", 1);
-      await wearer.frames(10); // closing, the emulated hand turns a little
-      const before = await normal();
-      for (let degrees = 8; degrees <= 40; degrees += 8) {
-        const turn = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), (degrees * Math.PI) / 180);
-        await wearer.moveBare("right", { position: held, quaternion: turn.toArray() as Pose["quaternion"] });
-      }
-      await wearer.frames(10);
-      const angle = (before.angleTo(await normal()) * 180) / Math.PI;
-      expect(angle).toBeGreaterThan(38);
-      expect(angle).toBeLessThan(42);
-      await wearer.pinch("right", 0);
-      await wearer.use("controller");
+      const there = await offset();
+      await push("left", -1);
+      await expect.poll(offset).toBeGreaterThan(there + 2);
+      await push("left", 0);
+      await wearer.frames(2);
+      const back = await offset();
+      await wearer.frames(3);
+      expect(await offset()).toBe(back);
+      expect((await normal()).distanceTo(new Vector3(0, 0, -1))).toBeLessThan(1e-6);
     });
 
     it("measures between two points of a face, and says their values", async () => {
@@ -271,6 +358,130 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
     });
 
+    it("removes a pin that is pressed while points are marked", async () => {
+      await wearer.wear();
+      await cutAcross();
+      const points: Triple[] = [
+        [-30, 10, 0],
+        [20, 10, 0],
+      ];
+      await page.evaluate((all) => all.forEach((point) => window.clipgs.addPin(point)), points);
+      await wearer.pressText("right", "Faces");
+      await wearer.pressText("right", "Pin");
+      const place = new Vector3(...points[0]!).applyMatrix4(await roomFromPatient());
+      await wearer.pressAt("right", place.toArray());
+      const left = await page.evaluate(() => window.clipgs.pins.map(({ point }) => point));
+      expect(left).toEqual([points[1]]);
+      await wearer.pressText("right", "Unpin");
+    });
+
+    it("shows the cut faces alone, from both sides, and hides what is not wanted", async () => {
+      await wearer.wear();
+      await cutAcross();
+      await page.evaluate(() => {
+        window.clipgs.setGrey(1);
+        window.clipgs.addPin([20, 10, 0]);
+      });
+      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
+      const seen = async () => {
+        await wearer.frames(5);
+        const [eye] = await eyes();
+        return { ...eye!.picture, data: Uint8Array.from(eye!.picture.data) };
+      };
+      const share = ({ data }: Picture) => data.filter((v, i) => i % 4 === 1 && v > 25).length / data.length;
+      const whole = await seen();
+      await wearer.pressText("right", "Layers");
+      await wearer.pressText("right", "Body");
+      const face = await seen();
+      expect(share(face)).toBeGreaterThan(0.1 * share(whole));
+      expect(share(face)).toBeLessThan(0.8 * share(whole));
+      await page.evaluate(() => window.clipgs.setPlane({ normal: [0, 0, 1], offset: 0 }));
+      expect(psnr(await seen(), face).color, "from behind").toBeGreaterThan(40);
+      await cutAcross();
+      await wearer.pressText("right", "Cut faces");
+      expect(share(await seen()), "there is nothing else").toBeGreaterThan(0.9 * share(whole));
+      await wearer.pressText("right", "Cut faces");
+      await wearer.pressText("right", "Body");
+      expect(psnr(await seen(), whole).color).toBeGreaterThan(60);
+
+      const [pin] = await page.evaluate(() => window.clipgs.pins);
+      await expect.poll(() => find(pin!.text)).not.toBeNull();
+      await wearer.pressText("right", "Marks");
+      await expect.poll(() => find(pin!.text)).toBeNull();
+      await wearer.pressText("right", "Letters");
+      await expect.poll(() => find("S")).toBeNull();
+      await wearer.pressText("right", "Letters");
+      await wearer.pressText("right", "Marks");
+      await page.evaluate(() => {
+        window.clipgs.setGrey(0);
+        window.clipgs.removePin(0);
+      });
+    });
+
+    it("turns the case so that the side of the cube that is pressed is looked at", async () => {
+      await wearer.wear();
+      const left = () => page.evaluate(() => window.clipgs.headset.find("left")!);
+      await wearer.pressAt("right", await left());
+      await wearer.frames(2);
+      const toRoom = await roomFromPatient();
+      const center = new Vector3().applyMatrix4(toRoom);
+      const towards = new Vector3(...(await headPosition())).sub(center).setY(0).normalize();
+      expect(new Vector3(-1, 0, 0).transformDirection(toRoom).dot(towards)).toBeGreaterThan(0.98);
+      expect(new Vector3(0, 0, 1).transformDirection(toRoom).y).toBeGreaterThan(0.999);
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Before me");
+    });
+
+    it("says what hands do", async () => {
+      await wearer.wear();
+      await wearer.pressText("left", "Help");
+      for (const what of ["Trigger, or a pinch", "Both hands on the case", "Stick forward or back"]) {
+        await expect.poll(() => page.evaluate((t) => window.clipgs.headset.find(t), what)).not.toBeNull();
+      }
+    });
+
+    it("has its panel at an arm's length or two, wherever it is put", async () => {
+      await wearer.wear();
+      const distance = async (text: string) => {
+        const at = await page.evaluate((t) => window.clipgs.headset.find(t)!, text);
+        return new Vector3(...at).distanceTo(new Vector3(...(await headPosition())));
+      };
+      const expectNear = async () => {
+        for (const text of ["Not for diagnosis", "Help", "Cut", "Stick forward or back"]) {
+          const away = await distance(text);
+          expect(away, text).toBeGreaterThan(0.5);
+          expect(away, text).toBeLessThan(2);
+        }
+      };
+      await wearer.pressText("left", "Help");
+      await expectNear();
+      for (const [y, pitch] of [
+        [1.1, -0.9],
+        [1.9, 0.9],
+      ] as const) {
+        await wearer.stand([0.4, y, -1], pitch);
+        await wearer.press("right", "a-button", 1);
+        await wearer.press("right", "a-button", 0);
+        await expectNear();
+      }
+      // By its bar, above the title, pulled to the eyes and thrust away.
+      const head = new Vector3(...(await headPosition()));
+      const title = "Torso phantom";
+      const at = new Vector3(...(await page.evaluate((t) => window.clipgs.headset.find(t)!, title)));
+      await wearer.reach("right", at.clone().setY(at.y + 0.034));
+      await wearer.hold("right", 1);
+      await wearer.reach("right", head.clone().lerp(at, 0.1));
+      await wearer.frames(3);
+      expect(Math.abs((await distance(title)) - 0.6)).toBeLessThan(0.1);
+      await wearer.reach("right", head.clone().lerp(at, 5));
+      await wearer.frames(3);
+      expect(Math.abs((await distance(title)) - 2)).toBeLessThan(0.1);
+      await wearer.hold("right", 0);
+      await wearer.wear();
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Before me");
+    });
+
     it("is worked by its panel: planes, undo, and the menu of cases", async () => {
       await wearer.wear();
       await cutAcross();
@@ -279,22 +490,73 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);
       await wearer.pressText("left", "Undo");
       await expect.poll(async () => (await normal()).z).toBeLessThan(-0.99);
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Take off");
+      await page.waitForFunction(() => !window.clipgs.headset.worn);
+    });
 
+    it("switches cases by a pinching hand, and says why one cannot be opened", async () => {
+      await wearer.wear();
+      await wearer.use("hand");
+      await cutAcross();
       const shown = () => page.evaluate(() => window.clipgs.state.case);
       const message = () => page.evaluate(() => window.clipgs.headset.message);
       await wearer.pressText("right", "Cases");
       await wearer.pressText("right", kOtherTitle);
       await expect.poll(shown).toBe("other");
       expect((await normal()).z, "the plane stays as it is").toBeLessThan(-0.99);
-      await wearer.pressText("right", "damaged");
-      await expect.poll(message).toContain("damaged");
-      expect(await shown()).toBe("other");
-      await wearer.pressText("right", "Torso phantom");
+      await page.waitForFunction((title) => window.clipgs.headset.find(title) !== null, kGoneTitle);
+      rmSync(join(session.cases, "gone.sog"));
+      for (const [text, name] of [
+        ["damaged", "damaged"],
+        [kGoneTitle, "gone"],
+        ["notes", "notes"],
+      ] as const) {
+        await wearer.pressText("left", text);
+        await expect.poll(message).toContain(name);
+        expect(await page.evaluate((t) => window.clipgs.headset.find(t), await message())).not.toBeNull();
+        expect(await shown()).toBe("other");
+      }
+      await wearer.pressText("left", "Torso phantom");
       await expect.poll(shown).toBe("phantom");
       expect(await message()).toBe("");
-      await wearer.pressText("right", "View");
-      await wearer.pressText("right", "Take off");
+      await wearer.use("controller");
+    });
+
+    it("is taken off where the GPU is lost, and shows the same when it is put on again", async () => {
+      await wearer.wear();
+      await cutAcross();
+      const flat = () =>
+        page.evaluate(async () => Array.from((await window.clipgs.renderToPixels(128, 128)).data));
+      await page.evaluate(() => window.clipgs.headset.leave());
       await page.waitForFunction(() => !window.clipgs.headset.worn);
+      const before = { width: 128, height: 128, data: Uint8Array.from(await flat()) };
+      await wearer.wear();
+      await page.evaluate(async () => {
+        const canvas = document.querySelector("canvas")!;
+        const gl = canvas.getContext("webgl2")!;
+        const lost = gl.getExtension("WEBGL_lose_context")!;
+        // The emulator goes on reading this until the page hears of the loss.
+        const read = gl.getParameter.bind(gl);
+        gl.getParameter = (name: number) =>
+          name === gl.COLOR_CLEAR_VALUE ? (read(name) ?? [0]) : read(name);
+        const happened = (event: string) =>
+          new Promise<Event>((resolve) => canvas.addEventListener(event, resolve, { once: true }));
+        const gone = happened("webglcontextlost");
+        lost.loseContext();
+        await gone;
+        await new Promise((resolve) => setTimeout(resolve)); // until the event is over
+        const back = happened("webglcontextrestored");
+        lost.restoreContext();
+        await back;
+      });
+      await page.waitForFunction(() => !window.clipgs.headset.worn);
+      const after = { ...before, data: Uint8Array.from(await flat()) };
+      expect(coverage(after)).toBeGreaterThan(0.1);
+      expect(psnr(after, before).color).toBeGreaterThan(60);
+      await wearer.wear();
+      await wearer.frames(5);
+      await expectAsRendered("after the GPU was lost", "--plane", "0,0,-1,0");
     });
 
     it("draws less where frames come late, and all where it need not be steady", async () => {

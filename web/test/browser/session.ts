@@ -55,7 +55,7 @@ export class Session {
           window.headset.installRuntime({ forceInstall: true });`,
       },
     ];
-    return this.open(hash, errors, { width: 560, height: 400 }, scripts);
+    return this.open(hash, errors, { width: 320, height: 200 }, scripts);
   }
 
   /** Opens the viewer; `hash` as in a link. Errors of the page fail the test through `errors`. */

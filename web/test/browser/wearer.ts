@@ -7,17 +7,17 @@ import type { Triple } from "../../src/model/geometry";
 const kPointingDistance = 0.3;
 
 export type Side = "left" | "right";
-export type Pose = { position: Triple; quaternion: [number, number, number, number] };
 
 /** Somebody with the emulated headset on (session.ts): who moves its controllers and hands, and presses. */
 export class Wearer {
   readonly #page: Page;
+  #bare = false;
 
   constructor(page: Page) {
     this.#page = page;
   }
 
-  /** Puts it on, unless it is. */
+  /** Puts it on, unless it is, and stands straight. */
   async wear(): Promise<void> {
     const page = this.#page;
     if (!(await page.evaluate(() => window.clipgs.headset.worn))) {
@@ -25,7 +25,20 @@ export class Wearer {
       await page.keyboard.press("v");
       await page.waitForFunction(() => window.clipgs.headset.worn);
     }
+    await this.stand([0, 1.6, 0]);
     await this.frames(3);
+  }
+
+  /** Stands with the head at a place of the room, bent up by an angle. */
+  async stand([x, y, z]: Triple, pitch = 0): Promise<void> {
+    await this.#page.evaluate(
+      ([position, angle]) => {
+        window.headset.position.set(...position);
+        window.headset.quaternion.set(Math.sin(angle / 2), 0, 0, Math.cos(angle / 2));
+      },
+      [[x, y, z] as Triple, pitch] as const,
+    );
+    await this.frames(2);
   }
 
   /** Waits until the headset has drawn so many pictures. */
@@ -37,11 +50,7 @@ export class Wearer {
     }, count);
   }
 
-  /** Moves a controller. */
-  async move(side: Side, pose: Pose): Promise<void> {
-    await this.#move("controllers", side, pose);
-  }
-
+  /** Of a controller. */
   async press(
     side: Side,
     button: "trigger" | "squeeze" | "a-button" | "x-button",
@@ -54,7 +63,7 @@ export class Wearer {
     await this.frames(2);
   }
 
-  /** Points at a text of the panel, which may take a moment to be there, and presses and lets go the trigger. */
+  /** Points at a text of the panel, which may take a moment to be there, and presses. */
   async pressText(side: Side, text: string): Promise<void> {
     const page = this.#page;
     await page.waitForFunction((wanted) => window.clipgs.headset.find(wanted) !== null, text);
@@ -62,8 +71,15 @@ export class Wearer {
     await this.pressAt(side, await page.evaluate((wanted) => window.clipgs.headset.find(wanted)!, text));
   }
 
-  /** Points at a place in the room, m, from before it, and presses and lets go the trigger. */
+  /** Points at a place in the room, m, from before it, and presses and lets go the trigger, or pinches. */
   async pressAt(side: Side, place: Triple): Promise<void> {
+    await this.pointAt(side, place);
+    await this.hold(side, 1);
+    await this.hold(side, 0);
+  }
+
+  /** Points at a place in the room, m, from before it. */
+  async pointAt(side: Side, place: Triple): Promise<void> {
     const eye = await this.#page.evaluate(() => {
       const { x, y, z } = window.headset.position;
       return [x, y, z] as Triple;
@@ -71,27 +87,27 @@ export class Wearer {
     const at = new Vector3(...place);
     const hand = new Vector3(...eye).sub(at).setLength(kPointingDistance).add(at);
     const turn = new Matrix4().lookAt(hand, at, new Vector3(0, 1, 0));
-    await this.move(side, {
-      position: hand.toArray(),
-      quaternion: new Quaternion().setFromRotationMatrix(turn).toArray() as Pose["quaternion"],
-    });
-    await this.press(side, "trigger", 1);
-    await this.press(side, "trigger", 0);
+    await this.reach(side, hand, new Quaternion().setFromRotationMatrix(turn));
   }
 
-  /** Bare hands instead of controllers, or controllers again. */
-  async use(what: "hand" | "controller"): Promise<void> {
-    await this.#page.evaluate((mode) => (window.headset.primaryInputMode = mode), what);
-    await this.frames(3);
+  /** Moves what is in use, a controller or a bare hand. */
+  async reach(side: Side, position: Vector3, quaternion = new Quaternion()): Promise<void> {
+    await this.#page.evaluate(
+      ([kind, which, [x, y, z], [qx, qy, qz, qw]]) => {
+        const hand = window.headset[kind][which]!;
+        hand.position.set(x, y, z);
+        hand.quaternion.set(qx, qy, qz, qw);
+      },
+      [this.#bare ? "hands" : "controllers", side, position.toArray(), quaternion.toArray()] as const,
+    );
+    await this.frames(2);
   }
 
-  /** Moves a bare hand. */
-  async moveBare(side: Side, pose: Pose): Promise<void> {
-    await this.#move("hands", side, pose);
-  }
-
-  /** Pinches with a bare hand, or lets go. */
-  async pinch(side: Side, value: 0 | 1): Promise<void> {
+  /** Presses the trigger, or pinches; or lets go. */
+  async hold(side: Side, value: 0 | 1): Promise<void> {
+    if (!this.#bare) {
+      return this.press(side, "trigger", value);
+    }
     await this.#page.evaluate(([which, much]) => window.headset.hands[which]!.updatePinchValue(much), [
       side,
       value,
@@ -99,15 +115,10 @@ export class Wearer {
     await this.frames(3);
   }
 
-  async #move(what: "controllers" | "hands", side: Side, { position, quaternion }: Pose): Promise<void> {
-    await this.#page.evaluate(
-      ([kind, which, [x, y, z], [qx, qy, qz, qw]]) => {
-        const hand = window.headset[kind][which]!;
-        hand.position.set(x, y, z);
-        hand.quaternion.set(qx, qy, qz, qw);
-      },
-      [what, side, position, quaternion] as const,
-    );
-    await this.frames(2);
+  /** Bare hands instead of controllers, or controllers again. */
+  async use(what: "hand" | "controller"): Promise<void> {
+    this.#bare = what === "hand";
+    await this.#page.evaluate((mode) => (window.headset.primaryInputMode = mode), what);
+    await this.frames(3);
   }
 }
