@@ -595,9 +595,10 @@ export class Viewer {
     return current.subject(this.#camera, height, this.state, this.window, rays);
   }
 
-  /** What exposes faces: the cut, and the ends of the volume. */
+  /** What exposes faces: the cut and, with the body, the ends of the volume. */
   get #facePlanes(): Plane[] {
-    return [...planesOf(this.state.cuts), ...(this.#case?.faces?.ends ?? [])];
+    const ends = this.#case?.mesh.visible ? this.#case.faces?.ends : undefined;
+    return [...planesOf(this.state.cuts), ...(ends ?? [])];
   }
 
   #placeWidget(): void {
