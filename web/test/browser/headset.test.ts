@@ -228,7 +228,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await takeTilted();
       await turn("right", held, 0, -17);
       expect(await offAxial()).toBe(0);
-      expect(await page.evaluate(() => window.ticks)).toEqual([0.5]);
+      expect(await page.evaluate(() => window.ticks)).toContain(0.5);
       await turn("right", held, -17, -26);
       expect(await offAxial(), "it is held").toBe(0);
       await turn("right", held, -26, -34);
