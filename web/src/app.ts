@@ -34,6 +34,8 @@ const kThemeTitles: Record<Theme, string> = {
 export interface Host {
   /** Whose keys are the viewer's. */
   readonly keys: EventTarget;
+  /** Whether a wheel over the case is the viewer's, or scrolls what is around. */
+  takesWheel(): boolean;
   /** What is shown has changed. */
   changed(): void;
   /** What can be opened. */
@@ -107,7 +109,11 @@ export class App {
       this.#help,
       this.#announcer.element,
     );
-    new PointerControls(this.viewer, (mm) => this.actions.step(mm));
+    new PointerControls(
+      this.viewer,
+      (mm) => this.actions.step(mm),
+      () => host.takesWheel(),
+    );
     this.viewer.changed = () => {
       this.actions.observe();
       this.#update();

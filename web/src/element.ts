@@ -32,6 +32,7 @@ export class ClipgsViewerElement extends HTMLElement {
   readonly #root = h("div", { lang: "en" });
   readonly #host: Host = {
     keys: this.#root, // hear keys while the focus is in the element
+    takesWheel: () => this.#root.matches(":focus-within, :fullscreen"),
     changed: () => this.#tellOfChange(),
     cases: async () => [],
     open: (src) => this.#openOther(src),
@@ -86,7 +87,9 @@ export class ClipgsViewerElement extends HTMLElement {
       this.dispatchEvent(new ErrorEvent("error", { message }));
       return;
     }
-    this.#api = makeApi(this.#app, () => this.#ready);
+    this.#takeOver("src");
+    this.#takeOver("link");
+    this.#api = makeApi(this.#app, () => this.#drawn());
     kAttributes.forEach((name) => this.attributeChangedCallback(name));
   }
 
@@ -110,9 +113,23 @@ export class ClipgsViewerElement extends HTMLElement {
     this.#stale.add(name);
   }
 
+  /** A property that was set before this class was known hides the one of the class. */
+  #takeOver(name: "src" | "link"): void {
+    if (Object.hasOwn(this, name)) {
+      const value = this[name];
+      delete (this as Partial<Record<typeof name, string>>)[name];
+      this[name] = value;
+    }
+  }
+
   async #openOther(src: string): Promise<void> {
     this.src = src;
-    await Promise.resolve(); // until the attribute is followed
+    await this.#drawn();
+  }
+
+  /** As ClipgsApi.ready says. */
+  async #drawn(): Promise<void> {
+    await Promise.resolve(); // until attributes are followed
     await this.#ready;
   }
 

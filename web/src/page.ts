@@ -48,6 +48,10 @@ export class Page implements Host {
     this.#prefetchAfter(name);
   }
 
+  takesWheel(): boolean {
+    return true;
+  }
+
   choose(): void {
     void this.#showMenu();
   }

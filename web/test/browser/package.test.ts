@@ -71,6 +71,8 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     cpSync(join(inject("made"), "cases"), join(folder, "cases"), { recursive: true });
     const module = '<script type="module" src="node_modules/clipgs-viewer/index.js"></script>';
     writeFileSync(join(folder, "index.html"), kPage + module);
+    const set = '<script>viewer().src = "cases/solid.sog"; viewer().link = "view=7,8";</script>';
+    writeFileSync(join(folder, "early.html"), kPage + set + module);
     writeFileSync(join(folder, "app.html"), `${kPage}<script type="module" src="./app.js"></script>`);
     writeFileSync(join(folder, "app.js"), 'import "clipgs-viewer";');
     server = createServer((request, response) => {
@@ -158,15 +160,31 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
 
   it("hears keys while it has the focus", async () => {
     const clip = () => page.evaluate(() => viewer().clipgs!.state.clip);
+    const zoom = () => page.evaluate(() => viewer().clipgs!.state.view.zoom);
+    await page.evaluate(() => (document.body.style.height = "2000px"));
     await page.getByLabel("Of the page").focus();
     await page.keyboard.press("1");
     expect(await clip()).toBe("soft");
+    await page.mouse.move(100, 300);
+    await page.mouse.wheel(0, 40); // scrolls the page
+    await page.waitForFunction(() => scrollY > 0);
+    expect(await zoom()).toBe(1);
+    await page.evaluate(() => scrollTo(0, 0));
     await page.locator("canvas").click({ position: { x: 60, y: 300 } });
     await page.keyboard.press("1");
     expect(await clip()).toBe("hard");
     await page.getByRole("button", { name: "Exact" }).click();
     await page.keyboard.press("2");
     expect(await clip()).toBe("soft");
+    await page.mouse.move(100, 300);
+    await page.mouse.wheel(0, -40);
+    await expect.poll(zoom).toBeGreaterThan(1);
+    expect(await page.evaluate(() => scrollY)).toBe(0);
+    const isFull = () => page.evaluate(() => viewer().shadowRoot!.fullscreenElement !== null);
+    await page.keyboard.press("z");
+    await expect.poll(isFull).toBe(true);
+    await page.keyboard.press("z");
+    await expect.poll(isFull).toBe(false);
   });
 
   it("follows its attributes, and tells what happens", async () => {
@@ -219,6 +237,18 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     expect(await page.getByTitle("Colours:").isVisible()).toBe(false);
   });
 
+  it("takes properties that were set before it was known", async () => {
+    const early = await browser.newPage();
+    await early.goto(`${url}/early.html`);
+    await early.evaluate(() => customElements.whenDefined("clipgs-viewer"));
+    await early.evaluate(() => viewer().clipgs!.ready);
+    expect(await early.evaluate(() => viewer().clipgs!.state)).toMatchObject({
+      case: "solid",
+      view: { azimuth: 7 },
+    });
+    await early.close();
+  });
+
   it("stands beside others, and gives back what it held when it goes", async () => {
     const workers = page.workers().length;
     for (let i = 0; i < 10; ++i) {
@@ -244,7 +274,6 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
       element.remove();
       await new Promise((resolve) => setTimeout(resolve));
       document.body.append(element);
-      await new Promise((resolve) => setTimeout(resolve));
       await element.clipgs!.ready;
     });
     expect(await coverage(page)).toBeGreaterThan(0.03);
