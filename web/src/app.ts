@@ -225,6 +225,7 @@ export class App {
       this.viewer.setWindow(link.window);
     }
     this.actions.forget();
+    this.#update();
   }
 
   /** What is shown. */
