@@ -1,19 +1,71 @@
-import { Vector3 } from "three";
-
-import type { App } from "./app";
-import { type Cut, makeCut } from "./model/cut";
-import type { FaceSource } from "./model/faces";
-import type { Plane, Triple } from "./model/geometry";
-import type { Window } from "./model/grey";
-import type { Layers } from "./model/layers";
-import { lengthsOf } from "./model/pins";
-import type { Mode, PlaneStates } from "./model/states";
-import { valueText } from "./model/values";
-import type { Picture } from "./render/splat_layer";
-import type { ViewerStats } from "./viewer";
-import type { ClipOperator } from "./worker/protocol";
 import type { Effort } from "./xr/governor";
-import type { EyePicture, Surroundings } from "./xr/headset";
+
+// What scripts see of the viewer, and nothing that belongs to its libraries: packages hold these types as they are.
+
+/** R, A, S. */
+export type Triple = [number, number, number];
+export type ClipOperator = "hard" | "soft" | "exact";
+/** What cut faces are drawn from. */
+export type FaceSource = "volume" | "splats";
+/** How the plane moves: along the case's axis from state to state, or freely. */
+export type Mode = "uniaxial" | "arbitrary";
+/** Before the eyes a dark room, or the room where one is. */
+export type Surroundings = "immersive-vr" | "immersive-ar";
+
+/** Values from center − width/2 (black) to center + width/2 (white). */
+export interface GreyWindow {
+  center: number;
+  width: number;
+}
+
+/** Of the uniaxial mode: state k's plane is dot(axis, x) = first + k · spacing and keeps one side of it. */
+export interface ApiStates {
+  axis: Triple;
+  count: number;
+  first: number;
+  spacing: number;
+  keeps: "below" | "above";
+}
+
+/** What of a case is shown. */
+export interface Layers {
+  body: boolean; // the splats
+  faces: boolean; // drawn from the volume
+  marks: boolean; // pins and lengths
+}
+
+/** 8-bit RGBA, display sRGB, straight alpha, row by row from the top left. */
+export interface Picture {
+  width: number;
+  height: number;
+  data: Uint8ClampedArray;
+}
+
+/** What an eye saw, and from where: as a frame of a dataset's transforms.json says it, RAS mm. */
+export interface EyePicture {
+  picture: Picture;
+  camera: {
+    w: number;
+    h: number;
+    fl_x: number;
+    fl_y: number;
+    cx: number;
+    cy: number;
+    transform_matrix: number[][];
+  };
+}
+
+/** What the last frames cost. */
+export interface ViewerStats {
+  frameMs: number; // between frames while something moves
+  sortMs: number; // culling and sorting, in the worker
+  drawn: number; // splats
+  total: number;
+  scale: number; // resolution of the picture shown, 1: full
+  settled: boolean; // the picture shown is that of the state, as good as it gets
+  sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
+  sectionMs: number; // decoding it
+}
 
 /** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */
 export interface ApiCut {
@@ -22,11 +74,11 @@ export interface ApiCut {
   thickness?: number;
 }
 
-/** `window.clipgs`: the viewer for scripts of the page that holds it. Patient space (RAS mm) throughout. */
+/** The viewer for scripts: `window.clipgs` of its own page, `clipgs` of an element. Patient space (RAS mm) throughout. */
 export interface ClipgsApi {
-  /** Resolves when the case that the address names has been drawn; rejects with a line for a person. */
+  /** Resolves when the case that the address or the element names has been drawn; rejects with a line for a person. */
   readonly ready: Promise<void>;
-  /** Shows another case of the server, by name. */
+  /** Shows another case: of the server by its name, in an element by its address. */
   open(name: string): Promise<void>;
   setView(view: { azimuth: number; elevation: number; zoom?: number }): void;
   /** Cuts with one plane that keeps dot(normal, x) >= offset; null: nothing is cut. */
@@ -39,15 +91,15 @@ export interface ClipgsApi {
   setMode(mode: Mode): void;
   /** Shows a state, from 0, in the uniaxial mode; false, and nothing changes, where the case has no such state. */
   setState(state: number): boolean;
-  /** Of the case: state k's plane is dot(axis, x) = first + k · spacing and keeps one side of it. */
-  readonly states: (Omit<PlaneStates, "axis"> & { axis: Triple }) | null;
+  /** Of the case. */
+  readonly states: ApiStates | null;
   setClip(clip: ClipOperator): void;
   /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
   setSection(section: FaceSource): void;
   /** How faces drawn from the volume look: 0 cinematic … 1 grey values through the window. */
   setGrey(grey: number): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
-  setWindow(window: Window | null): void;
+  setWindow(window: GreyWindow | null): void;
   /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
   setLayers(layers: Partial<Layers>): void;
   /** Marks a point with its value, 20 of them at most, and measures from the pin before it where it is `joined`; false
@@ -74,7 +126,7 @@ export interface ClipgsApi {
     clip: ClipOperator;
     section: FaceSource;
     grey: number;
-    window: Window | null;
+    window: GreyWindow | null;
     layers: Layers;
   };
   readonly stats: Readonly<ViewerStats>;
@@ -102,121 +154,4 @@ export interface ClipgsApi {
   };
   /** Where a point appears on the page, CSS px; null behind the camera. */
   project(point: Triple): { x: number; y: number } | null;
-}
-
-declare global {
-  interface Window {
-    clipgs: ClipgsApi;
-  }
-}
-
-function unitCut({ normal, offset, thickness }: ApiCut): Cut {
-  return makeCut(new Vector3(...normal), offset, thickness ?? null);
-}
-
-function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number } {
-  return { normal: normal.toArray(), offset };
-}
-
-export function makeApi(app: App, ready: Promise<void>): ClipgsApi {
-  const { viewer, headset } = app;
-  return {
-    ready,
-    stats: viewer.stats,
-    get steady() {
-      return viewer.steady;
-    },
-    set steady(steady) {
-      viewer.steady = steady;
-    },
-    open: (name) => app.open(name),
-    setView: ({ azimuth, elevation, zoom = 1 }) =>
-      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
-    setPlane: (plane) => {
-      viewer.setCuts(plane ? [unitCut(plane)] : []);
-    },
-    setCuts: (cuts, active) => viewer.setCuts(cuts.map(unitCut), active),
-    setMode: (mode) => viewer.setMode(mode),
-    setState: (state) => viewer.setPlaneState(state),
-    get states() {
-      const { states } = viewer;
-      return states && { ...states, axis: states.axis.toArray() };
-    },
-    setClip: (clip) => viewer.setClip(clip),
-    setSection: (section) => viewer.setSection(section),
-    setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
-    setWindow: (window) => viewer.setWindow(window && { ...window }),
-    setLayers: (layers) => viewer.setLayers(layers),
-    addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
-    removePin: (index) => viewer.removePin(index),
-    get bounds() {
-      const bounds = viewer.info?.bounds;
-      return bounds ? { min: bounds.min.toArray(), max: bounds.max.toArray() } : null;
-    },
-    get pins() {
-      return viewer.state.pins.map((pin) => ({
-        point: pin.point.toArray(),
-        value: pin.value,
-        error: pin.error,
-        text: valueText(viewer.section!, pin),
-        joined: pin.joined,
-      }));
-    },
-    get lengths() {
-      return lengthsOf(viewer.state.pins).map(({ from, to, mm }) => ({
-        from: from.toArray(),
-        to: to.toArray(),
-        mm,
-      }));
-    },
-    get state() {
-      const { view, mode, cuts, clip, section, grey, layers } = viewer.state;
-      return {
-        case: viewer.caseName,
-        view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
-        plane: viewer.cut && apiPlane(viewer.cut),
-        cuts: cuts.map((cut) => ({
-          ...apiPlane(cut),
-          ...(cut.thickness === null ? {} : { thickness: cut.thickness }),
-        })),
-        mode,
-        state: viewer.planeState,
-        clip,
-        section,
-        grey,
-        window: viewer.window,
-        layers: { ...layers },
-      };
-    },
-    renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
-    headset: {
-      get worn() {
-        return headset.worn;
-      },
-      enter: (surroundings = "immersive-vr") => headset.enter(surroundings),
-      leave: () => headset.leave(),
-      get scale() {
-        return headset.stage.scale;
-      },
-      capture: () => headset.capture(),
-      get steady() {
-        return headset.governor.enabled;
-      },
-      set steady(steady) {
-        headset.governor.enabled = steady;
-      },
-      get effort() {
-        return headset.governor.effort;
-      },
-      get message() {
-        return headset.panel?.message ?? "";
-      },
-      find: (text) => headset.panel?.find(text)?.toArray() ?? null,
-    },
-    project: (point) => {
-      const at = viewer.project(new Vector3(...point));
-      const box = viewer.canvas.getBoundingClientRect();
-      return at && { x: at.x + box.left, y: at.y + box.top };
-    },
-  };
 }

@@ -1,20 +1,22 @@
 import { Actions } from "./actions";
-import { type CaseSummary, fetchCases, formatBytes, formatCount } from "./model/case_list";
-import { formatLink, parseLink } from "./model/link";
+import { type CaseSummary, formatBytes, formatCount } from "./model/case_list";
+import type { Link } from "./model/link";
 import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
-import { CaseMenu } from "./ui/case_menu";
+import { Announcer } from "./ui/announcer";
 import { h, icon, kIcons } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FacePanel } from "./ui/face_panel";
+import { FullScreen } from "./ui/full_screen";
 import { helpDialog } from "./ui/help";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PlanePanel } from "./ui/plane_panel";
 import { PointerControls } from "./ui/pointer";
+import { savePicture } from "./ui/save_picture";
+import { type Theme, ViewerTheme } from "./ui/theme";
 import { Viewer } from "./viewer";
 import { Headset, offeredSurroundings, type Surroundings } from "./xr/headset";
 
-const kLinkDelayMs = 300;
 const kStatsIntervalMs = 250;
 
 const kHeadsetTitles: Record<Surroundings, string> = {
@@ -22,85 +24,96 @@ const kHeadsetTitles: Record<Surroundings, string> = {
   "immersive-ar": "Show it in the headset, in the room where one is",
 };
 
-/** The page: the viewer's canvas, the panels around it, and the address that says what is shown. */
+const kThemeTitles: Record<Theme, string> = {
+  auto: "Colours: as the system (T)",
+  dark: "Colours: dark (T)",
+  light: "Colours: light (T)",
+};
+
+/** What a viewer stands in: the page of `clipgs serve`, or an element of another page. */
+export interface Host {
+  /** Whose keys are the viewer's. */
+  readonly keys: EventTarget;
+  /** Whether a wheel over the case is the viewer's, or scrolls what is around. */
+  takesWheel(): boolean;
+  /** What is shown has changed. */
+  changed(): void;
+  /** What can be opened. */
+  cases(): Promise<CaseSummary[]>;
+  open(name: string): Promise<void>;
+  /** Lets a person choose a case; absent where there is no choice. */
+  choose?(): void;
+  /** A link to what is shown; absent where no address says it. */
+  address?(): string;
+}
+
+/** The viewer's canvas and the panels around it. */
 export class App {
+  readonly host: Host;
   readonly viewer: Viewer;
   readonly headset: Headset;
   readonly actions: Actions;
   readonly marking = new Marking((point, joined) => this.viewer.addPin(point, joined));
+  readonly #root: HTMLElement;
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
   readonly #cube: OrientationCube;
-  readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
+  readonly #announcer: Announcer;
   readonly #help = helpDialog();
   readonly #title = h("span", { class: "title" }, "No case");
-  readonly #stats = h("output", { class: "stats", "aria-label": "Statistics" });
+  readonly #stats = h("output", { class: "stats", "aria-label": "Statistics", "aria-live": "off" });
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
-  readonly #headsetButtons = h("span", { class: "buttons" });
-  #cases: CaseSummary[] = [];
+  readonly #headsetButtons = h("span", { class: "group" });
+  readonly #themeButton: HTMLButtonElement;
+  readonly #fullScreen: FullScreen;
+  readonly #theme: ViewerTheme;
+  readonly #ended = new AbortController();
+  readonly #resized = new ResizeObserver(() => this.#resize());
   #opening = 0;
-  #linkTimer = 0;
   #statsTimer = 0;
-  #fixedSize: { width: number; height: number } | undefined;
+  #pictureOnly = false;
 
-  constructor(root: HTMLElement) {
+  constructor(root: HTMLElement, host: Host) {
+    this.#root = root;
+    this.host = host;
+    const { signal } = this.#ended;
     const canvas = h("canvas", {
       class: "stage",
       tabindex: "0",
       "aria-label": "The case in three dimensions",
     });
-    const link = h(
-      "button",
-      { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) },
-      icon(kIcons.link),
-    );
+    root.classList.add("viewer");
     root.append(canvas);
     this.viewer = new Viewer(canvas);
     this.actions = new Actions(this.viewer);
-    this.headset = new Headset(this.viewer, this.actions, this.marking, {
-      cases: () => this.#fetchCases(),
-      open: (name) => this.open(name),
-    });
+    this.headset = new Headset(this.viewer, this.actions, this.marking, host);
     this.headset.changed = () => this.#update();
     this.#overlay = new FaceOverlay(this.viewer, this.marking);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
     this.#panel = new PlanePanel(this.viewer, this.actions, this.#facePanel.element);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
+    this.#announcer = new Announcer(this.viewer, this.actions);
+    this.#theme = new ViewerTheme(() => this.#showTheme(), signal);
+    this.#fullScreen = new FullScreen(root);
+    this.#themeButton = h("button", { class: "plain", onclick: () => this.#theme.next() });
     root.append(
       this.#overlay.element,
-      h(
-        "header",
-        { class: "bar" },
-        h(
-          "button",
-          { class: "case-button", title: "Cases (M)", onclick: () => void this.#showMenu() },
-          h("span", { class: "brand" }, "clipgs"),
-          this.#title,
-          icon(kIcons.chevron),
-        ),
-        h(
-          "span",
-          { class: "buttons" },
-          this.#headsetButtons,
-          link,
-          h(
-            "button",
-            { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() },
-            icon(kIcons.help),
-          ),
-        ),
-      ),
+      h("header", { class: "bar", part: "bar" }, this.#caseTitle(), this.#buttons()),
       this.#panel.element,
       this.#cube.element,
       h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#stats),
       this.#progress,
       this.#message,
-      this.#menu.element,
       this.#help,
+      this.#announcer.element,
     );
-    new PointerControls(this.viewer, (mm) => this.actions.step(mm));
+    new PointerControls(
+      this.viewer,
+      (mm) => this.actions.step(mm),
+      () => host.takesWheel(),
+    );
     this.viewer.changed = () => {
       this.actions.observe();
       this.#update();
@@ -109,49 +122,54 @@ export class App {
       this.#overlay.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
     };
-    const resized = new ResizeObserver(() => this.#resize());
-    resized.observe(canvas);
-    resized.observe(this.#panel.element);
-    addEventListener("keydown", (event) => this.#key(event));
-    // By now the address may have been written over.
-    addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
-    navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset());
+    this.#resized.observe(canvas);
+    this.#resized.observe(this.#panel.element);
+    host.keys.addEventListener("keydown", (event) => this.#key(event as KeyboardEvent), { signal });
+    navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset(), { signal });
     void this.#offerHeadset();
+    this.#showTheme();
     this.#update();
   }
 
-  /** Shows the case in a headset; says on the page where that fails. */
+  /** Ends everything that would go on without the page's elements, and removes these. */
+  dispose(): void {
+    ++this.#opening;
+    this.#ended.abort();
+    this.#resized.disconnect();
+    clearTimeout(this.#statsTimer);
+    this.#announcer.dispose();
+    this.viewer.changed = this.viewer.drawnFrame = this.headset.changed = () => {};
+    this.headset.dispose();
+    this.viewer.dispose();
+    this.#root.replaceChildren();
+  }
+
+  /** Shows a case in a headset; says so here where that fails. */
   async enterHeadset(surroundings: Surroundings): Promise<void> {
     try {
       await this.headset.enter(surroundings);
     } catch (error) {
-      this.#fail((error as CaseError).message, () => void this.enterHeadset(surroundings));
+      this.fail((error as CaseError).message, () => void this.enterHeadset(surroundings));
     }
   }
 
-  /** Shows what the address names, or else the first case. Rejects with CaseError. */
-  async start(): Promise<void> {
-    try {
-      await this.#fetchCases();
-    } catch (error) {
-      this.#fail((error as CaseError).message, () => location.reload());
-      throw error;
-    }
-    await this.#follow(location.hash);
-  }
-
-  /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
-  async open(name: string): Promise<void> {
+  /**
+   * Shows a case, in the view and cut that there are; the first one as it starts, unless `link` says more. Rejects with
+   * CaseError, after saying so here and offering to do it `again`.
+   */
+  async open(
+    { name, file, error }: Pick<CaseSummary, "name" | "file" | "error">,
+    link: Link,
+    again: () => void,
+  ): Promise<void> {
     const opening = ++this.#opening;
     this.#message.hidden = true;
     this.#setProgress(0.02);
     try {
-      const known = this.#cases.find((one) => one.name === name);
-      if (known?.error) {
-        throw new CaseError(known.error);
+      if (error) {
+        throw new CaseError(error);
       }
-      const first = this.viewer.info === null && parseLink(location.hash).view === undefined;
-      const file = known?.file ?? `cases/${encodeURIComponent(name)}.sog`;
+      const first = this.viewer.info === null && link.view === undefined;
       await this.viewer.open(
         name,
         file,
@@ -164,10 +182,7 @@ export class App {
     } catch (error) {
       if (opening === this.#opening) {
         const text = error instanceof Error ? error.message : String(error);
-        this.#fail(
-          text.startsWith(name) ? text : `${name}: ${text}`,
-          () => void this.open(name).catch(() => {}),
-        );
+        this.fail(text.startsWith(name) ? text : `${name}: ${text}`, again);
       }
       throw error;
     } finally {
@@ -175,34 +190,17 @@ export class App {
         this.#setProgress(null);
       }
     }
-    const title = this.viewer.info?.title || name;
-    this.#title.textContent = title;
-    document.title = `${title} · clipgs`;
+    this.#title.textContent = this.title;
     this.#update();
-    this.#prefetchAfter(name);
   }
 
-  /** The case after this one in the menu, so that going through them takes no time. */
-  #prefetchAfter(name: string): void {
-    const good = this.#cases.filter((one) => !one.error);
-    const next = good[(good.findIndex((one) => one.name === name) + 1) % good.length];
-    if (next && next.name !== name) {
-      this.viewer.prefetch(next.file);
-    }
+  /** Of the case that is shown. */
+  get title(): string {
+    return this.viewer.info?.title || (this.viewer.caseName ?? "");
   }
 
-  /** Takes over what the address says. */
-  async #follow(hash: string): Promise<void> {
-    const link = parseLink(hash);
-    this.#setSize(link.size);
-    const name = link.case ?? this.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
-    if (name === undefined) {
-      await this.#showMenu();
-      return;
-    }
-    if (name !== this.viewer.caseName) {
-      await this.open(name);
-    }
+  /** Takes over what a link says of the case that is open. */
+  follow(link: Link): void {
     if (link.view) {
       this.viewer.setView(link.view);
     }
@@ -227,28 +225,132 @@ export class App {
       this.viewer.setWindow(link.window);
     }
     this.actions.forget();
+    this.#update();
   }
 
-  /** A fixed size leaves the picture alone on the page. */
-  #setSize(size: { width: number; height: number } | undefined): void {
-    this.#fixedSize = size;
-    document.body.classList.toggle("picture-only", size !== undefined);
-    this.viewer.background = size === undefined;
+  /** What is shown. */
+  get link(): Link {
+    const { view, mode, cuts, clip, section, grey, window, pins } = this.viewer.state;
+    const name = this.viewer.caseName ?? undefined;
+    const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
+    const style = grey > 0 ? { grey, window: window ?? undefined } : {};
+    return { case: name, view, ...cut, clip, section, ...style, pins };
+  }
+
+  /** A fixed size leaves the picture alone, on black. */
+  setSize(size: { width: number; height: number } | undefined): void {
+    this.#pictureOnly = size !== undefined;
+    this.#root.classList.toggle("picture-only", this.#pictureOnly);
     this.viewer.canvas.style.width = size ? `${size.width}px` : "";
     this.viewer.canvas.style.height = size ? `${size.height}px` : "";
+    this.#showTheme();
     this.#resize();
+  }
+
+  /** Whether the panel is there. */
+  setPanel(shown: boolean): void {
+    this.#root.classList.toggle("no-panel", !shown);
+    this.#resize();
+  }
+
+  /** "auto": as the user or the system wants it. */
+  setTheme(theme: Theme): void {
+    this.#theme.fix(theme);
+  }
+
+  /** Says what went wrong, in a line, and offers what can be done. */
+  fail(text: string, again: () => void): void {
+    const { host } = this;
+    this.#message.replaceChildren(
+      icon(kIcons.warning),
+      h("p", {}, text),
+      h(
+        "div",
+        { class: "row" },
+        host.choose ? h("button", { class: "solid", onclick: () => host.choose?.() }, "Choose a case") : null,
+        h(
+          "button",
+          {
+            class: "solid quiet",
+            onclick: () => {
+              this.#message.hidden = true;
+              again();
+            },
+          },
+          "Try again",
+        ),
+      ),
+    );
+    this.#message.hidden = false;
+  }
+
+  /** What is shown, by its title: to choose another, where there are others. */
+  #caseTitle(): HTMLElement {
+    const { host } = this;
+    const brand = h("span", { class: "brand" }, "clipgs");
+    return host.choose
+      ? h(
+          "button",
+          { class: "case-button", title: "Cases (M)", onclick: () => host.choose?.() },
+          brand,
+          this.#title,
+          icon(kIcons.chevron),
+        )
+      : h("span", { class: "case-title" }, brand, this.#title);
+  }
+
+  #buttons(): HTMLElement {
+    const { host } = this;
+    const link = h(
+      "button",
+      { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) },
+      icon(kIcons.link),
+    );
+    return h(
+      "span",
+      { class: "buttons" },
+      this.#headsetButtons,
+      this.#fullScreen.button,
+      h(
+        "button",
+        { class: "plain", title: "Save a picture (D)", onclick: () => void this.#savePicture() },
+        icon(kIcons.camera),
+      ),
+      host.address ? link : null,
+      this.#themeButton,
+      h(
+        "button",
+        { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() },
+        icon(kIcons.help),
+      ),
+    );
   }
 
   /** Frames the case in what the panel leaves free: it stands at the right, or below on a narrow page. */
   #resize(): void {
-    const { clientWidth, clientHeight } = this.viewer.canvas;
+    const { canvas } = this.viewer;
+    const { clientWidth } = canvas;
+    const stage = canvas.getBoundingClientRect();
     const box = this.#panel.element.getBoundingClientRect();
     const shown = box.width > 0;
     const below = box.width >= clientWidth;
     this.viewer.resize({
-      right: shown && !below ? clientWidth - box.left : 0,
-      bottom: shown && below ? clientHeight - box.top : 0,
+      right: shown && !below ? stage.right - box.left : 0,
+      bottom: shown && below ? stage.bottom - box.top : 0,
     });
+  }
+
+  #showTheme(): void {
+    const { shown, theme, isFixed } = this.#theme;
+    this.#root.classList.toggle("light", shown === "light");
+    this.viewer.setBackground(this.#pictureOnly ? "black" : shown);
+    this.#themeButton.hidden = isFixed;
+    this.#themeButton.title = kThemeTitles[theme];
+    this.#themeButton.replaceChildren(icon(kIcons[shown]));
+  }
+
+  #savePicture(): Promise<void> {
+    return savePicture(this.viewer, this.title, this.#root);
   }
 
   async #offerHeadset(): Promise<void> {
@@ -273,8 +375,8 @@ export class App {
     this.#panel.update();
     this.#facePanel.update();
     this.#cube.update(this.viewer.state.view);
-    clearTimeout(this.#linkTimer);
-    this.#linkTimer = window.setTimeout(() => this.#writeLink(), kLinkDelayMs);
+    this.#announcer.update();
+    this.host.changed();
   }
 
   #updateStats(): void {
@@ -292,37 +394,10 @@ export class App {
     this.#stats.textContent = `${frame}sort ${sortMs.toFixed(1)} ms · ${formatCount(drawn)} of ${formatCount(total)} splats${section}${reduced}`;
   }
 
-  #link(): string {
-    const { view, mode, cuts, clip, section, grey, window, pins } = this.viewer.state;
-    const name = this.viewer.caseName ?? undefined;
-    const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
-    const style = grey > 0 ? { grey, window: window ?? undefined } : {};
-    return formatLink({ case: name, view, ...cut, clip, section, ...style, pins, size: this.#fixedSize });
-  }
-
-  #writeLink(): void {
-    if (this.viewer.caseName !== null) {
-      history.replaceState(null, "", this.#link());
-    }
-  }
-
   async #copyLink(button: HTMLElement): Promise<void> {
-    await navigator.clipboard.writeText(new URL(this.#link(), location.href).href);
+    await navigator.clipboard.writeText(this.host.address!());
     button.classList.add("done");
     setTimeout(() => button.classList.remove("done"), 900);
-  }
-
-  async #fetchCases(): Promise<CaseSummary[]> {
-    this.#cases = await fetchCases();
-    return this.#cases;
-  }
-
-  async #showMenu(): Promise<void> {
-    try {
-      this.#menu.show(await this.#fetchCases(), this.viewer.caseName);
-    } catch (error) {
-      this.#fail((error as CaseError).message, () => void this.#showMenu());
-    }
   }
 
   #setProgress(share: number | null): void {
@@ -331,33 +406,9 @@ export class App {
     this.#progress.setAttribute("aria-valuenow", String(Math.round(100 * (share ?? 1))));
   }
 
-  #fail(text: string, again: () => void): void {
-    this.#message.replaceChildren(
-      icon(kIcons.warning),
-      h("p", {}, text),
-      h(
-        "div",
-        { class: "row" },
-        h("button", { class: "solid", onclick: () => void this.#showMenu() }, "Choose a case"),
-        h(
-          "button",
-          {
-            class: "solid quiet",
-            onclick: () => {
-              this.#message.hidden = true;
-              again();
-            },
-          },
-          "Try again",
-        ),
-      ),
-    );
-    this.#message.hidden = false;
-  }
-
   #key(event: KeyboardEvent): void {
     const input = event.target instanceof HTMLInputElement ? event.target : null;
-    if (input?.type === "number" || document.querySelector("dialog[open]")) {
+    if (input?.type === "number" || this.#root.querySelector("dialog[open]")) {
       return;
     }
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
@@ -391,7 +442,10 @@ export class App {
       escape: () => this.marking.toggle(null),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
       r: () => this.actions.reset(),
-      m: () => void this.#showMenu(),
+      m: () => this.host.choose?.(),
+      d: () => void this.#savePicture(),
+      t: () => this.#theme.next(),
+      z: () => this.#fullScreen.toggle(),
       v: () => this.#headsetButtons.querySelector("button")?.click(),
       "?": () => this.#help.showModal(),
       "1": () => this.viewer.setClip("hard"),

@@ -9,6 +9,7 @@ import {
   WebGLRenderer,
 } from "three";
 
+import type { ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
@@ -40,17 +41,14 @@ export interface ViewerState extends Style {
   pins: readonly Pin[]; // points that are marked, the oldest first
 }
 
-/** What the last frames cost. */
-export interface ViewerStats {
-  frameMs: number; // between frames while something moves
-  sortMs: number; // culling and sorting, in the worker
-  drawn: number; // splats
-  total: number;
-  scale: number; // resolution of the picture shown, 1: full
-  settled: boolean; // the picture shown is that of the state, as good as it gets
-  sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
-  sectionMs: number; // decoding it
-}
+/** Behind the case, display sRGB: three colours, from the middle outwards. */
+const kBackgrounds = {
+  dark: [0.14, 0.175, 0.222, 0.078, 0.1, 0.131, 0.043, 0.055, 0.075],
+  light: [0.965, 0.975, 0.985, 0.9, 0.918, 0.937, 0.82, 0.843, 0.87],
+};
+
+/** A quiet gradient, or black. */
+export type Background = keyof typeof kBackgrounds | "black";
 
 /** Without changes for this long the picture is drawn at full resolution. */
 const kSettleMs = 160;
@@ -101,10 +99,12 @@ export class Viewer {
   readonly #scene = new Scene();
   readonly #layer: SplatLayer;
   readonly #widget = new PlaneWidget();
-  readonly #background = new FullScreenPass("background.frag.glsl", {
+  readonly #gradient = new FullScreenPass("background.frag.glsl", {
     uSize: { value: new Vector2() },
     uCenter: { value: new Vector2() },
+    uColors: { value: kBackgrounds.dark },
   });
+  #background: Background = "dark";
   readonly #client = new CaseClient();
   #case: OpenCase | null = null;
   #width = 1; // CSS px
@@ -122,6 +122,7 @@ export class Viewer {
   #ordered = false; // whether the case's splats have an order
   readonly #firstFrame: (() => void)[] = [];
   #worn = false; // a headset draws
+  #disposed = false;
 
   constructor(canvas: HTMLCanvasElement) {
     ColorManagement.enabled = false; // colours are display sRGB from the file to the screen
@@ -193,6 +194,9 @@ export class Viewer {
   async open(name: string, url: string, progress: (share: number) => void = () => {}): Promise<void> {
     const loaded = await this.#client.load(url, progress);
     await this.#sortDone();
+    if (this.#disposed) {
+      throw new CaseError("the viewer is gone");
+    }
     const opened = new OpenCase(name, loaded, this.#client, this.#renderer);
     this.#case?.free();
     this.#case = opened;
@@ -213,8 +217,13 @@ export class Viewer {
     this.#client.prefetch(url);
   }
 
-  /** A gradient behind the case, or black. */
-  background = true;
+  setBackground(background: Background): void {
+    this.#background = background;
+    if (background !== "black") {
+      this.#gradient.uniforms["uColors"]!.value = kBackgrounds[background];
+    }
+    this.#canvasStale = true;
+  }
 
   /** While something moves, resolution is given up where frames would come late. */
   steady = true;
@@ -449,6 +458,26 @@ export class Viewer {
     }
   }
 
+  /** What the canvas shows, handle and all, as good as it gets, without what panels cover of it. */
+  async snapshot(): Promise<HTMLCanvasElement> {
+    await this.#sortDone();
+    const current = this.#case;
+    if (current && !this.#worn) {
+      this.#placeCamera();
+      await this.#sort(current, this.#camera, this.#width, this.#height);
+      this.#placeCamera();
+      this.#drawSplats(current, false);
+    }
+    this.#drawCanvas();
+    const ratio = this.#renderer.getPixelRatio();
+    const { width, height } = this.freeSize;
+    const copy = document.createElement("canvas");
+    copy.width = Math.round(ratio * width);
+    copy.height = Math.round(ratio * height);
+    copy.getContext("2d")!.drawImage(this.canvas, 0, 0);
+    return copy;
+  }
+
   /** Who draws: a headset, in its own frames, or the page. */
   yieldTo(headset: object | null): void {
     this.#worn = headset !== null;
@@ -475,13 +504,17 @@ export class Viewer {
     }
   }
 
+  /** Ends the worker and gives back what the GPU holds. Nothing can be done with it then. */
   dispose(): void {
+    this.#disposed = true;
     this.#client.dispose();
     this.#case?.free();
+    this.#case = null;
     this.#widget.dispose();
     this.#layer.dispose();
-    this.#background.dispose();
+    this.#gradient.dispose();
     this.#renderer.dispose();
+    this.#renderer.forceContextLoss(); // browsers keep few contexts, and collect them late
   }
 
   /** Of the camera as it was placed last, RAS mm. */
@@ -551,6 +584,9 @@ export class Viewer {
   }
 
   readonly #frame = (now: number): void => {
+    if (this.#disposed) {
+      return;
+    }
     requestAnimationFrame(this.#frame);
     ++this.#ticks;
     if (this.#captured || this.#worn) {
@@ -609,13 +645,13 @@ export class Viewer {
     this.#placeWidget();
     this.#widget.update(this.#eye, (2 * Math.tan((this.#camera.fov * Math.PI) / 360)) / this.#height);
     this.#renderer.clear();
-    if (this.background) {
-      const { uSize, uCenter } = this.#background.uniforms;
+    if (this.#background !== "black") {
+      const { uSize, uCenter } = this.#gradient.uniforms;
       const ratio = this.#renderer.getPixelRatio();
       const size = this.#renderer.getDrawingBufferSize(uSize!.value as Vector2);
       const { right, bottom } = this.#inset;
       (uCenter!.value as Vector2).set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
-      this.#background.render(this.#renderer, null);
+      this.#gradient.render(this.#renderer, null);
     }
     this.#renderer.render(this.#scene, this.#camera);
   }

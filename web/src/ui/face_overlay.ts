@@ -16,6 +16,36 @@ interface Place {
   y: number;
 }
 
+/** What is said around grey faces. */
+export interface FaceMarks {
+  /** Where in the patient the picture's edges are, in the order of kEdges. */
+  letters: [string, string, string, string];
+  /** Of the scale bar. */
+  barMm: number;
+  barWidth: number; // CSS px
+  window: string;
+}
+
+/** Null where no face is grey. */
+export function faceMarks(viewer: Viewer): FaceMarks | null {
+  const { grey, section, view } = viewer.state;
+  const middle = grey > 0 && section === "volume" ? viewer.faceMiddle : null;
+  const scale = middle && viewer.pixelsPerMm(middle);
+  if (!scale) {
+    return null;
+  }
+  const { right, down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
+  const [left, up] = [right.clone().negate(), down.clone().negate()];
+  const barMm = barLength((kBarShare * viewer.freeSize.width) / scale);
+  const { window } = viewer;
+  return {
+    letters: [directionLetters(left), directionLetters(right), directionLetters(up), directionLetters(down)],
+    barMm,
+    barWidth: barMm * scale,
+    window: window ? `C ${window.center.toFixed(0)} W ${window.width.toFixed(0)}` : "",
+  };
+}
+
 /**
  * What is said about faces over their picture: the value under the pointer, pins, lengths between them, and where faces
  * are grey, a scale bar, the window, and where in the patient the picture's edges are.
@@ -128,28 +158,21 @@ export class FaceOverlay {
   }
 
   #updateMarks(): void {
-    const viewer = this.#viewer;
-    const { grey, section, view } = viewer.state;
-    const middle = grey > 0 && section === "volume" ? viewer.faceMiddle : null;
-    const scale = middle && viewer.pixelsPerMm(middle);
-    this.#marks.hidden = !scale;
-    if (!scale) {
+    const marks = faceMarks(this.#viewer);
+    this.#marks.hidden = !marks;
+    if (!marks) {
       return;
     }
-    const { width, height } = viewer.freeSize;
+    const { letters, barMm, barWidth, window } = marks;
+    const { width, height } = this.#viewer.freeSize;
     this.#marks.style.width = `${width}px`;
     this.#marks.style.height = `${height}px`;
-    const { right, down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
-    const [left, up] = [right.clone().negate(), down.clone().negate()];
-    const letters = [left, right, up, down].map(directionLetters);
     letters.forEach((text, i) => (this.#letters[i]!.textContent = text));
-    const { window } = viewer;
-    const mm = barLength((kBarShare * width) / scale);
-    this.#bar.style.width = `${(mm * scale).toFixed(1)}px`;
-    this.#length.textContent = `${mm} mm`;
+    this.#bar.style.width = `${barWidth.toFixed(1)}px`;
+    this.#length.textContent = `${barMm} mm`;
     const edges = kEdges.map((edge, i) => `${edge} ${letters[i]}`).join(", ");
-    this.#marks.setAttribute("aria-label", `Directions of the patient: ${edges}. Scale bar: ${mm} mm`);
-    this.#window.textContent = window ? `C ${window.center.toFixed(0)} W ${window.width.toFixed(0)}` : "";
+    this.#marks.setAttribute("aria-label", `Directions of the patient: ${edges}. Scale bar: ${barMm} mm`);
+    this.#window.textContent = window;
   }
 
   #updatePins(): void {

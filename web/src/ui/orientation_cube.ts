@@ -42,7 +42,11 @@ export class OrientationCube {
         ),
       ),
     );
-    this.element = h("div", { class: "cube-stage", role: "group", "aria-label": "Orientation" }, this.#cube);
+    this.element = h(
+      "div",
+      { class: "cube-stage", part: "cube", role: "group", "aria-label": "Orientation" },
+      this.#cube,
+    );
   }
 
   update(view: View): void {

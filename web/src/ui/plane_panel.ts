@@ -29,14 +29,14 @@ export class PlanePanel {
   readonly #slider: HTMLInputElement;
   readonly #statesHint = h("p", { class: "hint" });
   readonly #flip: HTMLButtonElement;
-  readonly #readout = h("output", { class: "readout" });
+  readonly #readout = h("output", { class: "readout", "aria-live": "off" });
   readonly #side = h("span", { class: "side" });
   readonly #cuts = h("span", { class: "segments fit", role: "group", "aria-label": "Planes" });
   readonly #several: HTMLElement;
   readonly #add: HTMLButtonElement;
   readonly #slab: HTMLButtonElement;
   readonly #thickness: HTMLInputElement;
-  readonly #thicknessReadout = h("output", { class: "readout" });
+  readonly #thicknessReadout = h("output", { class: "readout", "aria-live": "off" });
   readonly #thicknessRow: HTMLElement;
   readonly #power: HTMLButtonElement;
   readonly #handle: HTMLButtonElement;
@@ -139,7 +139,7 @@ export class PlanePanel {
     );
     this.element = h(
       "section",
-      { class: "panel", "aria-label": "Cutting plane" },
+      { class: "panel", part: "panel", "aria-label": "Cutting plane" },
       h("header", {}, h("h2", {}, "Cutting plane"), this.#undo, this.#redo, this.#add, this.#power),
       h("div", { class: "segments", role: "group", "aria-label": "Mode" }, ...this.#modes.values()),
       this.#several,

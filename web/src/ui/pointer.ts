@@ -18,7 +18,7 @@ export class PointerControls {
   #gesture: Gesture | null = null;
   #hover: Grip | null = null;
 
-  constructor(viewer: Viewer, stepPlane: (mm: number) => void) {
+  constructor(viewer: Viewer, stepPlane: (mm: number) => void, takesWheel: () => boolean) {
     this.#viewer = viewer;
     const { canvas } = viewer;
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
@@ -29,6 +29,9 @@ export class PointerControls {
     canvas.addEventListener(
       "wheel",
       (event) => {
+        if (!takesWheel()) {
+          return;
+        }
         event.preventDefault();
         const delta = event.deltaY * (event.deltaMode === 1 ? 20 : 1);
         if (event.ctrlKey || event.altKey) {

@@ -59,6 +59,7 @@ export class CaseClient {
 
   dispose(): void {
     this.#worker.terminate();
+    this.#fail("the viewer is gone");
   }
 
   #post(message: Request, transfer: Transferable[] = []): void {

@@ -39,7 +39,7 @@ export class FileCache {
     try {
       response = await fetch(url, kept ? { headers: { "If-None-Match": kept.etag } } : {});
     } catch {
-      throw new CaseError("the server does not answer; is clipgs serve still running?");
+      throw new CaseError("the server does not answer; is it still running?");
     }
     if (kept && response.status === 304) {
       this.#keep(url, kept);
@@ -51,7 +51,7 @@ export class FileCache {
       throw new CaseError(
         response.headers.get("content-type")?.startsWith("text/plain") && text
           ? text.trim()
-          : `the server has no such case (status ${response.status}); choose another from the menu`,
+          : `the server has no such case (status ${response.status}); choose another`,
       );
     }
     const bytes = await readBody(response, response.body, progress);

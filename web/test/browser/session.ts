@@ -10,6 +10,23 @@ import { kChromium, kProgram } from "./program";
 /** Of what waits for the page: long, as pictures are drawn without a GPU. Tests have more time (vite.config.ts). */
 const kPageMs = 120_000;
 
+/** A browser that draws without a GPU. */
+export function launchBrowser(): Promise<Browser> {
+  return chromium.launch({
+    executablePath: kChromium,
+    args: [
+      "--headless=new",
+      "--no-sandbox",
+      "--disable-quic",
+      "--no-first-run",
+      "--disable-background-networking",
+      "--disable-component-update",
+      "--disable-sync",
+      "--enable-unsafe-swiftshader",
+    ],
+  });
+}
+
 /** A served folder of cases and a browser that looks at it. */
 export class Session {
   readonly folder = mkdtempSync(join(tmpdir(), "clipgs-browser-"));
@@ -31,19 +48,7 @@ export class Session {
       this.#server.once("exit", () => fail(new Error("clipgs serve ended before it served")));
     });
     this.url = (JSON.parse(line) as { url: string }).url;
-    this.#browser = await chromium.launch({
-      executablePath: kChromium,
-      args: [
-        "--headless=new",
-        "--no-sandbox",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--enable-unsafe-swiftshader",
-      ],
-    });
+    this.#browser = await launchBrowser();
   }
 
   /** Opens the viewer in a browser with an emulated Quest 3, whose eyes see pictures of half that size. */

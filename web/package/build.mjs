@@ -1,0 +1,110 @@
+// Makes the package `clipgs-viewer` in FOLDER/clipgs-viewer (the element, its types, worker and WebAssembly) and packs
+// it as FOLDER/clipgs-viewer-VERSION.tgz. Usage: node package/build.mjs [FOLDER]
+import { execFileSync } from "node:child_process";
+import {
+  copyFileSync,
+  existsSync,
+  mkdirSync,
+  mkdtempSync,
+  readFileSync,
+  rmSync,
+  writeFileSync,
+} from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import { build } from "vite";
+
+const web = resolve(dirname(fileURLToPath(import.meta.url)), "..");
+const folder = resolve(process.argv[2] ?? process.env.CLIPGS_WEB_OUT ?? resolve(web, "build"));
+const output = resolve(folder, "clipgs-viewer");
+process.chdir(web);
+
+/** The packages that modules come from. */
+function packagesOf(modules) {
+  const inside = [...modules].map((id) => /^.*\/node_modules\/(?:@[^/]+\/)?[^/]+(?=\/)/.exec(id)?.[0]);
+  return [...new Set(inside.filter((folder) => folder !== undefined))].sort();
+}
+
+/** The licence of what is in the package, as its own licence asks for. */
+function licenceOf(folder) {
+  const { name, version, license } = JSON.parse(readFileSync(`${folder}/package.json`, "utf8"));
+  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "license"].find((one) =>
+    existsSync(`${folder}/${one}`),
+  );
+  const text = file ? readFileSync(`${folder}/${file}`, "utf8").trim() : license;
+  return `${name} ${version}\n\n${text}\n`;
+}
+
+/** Takes over a file of types, and those that it names. */
+function copyTypes(name) {
+  const text = readFileSync(`${declared}/${name}.d.ts`, "utf8");
+  const file = `${output}/${name}.d.ts`;
+  mkdirSync(dirname(file), { recursive: true });
+  writeFileSync(file, text.replace(/from "(\.[^"]+)"/g, 'from "$1.js"'));
+  for (const [, other] of text.matchAll(/from "(\.[^"]+)"/g)) {
+    copyTypes(join(dirname(name), other));
+  }
+}
+
+const bundled = new Set();
+await build({
+  logLevel: "warn",
+  plugins: [
+    {
+      name: "package",
+      enforce: "post",
+      generateBundle(_options, chunks) {
+        for (const chunk of Object.values(chunks)) {
+          // As bundlers know it: a worker at a literal address beside the module.
+          chunk.code = chunk.code?.replace(
+            /new URL\(""\+(new URL\("[^"]+",import\.meta\.url\))\.href,import\.meta\.url\)/g,
+            "$1",
+          );
+        }
+        for (const id of this.getModuleIds()) {
+          bundled.add(id);
+        }
+      },
+    },
+  ],
+  build: {
+    outDir: output,
+    copyPublicDir: false,
+    assetsDir: "",
+    modulePreload: false,
+    rollupOptions: {
+      input: "src/index.ts",
+      preserveEntrySignatures: "strict",
+      output: { entryFileNames: "index.js" },
+    },
+  },
+});
+const declared = mkdtempSync(join(tmpdir(), "clipgs-types-"));
+execFileSync("node_modules/.bin/tsc", ["-p", "package/tsconfig.json", "--outDir", declared], {
+  stdio: "inherit",
+});
+copyTypes("index");
+rmSync(declared, { recursive: true });
+
+const { name, description, license } = JSON.parse(readFileSync("package.json", "utf8"));
+const version = /project\(clipgs VERSION ([\d.]+)/.exec(readFileSync("../CMakeLists.txt", "utf8"))[1];
+const manifest = {
+  name,
+  version,
+  description,
+  license,
+  type: "module",
+  exports: { ".": { types: "./index.d.ts", default: "./index.js" } },
+  types: "./index.d.ts",
+};
+writeFileSync(`${output}/package.json`, `${JSON.stringify(manifest, null, 2)}\n`);
+copyFileSync("package/README.md", `${output}/README.md`);
+copyFileSync("../LICENSE", `${output}/LICENSE`);
+writeFileSync(
+  `${output}/LICENSES-OF-OTHERS`,
+  packagesOf(bundled)
+    .map(licenceOf)
+    .join(`\n${"-".repeat(80)}\n\n`),
+);
+execFileSync("npm", ["pack", "--silent", "--pack-destination", folder, output], { stdio: "inherit" });

@@ -1,0 +1,181 @@
+import type { ClipgsApi } from "./api";
+import { App, type Host } from "./app";
+import { formatLink, type Link, parseLink } from "./model/link";
+import { makeApi } from "./script_api";
+import { h } from "./ui/dom";
+import hostStyle from "./ui/element.css?inline";
+import { themeFrom } from "./ui/theme";
+import viewerStyle from "./ui/viewer.css?inline";
+
+const kAttributes = ["src", "link", "panel", "theme"] as const;
+
+/** One for all elements of a page. */
+let styles: CSSStyleSheet[] | undefined;
+
+function makeStyles(): CSSStyleSheet[] {
+  return [viewerStyle, hostStyle].map((text) => {
+    const sheet = new CSSStyleSheet();
+    sheet.replaceSync(text);
+    return sheet;
+  });
+}
+
+/** The name of the case in a file: "head" of "cases/head.sog?v=2". */
+function caseName(src: string): string {
+  const file = new URL(src, document.baseURI).pathname.split("/").pop()!;
+  return decodeURIComponent(file).replace(/\.sog$/i, "");
+}
+
+/** `<clipgs-viewer src="case.sog">`: a case in another page. It holds a GPU context and a worker while it is there. */
+export class ClipgsViewerElement extends HTMLElement {
+  static readonly observedAttributes = kAttributes;
+  readonly #root = h("div", { lang: "en" });
+  readonly #host: Host = {
+    keys: this.#root, // hear keys while the focus is in the element
+    takesWheel: () => this.#root.matches(":focus-within, :fullscreen"),
+    changed: () => this.#tellOfChange(),
+    cases: async () => [],
+    open: (src) => this.#openOther(src),
+  };
+  #app: App | null = null;
+  #api: ClipgsApi | null = null;
+  #ready: Promise<void> = Promise.reject(new Error("the element is not in a page, or has no src"));
+  #opening = 0;
+  #stale = new Set<string>(); // attributes that are not followed yet
+  #changeFrame = 0;
+
+  constructor() {
+    super();
+    this.#ready.catch(() => {});
+    const shadow = this.attachShadow({ mode: "open", delegatesFocus: true });
+    shadow.adoptedStyleSheets = styles ??= makeStyles();
+    shadow.append(this.#root);
+  }
+
+  /** The viewer for scripts; null while the element is in no page. */
+  get clipgs(): ClipgsApi | null {
+    return this.#api;
+  }
+
+  /** The address of the case. */
+  get src(): string {
+    return this.getAttribute("src") ?? "";
+  }
+
+  set src(src: string) {
+    this.setAttribute("src", src);
+  }
+
+  /** What is shown of the case, in the words of the viewer's address. */
+  get link(): string {
+    return this.#app ? formatLink({ ...this.#app.link, case: undefined }) : (this.getAttribute("link") ?? "");
+  }
+
+  set link(link: string) {
+    this.setAttribute("link", link);
+  }
+
+  connectedCallback(): void {
+    if (this.#app) {
+      return; // it was moved
+    }
+    try {
+      this.#app = new App(this.#root, this.#host);
+    } catch (error) {
+      const { message } = error as Error;
+      this.#root.replaceChildren(h("div", { class: "message", role: "alert" }, h("p", {}, message)));
+      this.dispatchEvent(new ErrorEvent("error", { message }));
+      return;
+    }
+    this.#takeOver("src");
+    this.#takeOver("link");
+    this.#api = makeApi(this.#app, () => this.#drawn());
+    kAttributes.forEach((name) => this.attributeChangedCallback(name));
+  }
+
+  disconnectedCallback(): void {
+    // Not where it is only being moved.
+    queueMicrotask(() => {
+      if (!this.isConnected) {
+        ++this.#opening;
+        cancelAnimationFrame(this.#changeFrame);
+        this.#changeFrame = 0;
+        this.#app?.dispose();
+        this.#app = this.#api = null;
+      }
+    });
+  }
+
+  attributeChangedCallback(name: string): void {
+    if (this.#stale.size === 0) {
+      queueMicrotask(() => this.#follow());
+    }
+    this.#stale.add(name);
+  }
+
+  /** A property that was set before this class was known hides the one of the class. */
+  #takeOver(name: "src" | "link"): void {
+    if (Object.hasOwn(this, name)) {
+      const value = this[name];
+      delete (this as Partial<Record<typeof name, string>>)[name];
+      this[name] = value;
+    }
+  }
+
+  async #openOther(src: string): Promise<void> {
+    this.src = src;
+    await this.#drawn();
+  }
+
+  /** As ClipgsApi.ready says. */
+  async #drawn(): Promise<void> {
+    await Promise.resolve(); // until attributes are followed
+    await this.#ready;
+  }
+
+  /** Once a frame is enough. */
+  #tellOfChange(): void {
+    this.#changeFrame ||= requestAnimationFrame(() => {
+      this.#changeFrame = 0;
+      this.dispatchEvent(new Event("change"));
+    });
+  }
+
+  /** Does what attributes say that were set since. */
+  #follow(): void {
+    const stale = this.#stale;
+    this.#stale = new Set();
+    const app = this.#app;
+    if (!app) {
+      return;
+    }
+    app.setPanel(this.getAttribute("panel") !== "none");
+    app.setTheme(themeFrom(this.getAttribute("theme")));
+    const linked = stale.has("link") && this.hasAttribute("link");
+    const link = parseLink(linked ? this.getAttribute("link")! : "");
+    if (stale.has("src") && this.src) {
+      this.#ready = this.#open(app, this.src, linked ? link : null);
+      this.#ready.catch(() => {}); // said in the element; who waits for it hears it too
+    } else if (linked) {
+      void this.#ready.then(() => app.follow(link)).catch(() => {});
+    }
+  }
+
+  /** Shows the case at `src`; the view and planes stay unless `link` is another. Tells listeners how that ended. */
+  async #open(app: App, src: string, link: Link | null): Promise<void> {
+    const opening = ++this.#opening;
+    const again = () => this.attributeChangedCallback("src");
+    try {
+      await app.open({ name: caseName(src), file: src, error: null }, link ?? {}, again);
+    } catch (error) {
+      if (opening === this.#opening) {
+        this.dispatchEvent(new ErrorEvent("error", { message: (error as Error).message }));
+      }
+      throw error;
+    }
+    if (link) {
+      app.follow(link);
+    }
+    this.dispatchEvent(new Event("ready"));
+  }
+}

@@ -1,0 +1,111 @@
+import { App, type Host } from "./app";
+import { type CaseSummary, fetchCases } from "./model/case_list";
+import { formatLink, type Link, parseLink } from "./model/link";
+import type { CaseError } from "./sog/zip";
+import { CaseMenu } from "./ui/case_menu";
+
+const kLinkDelayMs = 300;
+
+/** The page of `clipgs serve`: the server's cases, and the address that says what is shown. */
+export class Page implements Host {
+  readonly keys = window;
+  readonly app: App;
+  readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
+  #cases: CaseSummary[] = [];
+  #size: Link["size"];
+  #linkTimer = 0;
+
+  constructor(root: HTMLElement) {
+    this.app = new App(root, this);
+    root.append(this.#menu.element);
+    // By now the address may have been written over.
+    addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
+  }
+
+  /** Shows what the address names, or else the first case. Rejects with CaseError. */
+  async start(): Promise<void> {
+    try {
+      await this.cases();
+    } catch (error) {
+      this.app.fail((error as CaseError).message, () => location.reload());
+      throw error;
+    }
+    await this.#follow(location.hash);
+  }
+
+  async cases(): Promise<CaseSummary[]> {
+    this.#cases = await fetchCases();
+    return this.#cases;
+  }
+
+  /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
+  async open(name: string): Promise<void> {
+    const known = this.#cases.find((one) => one.name === name);
+    const file = `cases/${encodeURIComponent(name)}.sog`;
+    const again = () => void this.open(name).catch(() => {});
+    await this.app.open(known ?? { name, file, error: null }, parseLink(location.hash), again);
+    document.title = `${this.app.title} · clipgs`;
+    this.#prefetchAfter(name);
+  }
+
+  takesWheel(): boolean {
+    return true;
+  }
+
+  choose(): void {
+    void this.#showMenu();
+  }
+
+  address(): string {
+    return new URL(this.#link(), location.href).href;
+  }
+
+  changed(): void {
+    clearTimeout(this.#linkTimer);
+    this.#linkTimer = window.setTimeout(() => this.#writeLink(), kLinkDelayMs);
+  }
+
+  /** The case after this one in the menu, so that going through them takes no time. */
+  #prefetchAfter(name: string): void {
+    const good = this.#cases.filter((one) => !one.error);
+    const next = good[(good.findIndex((one) => one.name === name) + 1) % good.length];
+    if (next && next.name !== name) {
+      this.app.viewer.prefetch(next.file);
+    }
+  }
+
+  /** Takes over what the address says. */
+  async #follow(hash: string): Promise<void> {
+    const { app } = this;
+    const link = parseLink(hash);
+    this.#size = link.size;
+    app.setSize(link.size);
+    const name = link.case ?? app.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
+    if (name === undefined) {
+      await this.#showMenu();
+      return;
+    }
+    if (name !== app.viewer.caseName) {
+      await this.open(name);
+    }
+    app.follow(link);
+  }
+
+  #link(): string {
+    return formatLink({ ...this.app.link, size: this.#size });
+  }
+
+  #writeLink(): void {
+    if (this.app.viewer.caseName !== null) {
+      history.replaceState(null, "", this.#link());
+    }
+  }
+
+  async #showMenu(): Promise<void> {
+    try {
+      this.#menu.show(await this.cases(), this.app.viewer.caseName);
+    } catch (error) {
+      this.app.fail((error as CaseError).message, () => void this.#showMenu());
+    }
+  }
+}

@@ -1,0 +1,122 @@
+import { Vector3 } from "three";
+
+import type { ApiCut, ClipgsApi } from "./api";
+import type { App } from "./app";
+import { type Cut, makeCut } from "./model/cut";
+import type { Plane, Triple } from "./model/geometry";
+import { lengthsOf } from "./model/pins";
+import { valueText } from "./model/values";
+
+function unitCut({ normal, offset, thickness }: ApiCut): Cut {
+  return makeCut(new Vector3(...normal), offset, thickness ?? null);
+}
+
+function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number } {
+  return { normal: normal.toArray(), offset };
+}
+
+/** What scripts do with an app; `ready` as in ClipgsApi. */
+export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
+  const { viewer, headset } = app;
+  return {
+    get ready() {
+      return ready();
+    },
+    stats: viewer.stats,
+    get steady() {
+      return viewer.steady;
+    },
+    set steady(steady) {
+      viewer.steady = steady;
+    },
+    open: (name) => app.host.open(name),
+    setView: ({ azimuth, elevation, zoom = 1 }) =>
+      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
+    setPlane: (plane) => {
+      viewer.setCuts(plane ? [unitCut(plane)] : []);
+    },
+    setCuts: (cuts, active) => viewer.setCuts(cuts.map(unitCut), active),
+    setMode: (mode) => viewer.setMode(mode),
+    setState: (state) => viewer.setPlaneState(state),
+    get states() {
+      const { states } = viewer;
+      return states && { ...states, axis: states.axis.toArray() };
+    },
+    setClip: (clip) => viewer.setClip(clip),
+    setSection: (section) => viewer.setSection(section),
+    setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
+    setWindow: (window) => viewer.setWindow(window && { ...window }),
+    setLayers: (layers) => viewer.setLayers(layers),
+    addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
+    removePin: (index) => viewer.removePin(index),
+    get bounds() {
+      const bounds = viewer.info?.bounds;
+      return bounds ? { min: bounds.min.toArray(), max: bounds.max.toArray() } : null;
+    },
+    get pins() {
+      return viewer.state.pins.map((pin) => ({
+        point: pin.point.toArray(),
+        value: pin.value,
+        error: pin.error,
+        text: valueText(viewer.section!, pin),
+        joined: pin.joined,
+      }));
+    },
+    get lengths() {
+      return lengthsOf(viewer.state.pins).map(({ from, to, mm }) => ({
+        from: from.toArray(),
+        to: to.toArray(),
+        mm,
+      }));
+    },
+    get state() {
+      const { view, mode, cuts, clip, section, grey, layers } = viewer.state;
+      return {
+        case: viewer.caseName,
+        view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
+        plane: viewer.cut && apiPlane(viewer.cut),
+        cuts: cuts.map((cut) => ({
+          ...apiPlane(cut),
+          ...(cut.thickness === null ? {} : { thickness: cut.thickness }),
+        })),
+        mode,
+        state: viewer.planeState,
+        clip,
+        section,
+        grey,
+        window: viewer.window,
+        layers: { ...layers },
+      };
+    },
+    renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
+    headset: {
+      get worn() {
+        return headset.worn;
+      },
+      enter: (surroundings = "immersive-vr") => headset.enter(surroundings),
+      leave: () => headset.leave(),
+      get scale() {
+        return headset.stage.scale;
+      },
+      capture: () => headset.capture(),
+      get steady() {
+        return headset.governor.enabled;
+      },
+      set steady(steady) {
+        headset.governor.enabled = steady;
+      },
+      get effort() {
+        return headset.governor.effort;
+      },
+      get message() {
+        return headset.panel?.message ?? "";
+      },
+      find: (text) => headset.panel?.find(text)?.toArray() ?? null,
+    },
+    project: (point) => {
+      const at = viewer.project(new Vector3(...point));
+      const box = viewer.canvas.getBoundingClientRect();
+      return at && { x: at.x + box.left, y: at.y + box.top };
+    },
+  };
+}

@@ -1,0 +1,108 @@
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+import { copyMadeCases } from "./made_cases";
+import { type Picture, psnr, readPng } from "./picture";
+import { missing } from "./program";
+import { Session } from "./session";
+import { show } from "./shot";
+
+describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is missing)` : ""}`, () => {
+  const session = new Session();
+  const errors: string[] = [];
+  let page: Page;
+
+  beforeAll(async () => {
+    await session.start(() => copyMadeCases(session));
+    page = await session.open("#case=phantom", errors);
+    await page.evaluate(() => window.clipgs.ready);
+  });
+
+  afterAll(async () => {
+    expect(errors).toEqual([]);
+    await session.stop();
+  });
+
+  async function saved(save: () => Promise<void>): Promise<Picture> {
+    const [download] = await Promise.all([page.waitForEvent("download"), save()]);
+    expect(download.suggestedFilename()).toBe("phantom.png");
+    return readPng(page, await download.path());
+  }
+
+  /** A part of a picture. */
+  function crop({ width, data }: Picture, x: number, y: number, w: number, h: number): Picture {
+    const part = new Uint8Array(4 * w * h);
+    for (let row = 0; row < h; ++row) {
+      const from = 4 * ((y + row) * width + x);
+      part.set(data.subarray(from, from + 4 * w), 4 * w * row);
+    }
+    return { width: w, height: h, data: part };
+  }
+
+  it("saves what is seen, with its title, what it is not for, pins and lengths", async () => {
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const key = () => page.keyboard.press("d");
+    const plain = await saved(key);
+    const panel = (await page.getByRole("region", { name: "Cutting plane" }).boundingBox())!;
+    expect([plain.width, plain.height]).toEqual([panel.x, 600]);
+
+    // The middle is what the page shows.
+    await page.waitForFunction(() => window.clipgs.stats.settled);
+    const path = `${session.folder}/shown.png`;
+    await page.screenshot({ path });
+    const [x, y, w, h] = [150, 120, 300, 360] as const;
+    const shown = await readPng(page, path);
+    expect(psnr(crop(plain, x, y, w, h), crop(shown, x, y, w, h)).color).toBeGreaterThan(35);
+
+    // Text lies on its box at the bottom left and at the top left.
+    const colors = (picture: Picture, top: number) => {
+      const { data } = crop(picture, 16, top, 110, 24);
+      return new Set(Array.from({ length: data.length / 4 }, (_, i) => data[4 * i])).size;
+    };
+    expect(colors(plain, 600 - 16 - 24)).toBeGreaterThan(40);
+    expect(colors(plain, 16)).toBeGreaterThan(40);
+    expect(colors(plain, 60)).toBeLessThan(10); // between them nothing but the background
+
+    const pins = await page.evaluate(() => {
+      const { min, max } = window.clipgs.bounds!;
+      const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
+      window.clipgs.addPin([r - 30, a, 0]);
+      window.clipgs.addPin([r + 30, a, 0], true);
+      return window.clipgs.pins.map(({ point }) => window.clipgs.project(point)!);
+    });
+    expect(pins.length).toBe(2);
+    const marked = await saved(() => page.getByRole("button", { name: "Save a picture (D)" }).click());
+    const changed = (px: number, py: number) => {
+      const [a, b] = [plain, marked].map((one) => crop(one, Math.round(px) - 8, Math.round(py) - 8, 16, 16));
+      return psnr(a!, b!).color < 25;
+    };
+    for (const pin of pins) {
+      expect(changed(pin.x, pin.y)).toBe(true);
+      expect(changed(pin.x, pin.y + 40)).toBe(false);
+    }
+    expect(changed(0.5 * (pins[0]!.x + pins[1]!.x), 0.5 * (pins[0]!.y + pins[1]!.y))).toBe(true);
+    const uncut = await page.evaluate(() => window.clipgs.state.cuts.length);
+    expect(uncut).toBe(1); // nothing of the state was touched
+  });
+
+  it("fills the screen with a key and a button", async () => {
+    const isFull = () => page.evaluate(() => document.fullscreenElement?.tagName ?? "");
+    const button = page.getByRole("button", { name: "Full screen (Z)" });
+    expect(await button.getAttribute("aria-pressed")).toBe("false");
+    await page.keyboard.press("z");
+    await expect.poll(isFull).toBe("MAIN");
+    await expect.poll(() => button.getAttribute("aria-pressed")).toBe("true");
+    await button.click();
+    await expect.poll(isFull).toBe("");
+    await expect.poll(() => button.getAttribute("aria-pressed")).toBe("false");
+  });
+
+  it("hides what the browser does not offer", async () => {
+    const content = `Object.defineProperty(Document.prototype, "fullscreenEnabled", { value: false });`;
+    const visitor = await session.open("#case=phantom", errors, undefined, [{ content }]);
+    await visitor.evaluate(() => window.clipgs.ready);
+    expect(await visitor.getByTitle("Full screen (Z)").isVisible()).toBe(false);
+    expect(await visitor.getByTitle("Save a picture (D)").isVisible()).toBe(true);
+    await visitor.close();
+  });
+});
