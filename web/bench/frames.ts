@@ -93,6 +93,7 @@ function installTimer(): void {
 
 async function clipgsPage(session: Session): Promise<Page> {
   const page = await session.open(`#size=${kSize}x${kSize}`, [], { width: kSize, height: kSize });
+  await page.keyboard.press("h"); // no handle
   await page.evaluate(installTimer);
   await page.evaluate(async (elevation) => {
     const { clipgs } = window;
@@ -175,9 +176,9 @@ function makeMovements({ bounds }: CaseInfo): Record<string, Moment[]> {
   const movement = (moment: (share: number) => Moment) =>
     Array.from({ length: kFrames }, (_, i) => moment(i / (kFrames - 1)));
   return {
-    "turning, nothing cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: null })),
-    "plane moving through": movement((s) => ({ azimuth: kAzimuth, plane: at(0.8 - 0.7 * s) })),
-    "half cut": movement((s) => ({ azimuth: kAzimuth, plane: at(0.45 + 0.1 * s) })),
+    "turning, uncut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: null })),
+    "turning, half cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: at(0.5) })),
+    "plane moving": movement((s) => ({ azimuth: kAzimuth, plane: at(0.8 - 0.7 * s) })),
   };
 }
 
@@ -247,14 +248,15 @@ async function main(): Promise<void> {
       for (const [m, [movement, moments]] of Object.entries(movements).entries()) {
         for (const [c, contender] of contenders.entries()) {
           await contender.page.bringToFront();
-          times[c]![m]!.push(await contender.time(moments));
+          const ms = await contender.time(moments);
+          times[c]![m]!.push(ms);
+          console.error(`${contender.name}, ${movement}: ${ms.toFixed(0)} ms a frame`);
           if (values.shots && round === 0) {
             const name = `${contender.name} ${movement}.png`.replaceAll(/[ ,]+/g, "-");
             await contender.page.screenshot({ path: join(values.shots, name) });
           }
         }
       }
-      console.error(`round ${round + 1} of ${kRounds}`);
     }
     const medians = times.map((one) => one.map(median));
     const rows = contenders.map(({ name }, c) => [

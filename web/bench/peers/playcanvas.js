@@ -28,6 +28,7 @@ export async function start(url, size, fov) {
   app.init(options);
   app.setCanvasFillMode(pc.FILLMODE_NONE, size, size);
   app.setCanvasResolution(pc.RESOLUTION_FIXED, size, size);
+  app.autoRender = false; // else it draws while others are measured
   app.start();
   const asset = new pc.Asset("case", "gsplat", { url });
   app.assets.add(asset);
@@ -56,6 +57,9 @@ export async function start(url, size, fov) {
       camera.setRotation(new pc.Quat().setFromMat4(pose));
     },
     setPlane,
-    draw() {}, // by itself, every animation frame
+    /** In the next animation frame. */
+    draw() {
+      app.renderNextFrame = true;
+    },
   };
 }
