@@ -22,6 +22,7 @@ import { parseSogMeta } from "../src/sog/sog";
 import { readZip } from "../src/sog/zip";
 import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
+import { childrenCpuMs } from "./cpu_time";
 import { median, table } from "./measure";
 
 const { positionals, values } = parseArgs({
@@ -54,47 +55,52 @@ interface Moment {
   plane: Cut | null;
 }
 
+/** What a frame takes, ms: of the clock's time, and of the browser's processors, which other programs change less. */
+interface FrameTime {
+  clock: number;
+  cpu: number;
+}
+
 /** A viewer in its page. */
 interface Contender {
   name: string;
   page: Page;
-  /** What a frame of a movement takes, ms. */
-  time(movement: Moment[]): Promise<number>;
+  time(movement: Moment[]): Promise<FrameTime>;
 }
 
 /** In every page: shows moments, and waits until the GPU has drawn them. */
 declare global {
   interface Window {
     show(moment: unknown): void;
-    timeMovement(movement: unknown[]): Promise<number>;
+    drawFrames(moments: unknown[]): Promise<void>;
   }
 }
 
-/** Takes `window.show` for what draws a moment. */
-function installTimer(): void {
-  const finish = () => {
-    const gl = document.querySelector("canvas")!.getContext("webgl2")!;
-    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  };
-  const frames = async (moments: unknown[]) => {
+/** Draws moments by `window.show`, each in a frame of its own. */
+function installFrames(): void {
+  window.drawFrames = async (moments) => {
     for (const moment of moments) {
       window.show(moment);
       await new Promise(requestAnimationFrame);
     }
-    finish();
+    const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // when all is drawn
   };
-  window.timeMovement = async (movement) => {
-    await frames(movement.slice(0, 2)); // nothing is left to wait for
-    const start = performance.now();
-    await frames(movement);
-    return (performance.now() - start) / movement.length;
-  };
+}
+
+async function timeFrames(page: Page, moments: unknown[]): Promise<FrameTime> {
+  const draw = (some: unknown[]) => page.evaluate((them) => window.drawFrames(them), some);
+  await draw(moments.slice(0, 2)); // nothing is left to wait for
+  const [start, used] = [performance.now(), childrenCpuMs()];
+  await draw(moments);
+  const count = moments.length;
+  return { clock: (performance.now() - start) / count, cpu: (childrenCpuMs() - used) / count };
 }
 
 async function clipgsPage(session: Session): Promise<Page> {
   const page = await session.open(`#size=${kSize}x${kSize}`, [], { width: kSize, height: kSize });
   await page.keyboard.press("h"); // no handle
-  await page.evaluate(installTimer);
+  await page.evaluate(installFrames);
   await page.evaluate(async (elevation) => {
     const { clipgs } = window;
     await clipgs.ready;
@@ -112,7 +118,7 @@ async function clipgsPage(session: Session): Promise<Page> {
 function clipgs(page: Page, clip: "exact" | "hard"): Contender {
   const time = async (movement: Moment[]) => {
     await page.evaluate((operator) => window.clipgs.setClip(operator), clip);
-    return page.evaluate((moments) => window.timeMovement(moments), movement);
+    return timeFrames(page, movement);
   };
   return { name: `clipgs, ${clip}`, page, time };
 }
@@ -129,7 +135,7 @@ async function peer(session: Session, url: string, name: string, info: CaseInfo)
   const page = await session.openPage(url, [], { width: kSize, height: kSize });
   page.on("pageerror", (error) => console.error(`${name}: ${error.message}`));
   await page.waitForFunction(() => "peer" in window);
-  await page.evaluate(installTimer);
+  await page.evaluate(installFrames);
   await page.evaluate(async () => {
     const viewer = await (window as unknown as { peer: Promise<Peer> }).peer;
     window.show = (moment) => {
@@ -144,7 +150,7 @@ async function peer(session: Session, url: string, name: string, info: CaseInfo)
       camera: sceneCamera(info, azimuth),
       plane: plane && scenePlane(info, plane),
     }));
-    return page.evaluate((moments) => window.timeMovement(moments), moments);
+    return timeFrames(page, moments);
   };
   return { name, page, time };
 }
@@ -243,14 +249,14 @@ async function main(): Promise<void> {
     for (const contender of contenders) {
       await waitUntilShown(contender, { azimuth: kAzimuth, plane: null });
     }
-    const times = contenders.map(() => Object.keys(movements).map((): number[] => []));
+    const times = contenders.map(() => Object.keys(movements).map((): FrameTime[] => []));
     for (let round = 0; round < kRounds; ++round) {
       for (const [m, [movement, moments]] of Object.entries(movements).entries()) {
         for (const [c, contender] of contenders.entries()) {
           await contender.page.bringToFront();
-          const ms = await contender.time(moments);
-          times[c]![m]!.push(ms);
-          console.error(`${contender.name}, ${movement}: ${ms.toFixed(0)} ms a frame`);
+          const time = await contender.time(moments);
+          times[c]![m]!.push(time);
+          console.error(`${contender.name}, ${movement}: ${time.clock.toFixed(0)} ms a frame`);
           if (values.shots && round === 0) {
             const name = `${contender.name} ${movement}.png`.replaceAll(/[ ,]+/g, "-");
             await contender.page.screenshot({ path: join(values.shots, name) });
@@ -258,12 +264,15 @@ async function main(): Promise<void> {
         }
       }
     }
-    const medians = times.map((one) => one.map(median));
-    const rows = contenders.map(({ name }, c) => [
-      name,
-      ...medians[c]!.map((ms, m) => `${ms.toFixed(1)} (${(medians[0]![m]! / ms).toFixed(2)})`),
-    ]);
-    console.log(table(["ms a frame (clipgs, exact, to this)", ...Object.keys(movements)], rows));
+    for (const kind of ["clock", "cpu"] as const) {
+      const medians = times.map((one) => one.map((rounds) => median(rounds.map((time) => time[kind]))));
+      const rows = contenders.map(({ name }, c) => [
+        name,
+        ...medians[c]!.map((ms, m) => `${ms.toFixed(0)} (${(medians[0]![m]! / ms).toFixed(2)})`),
+      ]);
+      const what = kind === "clock" ? "ms a frame" : "ms of processor a frame";
+      console.log(table([`${what} (clipgs, exact, to this)`, ...Object.keys(movements)], rows) + "\n");
+    }
   } finally {
     server.close();
     process.exitCode = (await session.stop()) ?? 0;

@@ -52,7 +52,10 @@ function padded<T extends Uint8Array | Uint16Array | Uint32Array>(data: T, lengt
   return result;
 }
 
-/** The textures of a scene: 20 bytes a splat, 2 with face colours, and the palettes, 8 for the colours of one view, 4 for the order. */
+/**
+ * The textures of a scene. A splat has 24 bytes: 20 of its own and its colour as seen now; 2 more with face colours, and
+ * 4 in the order of drawing.
+ */
 export class GpuScene {
   readonly count: number;
   /** Splats that the textures have room for. */
@@ -66,7 +69,7 @@ export class GpuScene {
   readonly hasFaceColors: boolean;
   readonly faceLabels: DataTexture;
   readonly facePalette: DataTexture;
-  readonly scaleCodebook: DataTexture;
+  readonly scaleCodebook: Float32Array;
   readonly sh0Codebook: DataTexture;
   readonly shNCodebook: DataTexture;
   readonly order: DataTexture;
@@ -123,7 +126,7 @@ export class GpuScene {
       HalfFloatType,
       "RGBA16F",
     );
-    this.scaleCodebook = codebook(scene.scaleCodebook);
+    this.scaleCodebook = scene.scaleCodebook;
     this.sh0Codebook = codebook(scene.sh0Codebook);
     this.shNCodebook = codebook(scene.shN?.codebook ?? new Float32Array(1));
     this.order = dataTexture(
@@ -135,7 +138,9 @@ export class GpuScene {
       "R32UI",
     );
     this.colors = new WebGLRenderTarget(kWidth, height, {
-      type: HalfFloatType, // colours pass 1, which 8 bits would cut off
+      format: RedIntegerFormat,
+      type: UnsignedIntType,
+      internalFormat: "R32UI",
       minFilter: NearestFilter,
       magFilter: NearestFilter,
       depthBuffer: false,
@@ -149,7 +154,6 @@ export class GpuScene {
       this.centroids,
       this.faceLabels,
       this.facePalette,
-      this.scaleCodebook,
       this.sh0Codebook,
       this.shNCodebook,
       this.order,

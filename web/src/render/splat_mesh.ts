@@ -75,6 +75,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #sceneToPatient: Matrix4;
   readonly #faceGain: FaceGain;
   readonly #colorPass: FullScreenPass;
+  #colored = false; // as seen from uEye, with these planes
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
   clip: number = kClipOperators.none;
@@ -95,16 +96,12 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uScene: { value: scene.packed },
           uOrder: { value: scene.order },
           uColors: { value: scene.colors.texture },
-          uFaceLabels: { value: scene.faceLabels },
-          uFacePalette: { value: scene.facePalette },
-          uHasFaceColors: { value: scene.hasFaceColors },
           uScaleCodebook: { value: scene.scaleCodebook },
           uCount: { value: 0 },
           uPackedScene: { value: packedScene },
           uCamera: { value: camera },
           uDepthToClip: { value: new Vector2() },
           uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
-          uGains: { value: Array.from({ length: kMaxPlanes }, () => new Vector3(1, 1, 1)) },
           uPlaneCount: { value: 0 },
           uSlabs: { value: 0 },
           uClip: { value: 0 },
@@ -122,16 +119,28 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.#mmPerUnit = mmPerUnit;
     this.#sceneToPatient = sceneToPatient;
     this.#faceGain = faceGain;
-    this.#colorPass = new FullScreenPass("color.frag.glsl", {
-      uScene: { value: scene.packed },
-      uSh0: { value: scene.sh0 },
-      uCentroids: { value: scene.centroids },
-      uSh0Codebook: { value: scene.sh0Codebook },
-      uShNCodebook: { value: scene.shNCodebook },
-      uShCoefficients: { value: scene.shCoefficients },
-      uPackedScene: { value: packedScene },
-      uEye: { value: new Vector3(NaN, NaN, NaN) },
-    });
+    const { uScene, uScaleCodebook, uPackedScene, uPlanes, uPlaneCount } = this.material.uniforms;
+    this.#colorPass = new FullScreenPass(
+      "color.frag.glsl",
+      {
+        uScene: uScene!,
+        uScaleCodebook: uScaleCodebook!,
+        uPackedScene: uPackedScene!,
+        uPlanes: uPlanes!,
+        uPlaneCount: uPlaneCount!,
+        uGains: { value: Array.from({ length: kMaxPlanes }, () => new Vector3(1, 1, 1)) },
+        uSh0: { value: scene.sh0 },
+        uCentroids: { value: scene.centroids },
+        uSh0Codebook: { value: scene.sh0Codebook },
+        uShNCodebook: { value: scene.shNCodebook },
+        uShCoefficients: { value: scene.shCoefficients },
+        uFaceLabels: { value: scene.faceLabels },
+        uFacePalette: { value: scene.facePalette },
+        uHasFaceColors: { value: scene.hasFaceColors },
+        uEye: { value: new Vector3() },
+      },
+      { kMaxPlanes },
+    );
     this.frustumCulled = false;
     this.matrixAutoUpdate = false;
     this.onBeforeRender = (renderer, _scene, viewer) => this.#update(renderer, viewer as PerspectiveCamera);
@@ -141,16 +150,22 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   setClip(planes: readonly Plane[], operator: ClipOperator): void {
     this.clip = planes.length > 0 ? kClipOperators[operator] : kClipOperators.none;
     const toScene = this.#sceneToPatient.clone().transpose();
+    const { uniforms, defines } = this.material;
     // n·(M x) − c = (Mᵀ(n, −c))·(x, 1), scaled so that the normal is a unit vector in scene space.
+    const before = this.planes;
     this.planes = planes.map(({ normal, offset }) => {
       const p = new Vector4(normal.x, normal.y, normal.z, -offset).applyMatrix4(toScene);
       p.divideScalar(Math.hypot(p.x, p.y, p.z));
       return p.setW(-p.w);
     });
-    const { uniforms, defines } = this.material;
+    if (before.length !== planes.length || !before.every((plane, i) => plane.equals(this.planes[i]!))) {
+      this.#colored = false;
+    }
     planes.forEach(({ normal }, i) => {
-      (uniforms["uGains"]!.value as Vector3[])[i]!.copy(gainAt(this.#faceGain, normal));
+      (uniforms["uPlanes"]!.value as Vector4[])[i]!.copy(this.planes[i]!);
+      (this.#colorPass.uniforms["uGains"]!.value as Vector3[])[i]!.copy(gainAt(this.#faceGain, normal));
     });
+    uniforms["uPlaneCount"]!.value = planes.length;
     uniforms["uSlabs"]!.value = planes.reduce(
       (bits, plane, i) => (i > 0 && areOpposite(planes[i - 1]!, plane) ? bits | (1 << i) : bits),
       0,
@@ -193,10 +208,11 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     return before;
   }
 
-  /** Colours the splats as seen from `eye` (scene space), unless they are already. */
+  /** Colours the splats as seen from `eye` (scene space), as they are cut now, unless they are already. */
   updateColors(renderer: WebGLRenderer, eye: Vector3): void {
     const current = this.#colorPass.uniforms["uEye"]!.value as Vector3;
-    if (!current.equals(eye)) {
+    if (!this.#colored || !current.equals(eye)) {
+      this.#colored = true;
       current.copy(eye);
       this.#colorPass.render(renderer, this.#scene.colors);
     }
@@ -204,7 +220,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
 
   /** Colours again at the next chance: the GPU has lost what it held. */
   invalidateColors(): void {
-    (this.#colorPass.uniforms["uEye"]!.value as Vector3).set(NaN, NaN, NaN);
+    this.#colored = false;
   }
 
   /** Frees what the GPU holds. */
@@ -228,8 +244,6 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     );
     const p = camera.projectionMatrix.elements;
     (uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, p[14]! / scale);
-    this.planes.forEach((plane, i) => (uniforms["uPlanes"]!.value as Vector4[])[i]!.copy(plane));
-    uniforms["uPlaneCount"]!.value = this.planes.length;
     uniforms["uClip"]!.value = this.clip;
     this.material.uniformsNeedUpdate = true;
   }

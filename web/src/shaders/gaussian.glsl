@@ -51,7 +51,6 @@ struct Splat {
   vec2 sigma;     // px
   float reach;    // beyond this many sigma α < kAlphaMin
   float opacity;
-  float face[kPlanes];  // whether it lies at a plane's face: 0 to 1
   float z[kPlanes];
   vec2 slope[kPlanes];
 };
@@ -104,6 +103,13 @@ float keptShare(float z[kPlanes], int slabs) {
   return jointShare(shares, slabs);
 }
 
+// Whether a Gaussian lies at the face of a plane that is seen from `eye`: 0 to 1.
+float faceShare(Gaussian g, vec4 plane, vec3 eye) {
+  float distance = dot(plane.xyz, g.mean) - plane.w;
+  return (1.0 - smoothstep(kFaceWhole, kFaceNone, distance / length(plane.xyz * g.axes))) *
+         smoothstep(0.0, kFacing, dot(plane.xyz, normalize(g.mean - eye)));
+}
+
 // Planes keep dot(plane.xyz, x) − plane.w >= 0; what all of them keep is kept.
 Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int slabs, int clip) {
   Splat s;
@@ -113,22 +119,20 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int sl
   bool removed = false;
   float d[kPlanes];
   float variance[kPlanes];                      // s_n² = nᵀΣn
+  float deviation[kPlanes];
   vec3 local[kPlanes];                          // Mᵀn
   float shares[kPlanes];
   for (int i = 0; i < kPlanes; ++i) {
     shares[i] = 1.0;
-    s.face[i] = 0.0;
     if (clip == kClipNone || i >= count) {
       continue;
     }
     d[i] = dot(planes[i].xyz, g.mean) - planes[i].w;
     local[i] = planes[i].xyz * g.axes;
     variance[i] = dot(local[i], local[i]);
-    float deviation = sqrt(variance[i]);
-    shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation), 0.0, 1.0) : 1.0;
-    s.face[i] = (1.0 - smoothstep(kFaceWhole, kFaceNone, d[i] / deviation)) *
-                smoothstep(0.0, kFacing, dot(planes[i].xyz, normalize(g.mean - camera.position)));
-    removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation);
+    deviation[i] = sqrt(variance[i]);
+    shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation[i]), 0.0, 1.0) : 1.0;
+    removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation[i]);
   }
   s.opacity = g.opacity * jointShare(shares, slabs);
   if (removed || t.z <= camera.near || s.opacity < kAlphaMin) {
@@ -151,7 +155,7 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int sl
   for (int i = 0; i < kPlanes; ++i) {
     s.z[i] = kUncut;
     s.slope[i] = vec2(0.0);
-    if (clip == kClipExact && i < count && d[i] < kClipSigma * sqrt(variance[i])) {
+    if (clip == kClipExact && i < count && d[i] < kClipSigma * deviation[i]) {
       vec2 c = vec2(dot(bx, local[i]), dot(by, local[i]));            // A Σ n
       vec2 k = vec2(yy * c.x - xy * c.y, xx * c.y - xy * c.x) / det;  // Σ₂⁻¹ c
       float invS = inversesqrt(max(variance[i] - dot(c, k), kMinConditionalVariance * variance[i]));

@@ -9,17 +9,35 @@ struct PackedScene {
   vec3 meanSize;
 };
 
-Gaussian unpackGaussian(uvec4 p, PackedScene scene, highp sampler2D scaleCodebook) {
+uniform vec4 uScaleCodebook[64];  // 256 standard deviations; not a texture, of which every corner of a quad would be read
+
+float codebookScale(uint index) {
+  return uScaleCodebook[index >> 2][index & 3u];
+}
+
+Gaussian unpackGaussian(uvec4 p, PackedScene scene) {
   Gaussian g;
   vec3 mean = vec3(p.x & 0xffffu, p.x >> 16, p.y & 0xffffu) / 65535.0;
   g.mean = sogMean(scene.meanMin + scene.meanSize * mean);
   vec3 bytes = vec3(p.z & 255u, (p.z >> 8) & 255u, (p.z >> 16) & 255u);
   mat3 r = rotationMatrix(sogQuaternion(bytes, int(p.z >> 24)));
-  g.axes = mat3(r[0] * texelFetch(scaleCodebook, ivec2(p.w & 255u, 0), 0).r,
-                r[1] * texelFetch(scaleCodebook, ivec2((p.w >> 8) & 255u, 0), 0).r,
-                r[2] * texelFetch(scaleCodebook, ivec2((p.w >> 16) & 255u, 0), 0).r);
+  g.axes = mat3(r[0] * codebookScale(p.w & 255u),
+                r[1] * codebookScale((p.w >> 8) & 255u),
+                r[2] * codebookScale((p.w >> 16) & 255u));
   g.opacity = float(p.w >> 24) / 255.0;
   return g;
 }
 
 uint shLabel(uvec4 p) { return p.y >> 16; }
+
+// The colour of a splat as seen now, from 0 to 4 in 4 bytes: 11, 11 and 10 bits.
+const float kMaxColor = 4.0;
+
+uint packColor(vec3 color) {
+  uvec3 c = uvec3(clamp(color / kMaxColor, 0.0, 1.0) * vec3(2047.0, 2047.0, 1023.0) + 0.5);
+  return c.r | c.g << 11 | c.b << 22;
+}
+
+vec3 unpackColor(uint c) {
+  return kMaxColor * vec3(c & 2047u, (c >> 11) & 2047u, c >> 22) / vec3(2047.0, 2047.0, 1023.0);
+}
