@@ -7,6 +7,7 @@ import { Announcer } from "./ui/announcer";
 import { h, icon, kIcons } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FacePanel } from "./ui/face_panel";
+import { LayerButtons } from "./ui/layer_buttons";
 import { FullScreen } from "./ui/full_screen";
 import { helpDialog } from "./ui/help";
 import { OrientationCube } from "./ui/orientation_cube";
@@ -58,6 +59,7 @@ export class App {
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
+  readonly #layers: LayerButtons;
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
@@ -92,7 +94,9 @@ export class App {
     this.headset.changed = () => this.#update();
     this.#overlay = new FaceOverlay(this.viewer, this.marking);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
-    this.#panel = new PlanePanel(this.viewer, this.actions, this.#facePanel.element);
+    this.#layers = new LayerButtons(this.viewer);
+    const aboutFaces = [this.#facePanel.element, this.#layers.element];
+    this.#panel = new PlanePanel(this.viewer, this.actions, aboutFaces);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     this.#announcer = new Announcer(this.viewer, this.actions);
     this.#theme = new ViewerTheme(() => this.#showTheme(), signal);
@@ -374,6 +378,7 @@ export class App {
     }
     this.#panel.update();
     this.#facePanel.update();
+    this.#layers.update();
     this.#cube.update(this.viewer.state.view);
     this.#announcer.update();
     this.host.changed();
@@ -441,6 +446,7 @@ export class App {
       l: () => this.#overlay.mark("length"),
       escape: () => this.marking.toggle(null),
       h: () => this.viewer.setHandle(!this.viewer.state.handle),
+      o: () => this.viewer.setLayers({ body: !this.viewer.state.layers.body }),
       r: () => this.actions.reset(),
       m: () => this.host.choose?.(),
       d: () => void this.#savePicture(),

@@ -20,6 +20,7 @@ const kHelp: [string, string][] = [
   ["I", "pin the value under the pointer; a click on it removes it"],
   ["L", "measure from the point under the pointer to the next one"],
   ["H", "show or hide the handle"],
+  ["O", "show or hide the body: cut faces alone"],
   ["1  2  3", "hard, soft, exact cut"],
   ["R", "reset"],
   ["Ctrl + Z, Ctrl + Shift + Z", "undo and redo what was done to the cut"],

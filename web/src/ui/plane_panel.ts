@@ -45,8 +45,8 @@ export class PlanePanel {
   readonly #redo: HTMLButtonElement;
   #shown = "";
 
-  /** `face` is the part about cut faces. */
-  constructor(viewer: Viewer, actions: Actions, face: HTMLElement) {
+  /** `faces` are the parts about cut faces. */
+  constructor(viewer: Viewer, actions: Actions, faces: readonly HTMLElement[]) {
     this.#viewer = viewer;
     this.#actions = actions;
     for (const mode of kModes) {
@@ -140,7 +140,7 @@ export class PlanePanel {
     this.element = h(
       "section",
       { class: "panel", part: "panel", "aria-label": "Cutting plane" },
-      h("header", {}, h("h2", {}, "Cutting plane"), this.#undo, this.#redo, this.#add, this.#power),
+      h("header", {}, h("h2", {}, "Cut"), this.#undo, this.#redo, this.#add, this.#power),
       h("div", { class: "segments", role: "group", "aria-label": "Mode" }, ...this.#modes.values()),
       this.#several,
       this.#orientationGroup,
@@ -161,7 +161,7 @@ export class PlanePanel {
         this.#handle,
       ),
       this.#thicknessRow,
-      face,
+      ...faces,
       h("h3", {}, "Cut of the splats"),
       h(
         "div",

@@ -3,7 +3,6 @@ import { PerspectiveCamera, Vector3 } from "three";
 import type { Actions } from "../actions";
 import type { OpenCase } from "../render/open_case";
 import { type Picture, pictureOf } from "../render/splat_layer";
-import { kAllLayers } from "../model/layers";
 import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
@@ -194,7 +193,6 @@ export class Headset {
     }
     this.stage.setCase(null);
     this.#shown = null;
-    this.#viewer.setLayers(kAllLayers); // the page has no switches for them
     this.#viewer.yieldTo(null);
     this.changed();
   }

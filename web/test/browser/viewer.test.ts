@@ -61,6 +61,29 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await state()).toBe("volume");
   });
 
+  it("leaves out the body, the faces and marks, as its buttons say", async () => {
+    await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
+    const layer = (name: string) => page.getByRole("group", { name: "Layers" }).getByRole("button", { name });
+    const whole = await pagePicture(page, 160, 160);
+    await layer("Body").click();
+    const face = await pagePicture(page, 160, 160);
+    expect(coverage(face)).toBeGreaterThan(0.1);
+    expect(coverage(face)).toBeLessThan(0.9 * coverage(whole));
+    expect(await layer("Body").getAttribute("aria-pressed")).toBe("false");
+    await page.keyboard.press("o");
+    expect(psnr(await pagePicture(page, 160, 160), whole).color).toBe(Infinity);
+    await layer("Cut faces").click();
+    expect(psnr(await pagePicture(page, 160, 160), whole).color).toBeLessThan(45);
+    await layer("Cut faces").click();
+    await layer("Marks").click();
+    expect(await page.evaluate(() => window.clipgs.state.layers)).toEqual({
+      body: true,
+      faces: true,
+      marks: false,
+    });
+    await layer("Marks").click();
+  });
+
   it("shows faces in grey, with windows by buttons, numbers and keys", async () => {
     const state = () => page.evaluate(() => window.clipgs.state);
     await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
