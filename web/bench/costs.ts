@@ -1,5 +1,6 @@
 // What the viewer costs a browser besides frames; run by bench/web.sh, which says how.
 
+import { execFileSync } from "node:child_process";
 import { copyFileSync, readdirSync, readFileSync } from "node:fs";
 import { basename, join, resolve } from "node:path";
 import { parseArgs } from "node:util";
@@ -12,11 +13,17 @@ import type { PackedScene } from "../src/sog/sog";
 import { kClipOperators, kViewFloats } from "../src/worker/protocol";
 import { SplatOrder } from "../src/worker/splat_order";
 import { Session } from "../test/browser/session";
+import { parseCaseInfo } from "../src/model/case_info";
+import { parseSogMeta } from "../src/sog/sog";
+import { readZip } from "../src/sog/zip";
+import { kProgram } from "../test/browser/program";
 import { median, table } from "./measure";
+import { fragmentsPerPixel } from "./overdraw";
 
 const kRounds = 5;
 const kSorted = 300_000;
 const kLongTaskMs = 8;
+const kEyePx = 1680; // of a Quest 3
 const [file = "", other = file] = parseArgs({ allowPositionals: true }).positionals;
 const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "../build/release/web");
 
@@ -187,6 +194,14 @@ async function planeTasks(session: Session): Promise<string[]> {
   ];
 }
 
+async function overdraw(session: Session): Promise<string[]> {
+  const splats = join(session.folder, "splats.ply");
+  execFileSync(kProgram, ["--quiet", "export", file, "-o", splats]);
+  const { sphere, mmPerUnit } = parseCaseInfo(parseSogMeta(await readZip(readFileSync(file))).clipgs);
+  const fragments = fragmentsPerPixel(splats, sphere.radius / mmPerUnit, kEyePx);
+  return [`fragments a pixel of a picture of ${kEyePx}² px that it fills, uncut`, fragments.toFixed(1), ""];
+}
+
 const rows = [...bundles(), ...(await sorting())];
 const session = new Session();
 await session.start((cases) => {
@@ -195,6 +210,7 @@ await session.start((cases) => {
 });
 try {
   rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
+  rows.push(await overdraw(session));
 } finally {
   process.exitCode = (await session.stop()) ?? 0;
 }

@@ -33,18 +33,21 @@ async function compile(): Promise<WebAssembly.Module> {
 async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<SogImages> {
   const decoder = new ImageDecoder();
   const decode = (name: string) => decoder.decode(archive.get(name)!, name);
-  const palette = async (meta: { files: string[] } | null) =>
-    meta && { centroids: await decode(meta.files[0]!), labels: await decode(meta.files[1]!) };
+  const palette = async (meta: { files: string[] } | null) => {
+    const [centroids, labels] = await Promise.all(meta ? meta.files.map(decode) : []);
+    return centroids && labels ? { centroids, labels } : null;
+  };
   try {
-    return {
-      meansLow: await decode(meta.means.files[0]!),
-      meansHigh: await decode(meta.means.files[1]!),
-      scales: await decode(meta.scales.files[0]!),
-      quats: await decode(meta.quats.files[0]!),
-      sh0: await decode(meta.sh0.files[0]!),
-      shN: await palette(meta.shN),
-      faces: await palette(meta.faces),
-    };
+    const [meansLow, meansHigh, scales, quats, sh0, shN, faces] = await Promise.all([
+      decode(meta.means.files[0]!),
+      decode(meta.means.files[1]!),
+      decode(meta.scales.files[0]!),
+      decode(meta.quats.files[0]!),
+      decode(meta.sh0.files[0]!),
+      palette(meta.shN),
+      palette(meta.faces),
+    ]);
+    return { meansLow, meansHigh, scales, quats, sh0, shN, faces };
   } finally {
     decoder.dispose();
   }
@@ -73,10 +76,12 @@ async function load(ticket: number, url: string): Promise<void> {
     ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
-    const scene = packScene(meta, await decodeImages(meta, archive));
     const start = performance.now();
-    const section = await decodeSection(meta, archive);
-    const sectionMs = performance.now() - start;
+    let sectionMs = 0;
+    const [scene, section] = await Promise.all([
+      decodeImages(meta, archive).then((images) => packScene(meta, images)),
+      decodeSection(meta, archive).finally(() => (sectionMs = performance.now() - start)),
+    ]);
     if (ticket !== newestLoad) {
       throw new CaseError("another case was chosen meanwhile");
     }
