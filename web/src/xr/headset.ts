@@ -158,7 +158,8 @@ export class Headset {
       prepareRenderer(this.#viewer.renderer);
       const { stage } = this;
       this.panel = new Panel(this.#viewer, this.#actions, this.#marking, {
-        ...this.#host,
+        cases: () => this.#host.cases(),
+        open: (name) => this.#host.open(name),
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),

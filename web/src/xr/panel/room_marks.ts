@@ -122,7 +122,9 @@ export class RoomMarks {
       mesh.renderOrder = kOverCase;
       mesh.raycast = () => {};
     }
-    this.#placed.add(...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object));
+    for (const object of [...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object)]) {
+      this.#placed.add(object);
+    }
   }
 
   #clear(): void {
