@@ -1,6 +1,5 @@
 // What the viewer costs a browser besides frames; run by bench/web.sh, which says how.
 
-import { execFileSync } from "node:child_process";
 import { copyFileSync, readdirSync, readFileSync } from "node:fs";
 import { basename, join, resolve } from "node:path";
 import { parseArgs } from "node:util";
@@ -13,10 +12,7 @@ import type { PackedScene } from "../src/sog/sog";
 import { kClipOperators, kViewFloats } from "../src/worker/protocol";
 import { SplatOrder } from "../src/worker/splat_order";
 import { Session } from "../test/browser/session";
-import { parseCaseInfo } from "../src/model/case_info";
-import { parseSogMeta } from "../src/sog/sog";
-import { readZip } from "../src/sog/zip";
-import { kProgram } from "../test/browser/program";
+import { exportSplats, readCaseInfo } from "./case_file";
 import { median, table } from "./measure";
 import { fragmentsPerPixel } from "./overdraw";
 
@@ -196,8 +192,8 @@ async function planeTasks(session: Session): Promise<string[]> {
 
 async function overdraw(session: Session): Promise<string[]> {
   const splats = join(session.folder, "splats.ply");
-  execFileSync(kProgram, ["--quiet", "export", file, "-o", splats]);
-  const { sphere, mmPerUnit } = parseCaseInfo(parseSogMeta(await readZip(readFileSync(file))).clipgs);
+  exportSplats(file, splats);
+  const { sphere, mmPerUnit } = await readCaseInfo(file);
   const fragments = fragmentsPerPixel(splats, sphere.radius / mmPerUnit, kEyePx);
   return [`fragments a pixel of a picture of ${kEyePx}² px that it fills, uncut`, fragments.toFixed(1), ""];
 }

@@ -12,14 +12,10 @@ import { parseArgs } from "node:util";
 
 import type { FaceSource } from "../src/model/faces";
 import { Session } from "../test/browser/session";
+import { median } from "./measure";
 
 const kSize = 1024;
 const kRounds = 9;
-
-function median(values: number[]): number {
-  const sorted = [...values].sort((a, b) => a - b);
-  return sorted[sorted.length >> 1]!;
-}
 
 const { positionals } = parseArgs({ allowPositionals: true });
 const [file, link = ""] = positionals;

@@ -5,8 +5,7 @@
 // each by what its documentation offers, remove those whose centre is beyond it; GaussianSplats3D has no planes and
 // draws all of them in an order that need not change. No faces are drawn from a volume.
 
-import { execFileSync } from "node:child_process";
-import { copyFileSync, createReadStream, existsSync, readFileSync } from "node:fs";
+import { copyFileSync, createReadStream, existsSync } from "node:fs";
 import { createServer, type Server } from "node:http";
 import type { AddressInfo } from "node:net";
 import { extname, join, resolve } from "node:path";
@@ -14,14 +13,12 @@ import { parseArgs } from "node:util";
 import type { Page } from "playwright-core";
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 
-import { type CaseInfo, parseCaseInfo } from "../src/model/case_info";
+import type { CaseInfo } from "../src/model/case_info";
 import { kWorldFromPatient, projectBox, type Triple } from "../src/model/geometry";
 import { applyView, kFieldOfView, viewFrom } from "../src/model/view";
 import { makeSceneCamera, setSceneCamera } from "../src/render/scene_camera";
-import { parseSogMeta } from "../src/sog/sog";
-import { readZip } from "../src/sog/zip";
-import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
+import { exportSplats, readCaseInfo } from "./case_file";
 import { childrenCpuMs } from "./cpu_time";
 import { median, table } from "./measure";
 
@@ -211,7 +208,7 @@ async function openAll(session: Session, info: CaseInfo, server: Server): Promis
   const page = await clipgsPage(session);
   const contenders = [clipgs(page, "exact"), clipgs(page, "hard")];
   const splats = join(session.folder, "splats.ply");
-  execFileSync(kProgram, ["--quiet", "export", file, "-o", splats]);
+  exportSplats(file, splats);
   const { port } = server.address() as AddressInfo;
   for (const [key, name] of Object.entries(kPeers)) {
     const wanted = new URLSearchParams({
@@ -239,7 +236,7 @@ async function waitUntilShown({ name, page, time }: Contender, moment: Moment): 
 }
 
 async function main(): Promise<void> {
-  const info = parseCaseInfo(parseSogMeta(await readZip(readFileSync(file))).clipgs);
+  const info = await readCaseInfo(file);
   const movements = makeMovements(info);
   const session = new Session();
   await session.start((cases) => copyFileSync(file, join(cases, "case.sog")));

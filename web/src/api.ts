@@ -1,4 +1,7 @@
+import type { Layers } from "./model/layers";
 import type { Effort } from "./xr/governor";
+
+export type { Layers };
 
 // What scripts see of the viewer, and nothing that belongs to its libraries: packages hold these types as they are.
 
@@ -25,13 +28,6 @@ export interface ApiStates {
   first: number;
   spacing: number;
   keeps: "below" | "above";
-}
-
-/** What of a case is shown. */
-export interface Layers {
-  body: boolean; // the splats
-  faces: boolean; // drawn from the volume
-  marks: boolean; // pins and lengths
 }
 
 /** 8-bit RGBA, display sRGB, straight alpha, row by row from the top left. */

@@ -1,5 +1,6 @@
 import { Actions } from "./actions";
-import { type CaseSummary, formatBytes, formatCount } from "./model/case_list";
+import type { Surroundings } from "./api";
+import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
 import type { Link } from "./model/link";
 import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
@@ -7,16 +8,16 @@ import { Announcer } from "./ui/announcer";
 import { h, icon, kIcons } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FacePanel } from "./ui/face_panel";
-import { LayerButtons } from "./ui/layer_buttons";
 import { FullScreen } from "./ui/full_screen";
 import { helpDialog } from "./ui/help";
+import { LayerButtons } from "./ui/layer_buttons";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PlanePanel } from "./ui/plane_panel";
 import { PointerControls } from "./ui/pointer";
 import { savePicture } from "./ui/save_picture";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { Viewer } from "./viewer";
-import { Headset, offeredSurroundings, type Surroundings } from "./xr/headset";
+import { Headset, offeredSurroundings } from "./xr/headset";
 
 const kStatsIntervalMs = 250;
 
@@ -185,8 +186,7 @@ export class App {
       this.actions.forget();
     } catch (error) {
       if (opening === this.#opening) {
-        const text = error instanceof Error ? error.message : String(error);
-        this.fail(text.startsWith(name) ? text : `${name}: ${text}`, again);
+        this.fail(failureText(name, error), again);
       }
       throw error;
     } finally {

@@ -9,7 +9,7 @@ import {
   WebGLRenderer,
 } from "three";
 
-import type { ViewerStats } from "./api";
+import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
@@ -26,7 +26,7 @@ import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
 import { kMostRays, OpenCase, type Style } from "./render/open_case";
 import { PlaneWidget } from "./render/plane_widget";
-import { type Picture, SplatLayer, type Subject } from "./render/splat_layer";
+import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import { CaseClient } from "./worker/case_client";

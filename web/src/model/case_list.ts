@@ -36,6 +36,12 @@ export async function fetchCases(): Promise<CaseSummary[]> {
   }));
 }
 
+/** Why the case of this name could not be opened, in a line that names it. */
+export function failureText(name: string, error: unknown): string {
+  const text = error instanceof Error ? error.message : String(error);
+  return text.startsWith(name) ? text : `${name}: ${text}`;
+}
+
 /** 4.2 MB. */
 export function formatBytes(bytes: number): string {
   return bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`;

@@ -16,17 +16,11 @@ import {
   WebGLRenderTarget,
 } from "three";
 
+import type { Picture } from "../api";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
 import type { SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
 import type { SplatMesh } from "./splat_mesh";
-
-/** 8-bit RGBA, display sRGB, straight alpha, row by row from the top left. */
-export interface Picture {
-  width: number;
-  height: number;
-  data: Uint8ClampedArray;
-}
 
 /** The picture of what WebGL reads: rows from the bottom. */
 export function pictureOf(rows: Uint8Array, width: number, height: number): Picture {

@@ -1,8 +1,9 @@
 import { PerspectiveCamera, Vector3 } from "three";
 
 import type { Actions } from "../actions";
+import type { EyePicture, Surroundings } from "../api";
 import type { OpenCase } from "../render/open_case";
-import { type Picture, pictureOf } from "../render/splat_layer";
+import { pictureOf } from "../render/splat_layer";
 import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
@@ -11,9 +12,6 @@ import { Governor } from "./governor";
 import { Hand } from "./hand";
 import type { Panel, PanelHost } from "./panel/panel";
 import { Stage } from "./stage";
-
-/** A dark room, or the room where one is. */
-export type Surroundings = "immersive-vr" | "immersive-ar";
 
 /** What this browser's headset offers; none without one. */
 export async function offeredSurroundings(): Promise<Surroundings[]> {
@@ -33,20 +31,6 @@ const kRays = 1;
 const kStickSpeed = 40;
 /** Frames a second where the headset does not say: the least that one shows. */
 const kFrameRate = 72;
-
-/** What an eye saw, and from where: as a frame of a dataset's transforms.json says it, RAS mm. */
-export interface EyePicture {
-  picture: Picture;
-  camera: {
-    w: number;
-    h: number;
-    fl_x: number;
-    fl_y: number;
-    cx: number;
-    cy: number;
-    transform_matrix: number[][];
-  };
-}
 
 /** A case in a headset: while it is worn, it draws in place of the page. */
 export class Headset {

@@ -5,11 +5,11 @@ import { Matrix4, Quaternion, Vector3 } from "three";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
 import type { Triple } from "../../src/model/geometry";
-import type { EyePicture } from "../../src/xr/headset";
+import type { EyePicture } from "../../src/api";
 import { coverage, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
-import { Session } from "./session";
+import { loseGpu, Session } from "./session";
 import { type Side, Wearer } from "./wearer";
 
 const kMinPsnr = 33;
@@ -533,24 +533,14 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await page.waitForFunction(() => !window.clipgs.headset.worn);
       const before = { width: 128, height: 128, data: Uint8Array.from(await flat()) };
       await wearer.wear();
-      await page.evaluate(async () => {
-        const canvas = document.querySelector("canvas")!;
-        const gl = canvas.getContext("webgl2")!;
-        const lost = gl.getExtension("WEBGL_lose_context")!;
+      await page.evaluate(() => {
+        const gl = document.querySelector("canvas")!.getContext("webgl2")!;
         // The emulator goes on reading this until the page hears of the loss.
         const read = gl.getParameter.bind(gl);
         gl.getParameter = (name: number) =>
           name === gl.COLOR_CLEAR_VALUE ? (read(name) ?? [0]) : read(name);
-        const happened = (event: string) =>
-          new Promise<Event>((resolve) => canvas.addEventListener(event, resolve, { once: true }));
-        const gone = happened("webglcontextlost");
-        lost.loseContext();
-        await gone;
-        await new Promise((resolve) => setTimeout(resolve)); // until the event is over
-        const back = happened("webglcontextrestored");
-        lost.restoreContext();
-        await back;
       });
+      await loseGpu(page);
       await page.waitForFunction(() => !window.clipgs.headset.worn);
       const after = { ...before, data: Uint8Array.from(await flat()) };
       expect(coverage(after)).toBeGreaterThan(0.1);

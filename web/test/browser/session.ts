@@ -27,6 +27,23 @@ export function launchBrowser(): Promise<Browser> {
   });
 }
 
+/** Takes the page's GPU away and gives it back. */
+export async function loseGpu(page: Page): Promise<void> {
+  await page.evaluate(async () => {
+    const canvas = document.querySelector("canvas")!;
+    const lost = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
+    const happened = (event: string) =>
+      new Promise<Event>((resolve) => canvas.addEventListener(event, resolve, { once: true }));
+    const gone = happened("webglcontextlost");
+    lost.loseContext();
+    await gone;
+    await new Promise((resolve) => setTimeout(resolve)); // until the event is over
+    const back = happened("webglcontextrestored");
+    lost.restoreContext();
+    await back;
+  });
+}
+
 /** A served folder of cases and a browser that looks at it. */
 export class Session {
   readonly folder = mkdtempSync(join(tmpdir(), "clipgs-browser-"));

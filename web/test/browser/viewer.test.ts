@@ -7,7 +7,7 @@ import type { Triple } from "../../src/model/geometry";
 import { coverage, pagePicture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
-import { Session } from "./session";
+import { loseGpu, Session } from "./session";
 import { choose, renderedAndPrinted, type Shot, show } from "./shot";
 
 const kMinPsnr = 35;
@@ -576,19 +576,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   it("draws the same after the GPU was lost", async () => {
     await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     const before = await pagePicture(page, 128, 128);
-    await page.evaluate(async () => {
-      const canvas = document.querySelector("canvas")!;
-      const lost = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
-      const happened = (event: string) =>
-        new Promise<Event>((resolve) => canvas.addEventListener(event, resolve, { once: true }));
-      const gone = happened("webglcontextlost");
-      lost.loseContext();
-      await gone;
-      await new Promise((resolve) => setTimeout(resolve)); // until the event is over
-      const back = happened("webglcontextrestored");
-      lost.restoreContext();
-      await back;
-    });
+    await loseGpu(page);
     expect(psnr(await pagePicture(page, 128, 128), before).color).toBeGreaterThan(60);
   });
 

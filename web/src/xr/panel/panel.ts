@@ -4,7 +4,7 @@ import { computed, signal } from "@preact/signals-core";
 import { Group, type Object3D, type Texture, TextureLoader, Vector3, type WebGLRenderer } from "three";
 
 import { type Actions, kLeastThickness } from "../../actions";
-import { type CaseSummary, formatCount } from "../../model/case_list";
+import { type CaseSummary, failureText, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
 import type { Layers } from "../../model/layers";
@@ -590,8 +590,7 @@ export class Panel {
     try {
       await this.#host.open(name);
     } catch (error) {
-      const why = (error as Error).message;
-      const message = why.startsWith(name) ? why : `${name}: ${why}`;
+      const message = failureText(name, error);
       this.#root.setProperties({ fontFamilies: this.#font.families(message) });
       this.#message.value = message;
     }
