@@ -621,9 +621,9 @@ export class Viewer {
     this.#splatsStale = false;
     this.#canvasStale = true;
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
+    this.#coarse = moving;
     const subject = this.#subject(current, moving ? 1 : kMostRays, this.#height);
-    this.#coarse = moving && (this.stats.scale < 1 || subject.faces !== null);
-    this.#layer.draw(subject, this.#camera, this.stats.scale);
+    this.#layer.draw(subject, this.#camera, this.stats.scale, moving);
   }
 
   /** What is drawn of a case, as the state says, with `rays` a pixel of a face, in a picture of `height` px. */

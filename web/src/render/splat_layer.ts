@@ -38,15 +38,17 @@ export interface Subject {
 }
 
 /**
- * The picture of splats and faces: drawn into a texture of half floats, where hundreds of faint layers add up
- * exactly, and shown as an object that covers the canvas. It is drawn again only when something changes.
+ * The picture of splats and faces: drawn into a texture, and shown as an object that covers the canvas. It is drawn
+ * again only when something changes. In half floats faint layers add up exactly; while something moves, bytes do, as in
+ * a headset, and take half as long to blend.
  */
 export class SplatLayer {
   /** Put this into the scene of the canvas. */
   readonly object: Mesh;
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
-  readonly #target: WebGLRenderTarget; // splats and opaque faces
+  readonly #still: WebGLRenderTarget; // splats and opaque faces
+  readonly #moving: WebGLRenderTarget; // the same
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
   readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
 
@@ -55,10 +57,11 @@ export class SplatLayer {
     // Without the extension 8 bits must do.
     const type = renderer.extensions.has("EXT_color_buffer_float") ? HalfFloatType : UnsignedByteType;
     const filter = { minFilter: LinearFilter, magFilter: LinearFilter } as const;
-    this.#target = new WebGLRenderTarget(1, 1, { type, ...filter });
+    this.#still = new WebGLRenderTarget(1, 1, { type, ...filter });
+    this.#moving = new WebGLRenderTarget(1, 1, filter);
     this.#faces = new WebGLRenderTarget(1, 1, { type, ...filter, depthBuffer: false });
     this.#uniforms = {
-      uPicture: { value: this.#target.texture },
+      uPicture: { value: null },
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
     };
@@ -81,18 +84,18 @@ export class SplatLayer {
     this.object.frustumCulled = false;
   }
 
-  /** Draws at `scale` times the canvas's resolution. */
-  draw(subject: Subject, camera: PerspectiveCamera, scale: number): void {
+  /** Draws at `scale` times the canvas's resolution; `moving`: for speed. */
+  draw(subject: Subject, camera: PerspectiveCamera, scale: number, moving: boolean): void {
     const canvas = this.#renderer.getDrawingBufferSize(new Vector2());
     const width = Math.max(1, Math.round(canvas.x * scale));
     const height = Math.max(1, Math.round(canvas.y * scale));
-    this.#draw(subject, camera, width, height);
+    this.#draw(subject, camera, moving ? this.#moving : this.#still, width, height);
     (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / canvas.x, 1 / canvas.y);
   }
 
   /** The picture of exactly width × height px, as `clipgs render` writes it. */
   async read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
-    this.#draw(subject, camera, width, height);
+    this.#draw(subject, camera, this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(
       "composite.frag.glsl",
@@ -108,17 +111,25 @@ export class SplatLayer {
   }
 
   dispose(): void {
-    this.#target.dispose();
+    this.#still.dispose();
+    this.#moving.dispose();
     this.#faces.dispose();
     this.object.geometry.dispose();
     (this.object.material as RawShaderMaterial).dispose();
   }
 
-  #draw({ mesh, faces }: Subject, camera: PerspectiveCamera, width: number, height: number): void {
+  #draw(
+    { mesh, faces }: Subject,
+    camera: PerspectiveCamera,
+    target: WebGLRenderTarget,
+    width: number,
+    height: number,
+  ): void {
     const renderer = this.#renderer;
     mesh.updateColors(renderer, mesh.sceneCamera(camera, width, height).position);
-    this.#target.setSize(width, height);
-    this.#render(this.#target, camera, faces ? [mesh, faces.opaque] : [mesh]);
+    target.setSize(width, height);
+    this.#uniforms.uPicture.value = target.texture;
+    this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
   }

@@ -1,5 +1,5 @@
 // The colour of every Gaussian as seen from one point, one texel each: 0.5 + Σ Yₖ·cₖ, and what planes change at their
-// faces. Runs when camera or planes move, not for every corner of every quad.
+// faces. Runs when camera or planes move, not for every corner of every splat.
 precision highp float;
 precision highp int;
 precision highp usampler2D;

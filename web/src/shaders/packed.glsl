@@ -9,7 +9,7 @@ struct PackedScene {
   vec3 meanSize;
 };
 
-uniform vec4 uScaleCodebook[64];  // 256 standard deviations; not a texture, of which every corner of a quad would be read
+uniform vec4 uScaleCodebook[64];  // 256 standard deviations; not a texture, which would be read for every corner
 
 float codebookScale(uint index) {
   return uScaleCodebook[index >> 2][index & 3u];

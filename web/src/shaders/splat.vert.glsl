@@ -1,4 +1,4 @@
-// One quad a Gaussian, kQuadsPerInstance of them an instance, far to near.
+// One triangle a Gaussian, kSplatsPerInstance of them an instance, far to near.
 precision highp float;
 precision highp int;
 precision highp usampler2D;
@@ -6,7 +6,7 @@ precision highp usampler2D;
 #include "gaussian.glsl"
 #include "packed.glsl"
 
-in vec3 position;  // corner (±1, ±1) and the number of the quad within its instance
+in vec3 position;  // a corner of the triangle around the unit circle, and the number of the splat within its instance
 
 uniform usampler2D uScene;
 uniform usampler2D uOrder;
@@ -32,7 +32,7 @@ void main() {
     vPlane[i] = kUncut;
   }
   vColor = vec4(0.0);
-  uint index = uint(gl_InstanceID) * uint(kQuadsPerInstance) + uint(position.z);
+  uint index = uint(gl_InstanceID) * uint(kSplatsPerInstance) + uint(position.z);
   if (index >= uCount) {
     return;
   }

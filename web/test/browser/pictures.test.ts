@@ -101,7 +101,7 @@ describe.skipIf(missing !== undefined)(`pictures${missing ? ` (${missing} is mis
       await choose(page, shot.name ?? "phantom");
       await show(page, shot);
       const got = await pagePicture(page, truth.width, truth.height);
-      expect(coverage(truth)).toBeGreaterThan(0.03);
+      expect(coverage(truth)).toBeGreaterThan(0.02);
       const { color, alpha } = psnr(got, truth);
       expect(color).toBeGreaterThan(kMinAlike);
       expect(alpha).toBeGreaterThan(kMinAlike);
