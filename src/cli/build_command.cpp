@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "asset/draw_case.h"
 #include "bake/bake.h"
 #include "cinema/make_dataset.h"
+#include "cli/case_step.h"
 #include "cli/commands.h"
 #include "cli/look_options.h"
 #include "cli/section_step.h"
@@ -273,10 +273,7 @@ void run_build(const BuildArguments& arguments) {
   say_step(4, "case");
   scene.title = arguments.title.empty() ? scene.preset : arguments.title;
   scene.created = today();
-  const Image thumbnail = make_thumbnail(contents);
-  write_case(arguments.output, contents, &thumbnail, arguments.section.coding);
-  fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, scene.gaussians.size(),
-             static_cast<double>(fs::file_size(arguments.output)) / 1e6);
+  write_finished_case(arguments.output, contents, arguments.section.coding);
 }
 
 }  // namespace

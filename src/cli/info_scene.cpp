@@ -3,6 +3,7 @@
 #include "asset/case.h"
 #include "cli/info_kinds.h"
 #include "core/json_reader.h"
+#include "splat/overdraw.h"
 #include "splat/scene_file.h"
 
 namespace clipgs {
@@ -63,6 +64,7 @@ Json describe_scene(const std::filesystem::path& path) {
   json["sh_bands"] = scene.gaussians.sh_degree();
   json["face_colors"] = scene.gaussians.has_face_colors();
   json["bytes"] = std::filesystem::file_size(path);
+  json["fragments_a_pixel"] = json_number(overdraw(scene.gaussians, scene.sphere.radius));
   describe_common(scene, !scene.layers.empty(), json);
   return json;
 }

@@ -1,8 +1,7 @@
-#include <fmt/format.h>
 #include <memory>
 #include <string>
 
-#include "asset/draw_case.h"
+#include "cli/case_step.h"
 #include "cli/commands.h"
 #include "cli/section_step.h"
 #include "core/file.h"
@@ -29,11 +28,7 @@ void run_pack(const PackArguments& arguments) {
   } else if (contents.section) {
     contents.section = resize_section(*contents.section, arguments.section.size);
   }
-  const Image thumbnail = make_thumbnail(contents);
-  const Bytes bytes = encode_case(contents, &thumbnail, arguments.section.coding);
-  write_file(arguments.output, bytes.data(), bytes.size());
-  fmt::print("{}: {} Gaussians, {:.2f} MB\n", arguments.output, contents.scene.gaussians.size(),
-             static_cast<double>(bytes.size()) / 1e6);
+  write_finished_case(arguments.output, contents, arguments.section.coding);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/progress.h"
 #include "core/random.h"
 #include "section/faces.h"
+#include "splat/overdraw.h"
 #include "train/densification.h"
 #include "train/seeding.h"
 
@@ -109,6 +110,17 @@ Vec3 uniaxial_normal(const std::vector<const Frame*>& frames, const Dataset& dat
   return above > below ? dataset.axis : -dataset.axis;
 }
 
+/// The side of a pixel at the middle of the matter, mm, in the median of the frames.
+float typical_pixel(const std::vector<const Frame*>& frames, const Sphere& sphere) {
+  std::vector<float> sides;
+  for (const Frame* frame : frames) {
+    sides.push_back(glm::distance(frame->camera.position, sphere.center) / frame->camera.fx);
+  }
+  const auto middle = sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2);
+  std::ranges::nth_element(sides, middle);
+  return *middle;
+}
+
 }  // namespace
 
 TrainOptions refine_options() {
@@ -135,6 +147,7 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
     throw Error("{}: has no training frames; make the dataset again", dataset.folder.string());
   }
   load_views(dataset, frames, section);
+  pixel_ = typical_pixel(frames, dataset.sphere);
   gaussians_ = start != nullptr ? start->gaussians
                                 : start_from_points(load_seed_points(dataset.folder),
                                                     std::min(options_.start, options_.budget),
@@ -245,7 +258,7 @@ double Trainer::step() {
   const Vec3 background(rng.uniform(), rng.uniform(), rng.uniform());
   const double loss = loss_.evaluate(image, target_, background, options_.loss, image_gradient_);
   backward();
-  add_penalties();
+  add_overdraw_penalty();
 
   const float relative_rate = options_.mean_rate * std::pow(0.01f, progress);
   const float decay = std::pow(options_.rate_decay, progress);
@@ -291,20 +304,11 @@ void Trainer::learn_gain(const View& view, float rate) {
   }
 }
 
-void Trainer::add_penalties() {
+void Trainer::add_overdraw_penalty() {
   const std::vector<std::uint32_t>& list = reached();
-  const auto count = static_cast<float>(gaussians_.size());
-  const float opacity_scale = options_.opacity_penalty / count;
-  const float log_scale_scale = options_.scale_penalty / (3 * count * extent_);
   parallel_for(list.size(), 4096, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = list[k];
-      const float o = gaussians_.opacity(i);
-      gradients_.plane(Gaussians::kOpacity)[i] += opacity_scale * o * (1 - o);
-      const Vec3 scale = gaussians_.scale(i);
-      for (int a = 0; a < 3; ++a) {
-        gradients_.plane(Gaussians::kLogScale + a)[i] += log_scale_scale * scale[a];
-      }
+      add_overdraw_gradient(gaussians_, list[k], extent_, options_.overdraw_penalty, gradients_);
     }
   });
 }
@@ -319,12 +323,15 @@ void Trainer::note_reached() {
   }
 }
 
-/// Behind a section the inside of what is solid is never seen: Gaussians there are worth more
-/// elsewhere. Made transparent, they are moved like others that have died.
-void Trainer::retire_idle() {
+/// Gaussians that are worth more elsewhere are made transparent, and moved like others that have
+/// died: those that cover next to nothing of a pixel, and behind a section those that no picture
+/// needs, for the inside of what is solid is never seen.
+void Trainer::retire_useless() {
   constexpr float kTransparent = -12;  // logit
+  const float least_cover = options_.least_pixels * pixel_ * pixel_;
   for (size_t i = 0; i < gaussians_.size(); ++i) {
-    if (last_reached_[i] + options_.idle_steps < step_) {
+    const bool is_idle = has_section_ && last_reached_[i] + options_.idle_steps < step_;
+    if (is_idle || mean_cover(gaussians_, i) < least_cover) {
       gaussians_.plane(Gaussians::kOpacity)[i] = kTransparent;
       last_reached_[i] = static_cast<std::uint32_t>(step_);
     }
@@ -332,9 +339,7 @@ void Trainer::retire_idle() {
 }
 
 void Trainer::densify() {
-  if (has_section_) {
-    retire_idle();
-  }
+  retire_useless();
   const Rng relocation(options_.seed, Rng::mix(step_) ^ kRelocation);
   const Rng growth(options_.seed, Rng::mix(step_) ^ kGrowth);
   for (const Copies& made : {relocate_dead(gaussians_, adam_, need_, relocation),

@@ -22,16 +22,16 @@ struct TrainOptions {
   std::uint64_t seed = 1;
   ClipOperator clip = ClipOperator::kExact;
   LossWeights loss;
-  float mean_rate = 2e-3f;        ///< of the scene's extent, decayed to 1 % over the steps
-  float gain_rate = 2e-3f;        ///< of the face gain's coefficients
-  float rate_decay = 0.1f;        ///< the other rates end at this share of themselves
-  float coarse_share = 0.2f;      ///< of the steps run at half resolution
-  float opacity_penalty = 0.01f;  ///< MCMC's pull of opacities …
-  float scale_penalty = 0.01f;    ///< … and scales towards 0, over the number of Gaussians
-  size_t relocate_every = 100;    ///< steps between relocations and growth
-  float relocate_until = 0.8f;    ///< share of the steps after which the cloud stays as it is
-  size_t idle_steps = 1000;       ///< with a section: a Gaussian that no picture needed for as long
-                                  ///< is dead
+  float mean_rate = 2e-3f;         ///< of the scene's extent, decayed to 1 % over the steps
+  float gain_rate = 2e-3f;         ///< of the face gain's coefficients
+  float rate_decay = 0.1f;         ///< the other rates end at this share of themselves
+  float coarse_share = 0.2f;       ///< of the steps run at half resolution
+  float overdraw_penalty = 5e-5f;  ///< loss for each fragment a pixel (splat/overdraw.h)
+  float least_pixels = 0.2f;       ///< a Gaussian that covers less of a picture is dead
+  size_t relocate_every = 100;     ///< steps between relocations and growth
+  float relocate_until = 0.8f;     ///< share of the steps after which the cloud stays as it is
+  size_t idle_steps = 1000;  ///< with a section: a Gaussian that no picture needed for as long
+                             ///< is dead
   /// Learns a uniaxial model (ClipGS) instead of an explicit scene: from the uncut frames and the
   /// axis planes that keep the side that most of them keep. `clip` is of no use then.
   std::optional<UniaxialOptions> uniaxial;
@@ -86,12 +86,13 @@ class Trainer {
   const std::vector<std::uint32_t>& reached() const;
   void learn_gain(const View& view, float rate);
   void note_reached();
-  void retire_idle();
-  void add_penalties();
+  void retire_useless();
+  void add_overdraw_penalty();
   void densify();
 
   TrainOptions options_;
-  float extent_;  // mm
+  float extent_;     // mm
+  float pixel_ = 0;  // mm, of a picture's pixel
   std::vector<View> views_;
   std::vector<std::uint32_t> order_;  // of the current epoch
   size_t step_ = 0;

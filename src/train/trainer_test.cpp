@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "section/faces.h"
+#include "splat/overdraw.h"
 #include "splat/render.h"
 #include "volume/phantom.h"
 #include "volume/preset.h"
@@ -82,6 +83,40 @@ TEST_F(TrainerTest, LearnsAndGrowsToTheBudget) {
   for (const float v : trainer.gaussians().data()) {
     ASSERT_TRUE(std::isfinite(v));
   }
+}
+
+TEST_F(TrainerTest, ThePenaltyOnOverdrawMakesGaussiansFewAndOpaque) {
+  const Dataset data = dataset();
+  const auto cost = [&](float penalty) {
+    TrainOptions some = options();
+    some.overdraw_penalty = penalty;
+    Trainer trainer(data, some);
+    trained(trainer);
+    return overdraw(trainer.gaussians(), data.sphere.radius);
+  };
+  EXPECT_LT(cost(10 * TrainOptions().overdraw_penalty), 0.7 * cost(0));
+}
+
+TEST_F(TrainerTest, GaussiansTooSmallToBeSeenMoveToWhereTheyAreNeeded) {
+  const Dataset data = dataset();
+  TrainOptions some = options();
+  Scene start = scene_of(data);
+  {
+    Trainer trainer(data, some);
+    trained(trainer);
+    start.gaussians = trainer.gaussians();
+  }
+  // As good as nothing in any picture, and opaque.
+  start.gaussians.plane(Gaussians::kOpacity)[0] = 2;
+  for (int a = 0; a < 3; ++a) {
+    start.gaussians.plane(Gaussians::kLogScale + a)[0] = -9;
+  }
+  some.steps = 2 * some.relocate_every;
+  Trainer trainer(data, some, nullptr, &start);
+  while (trainer.steps_done() < some.relocate_every) {
+    trainer.step();
+  }
+  EXPECT_GT(trainer.gaussians().scale(0).x, 0.01f);
 }
 
 TEST_F(TrainerTest, SameBytesAtOneAndTwoThreads) {

@@ -1,5 +1,6 @@
 // What the viewer costs a browser besides frames; run by bench/web.sh, which says how.
 
+import { execFileSync } from "node:child_process";
 import { copyFileSync, readdirSync, readFileSync } from "node:fs";
 import { basename, join, resolve } from "node:path";
 import { parseArgs } from "node:util";
@@ -11,15 +12,13 @@ import { makeSceneCamera, setSceneCamera, writeSortView } from "../src/render/sc
 import type { PackedScene } from "../src/sog/sog";
 import { kClipOperators, kViewFloats } from "../src/worker/protocol";
 import { SplatOrder } from "../src/worker/splat_order";
+import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
-import { exportSplats, readCaseInfo } from "./case_file";
 import { median, table } from "./measure";
-import { fragmentsPerPixel } from "./overdraw";
 
 const kRounds = 5;
 const kSorted = 300_000;
 const kLongTaskMs = 8;
-const kEyePx = 1680; // of a Quest 3
 const [file = "", other = file] = parseArgs({ allowPositionals: true }).positionals;
 const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "../build/release/web");
 
@@ -190,12 +189,12 @@ async function planeTasks(session: Session): Promise<string[]> {
   ];
 }
 
-async function overdraw(session: Session): Promise<string[]> {
-  const splats = join(session.folder, "splats.ply");
-  exportSplats(file, splats);
-  const { sphere, mmPerUnit } = await readCaseInfo(file);
-  const fragments = fragmentsPerPixel(splats, sphere.radius / mmPerUnit, kEyePx);
-  return [`fragments a pixel of a picture of ${kEyePx}² px that it fills, uncut`, fragments.toFixed(1), ""];
+function overdraw(session: Session): string[] {
+  const scene = join(session.folder, "scene.ply");
+  execFileSync(kProgram, ["--quiet", "unpack", file, "-o", scene]);
+  const info = execFileSync(kProgram, ["info", scene, "--json"], { encoding: "utf8" });
+  const { fragments_a_pixel: fragments } = JSON.parse(info) as { fragments_a_pixel: number };
+  return ["fragments a pixel, uncut", fragments.toFixed(1), ""];
 }
 
 const rows = [...bundles(), ...(await sorting())];
@@ -206,7 +205,7 @@ await session.start((cases) => {
 });
 try {
   rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
-  rows.push(await overdraw(session));
+  rows.push(overdraw(session));
 } finally {
   process.exitCode = (await session.stop()) ?? 0;
 }
