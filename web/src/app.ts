@@ -174,15 +174,13 @@ export class App {
       if (error) {
         throw new CaseError(error);
       }
-      const first = this.viewer.info === null && link.view === undefined;
+      const first = this.viewer.info === null;
       await this.viewer.open(
         name,
         file,
         (share) => opening === this.#opening && this.#setProgress(0.9 * share),
+        () => first && this.#begin(link),
       );
-      if (first) {
-        this.actions.reset();
-      }
       this.actions.forget();
     } catch (error) {
       if (opening === this.#opening) {
@@ -196,6 +194,14 @@ export class App {
     }
     this.#title.textContent = this.title;
     this.#update();
+  }
+
+  /** How the first case is shown at first. */
+  #begin(link: Link): void {
+    if (!link.view) {
+      this.actions.reset();
+    }
+    this.follow(link);
   }
 
   /** Of the case that is shown. */

@@ -29,7 +29,7 @@ import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
-import { CaseClient } from "./worker/case_client";
+import { type ArrivingCase, CaseClient } from "./worker/case_client";
 import type { ClipOperator } from "./worker/protocol";
 
 export interface ViewerState extends Style {
@@ -50,6 +50,8 @@ const kBackgrounds = {
 /** A quiet gradient, or black. */
 export type Background = keyof typeof kBackgrounds | "black";
 
+/** On the browser's performance timeline: a case is seen for the first time. */
+const kPictureMark = "clipgs: picture";
 /** Without changes for this long the picture is drawn at full resolution. */
 const kSettleMs = 160;
 /** While something moves, resolution is given up for frames of this length. */
@@ -119,7 +121,9 @@ export class Viewer {
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #inset: Inset = { right: 0, bottom: 0 };
   #ticks = 0; // animation frames
+  #incomplete = false; // the case's section is still to come
   #ordered = false; // whether the case's splats have an order
+  #pictured = false; // whether the page has drawn it
   readonly #firstFrame: (() => void)[] = [];
   #worn = false; // a headset draws
   #disposed = false;
@@ -157,8 +161,9 @@ export class Viewer {
     return this.#renderer;
   }
 
+  /** The case that can be drawn: what is cut has no faces until its section is there. */
   get openCase(): OpenCase | null {
-    return this.#case;
+    return this.#incomplete && this.state.cuts.length > 0 ? null : this.#case;
   }
 
   get caseName(): string | null {
@@ -190,26 +195,56 @@ export class Viewer {
     return usual ? (this.state.window ?? usual) : null;
   }
 
-  /** Shows the case at `url`; the view and plane stay. Resolves with its first picture; rejects with CaseError. */
-  async open(name: string, url: string, progress: (share: number) => void = () => {}): Promise<void> {
+  /**
+   * Shows the case at `url`. The view and plane stay, unless `begin`, called before the first picture, says otherwise.
+   * Resolves with its first whole picture; one that needs no section is shown before. Rejects with CaseError.
+   */
+  async open(
+    name: string,
+    url: string,
+    progress: (share: number) => void = () => {},
+    begin: () => void = () => {},
+  ): Promise<void> {
     const loaded = await this.#client.load(url, progress);
     await this.#sortDone();
     if (this.#disposed) {
       throw new CaseError("the viewer is gone");
     }
-    const opened = new OpenCase(name, loaded, this.#client, this.#renderer);
+    const opened = new OpenCase(name, loaded, this.#client);
     this.#case?.free();
     this.#case = opened;
+    this.#incomplete = loaded.hasSection;
     this.#ordered = false;
+    this.#pictured = false;
+    this.#firstFrame.push(() => performance.mark(kPictureMark));
     this.state.window = null;
     this.state.pins = [];
-    this.stats.sectionBytes = opened.faces?.bytes ?? 0;
-    this.stats.sectionMs = loaded.sectionMs;
+    this.stats.sectionBytes = 0;
+    this.stats.sectionMs = 0;
     this.#rate.restart();
     this.#widget.setSphere(opened.info.sphere);
     this.stats.total = loaded.scene.count;
     this.setCuts(this.state.cuts, this.state.active);
+    begin();
+    await this.#complete(opened, loaded.section);
     await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
+  }
+
+  /** Gives a case its section once it is there. */
+  async #complete(opened: OpenCase, section: ArrivingCase["section"]): Promise<void> {
+    try {
+      const decoded = await section;
+      if (decoded && this.#case === opened) {
+        opened.setSection(decoded.section, this.#renderer);
+        this.stats.sectionBytes = opened.faces?.bytes ?? 0;
+        this.stats.sectionMs = decoded.milliseconds;
+      }
+    } finally {
+      if (this.#case === opened) {
+        this.#incomplete = false;
+        this.#touch();
+      }
+    }
   }
 
   /** Fetches a case that may be opened next. */
@@ -592,8 +627,10 @@ export class Viewer {
     if (this.#captured || this.#worn) {
       return;
     }
-    this.tick();
-    const current = this.#case;
+    if (this.#pictured) {
+      this.tick();
+    }
+    const current = this.openCase;
     if (current) {
       this.#placeCamera();
       if (this.#orderStale && !this.#client.sorting) {
@@ -601,8 +638,10 @@ export class Viewer {
         void this.#sort(current, this.#camera, this.#width, this.#height);
       }
       // Where a frame takes long, so do the pauses within a movement.
-      const moving = now - this.#lastChange < Math.max(kSettleMs, 2 * this.stats.frameMs);
-      if (this.#splatsStale || (!moving && this.#coarse)) {
+      const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
+      const moving = !this.#pictured || now - this.#lastChange < pause;
+      if (this.#ordered && (this.#splatsStale || (!moving && this.#coarse))) {
+        this.#pictured = true;
         this.#rate.count(now, this.#ticks);
         this.stats.frameMs = this.#rate.frameMs;
         this.#drawSplats(current, moving);
@@ -614,7 +653,12 @@ export class Viewer {
       this.drawnFrame();
     }
     this.stats.settled =
-      current !== null && !this.#orderStale && !this.#client.sorting && !this.#splatsStale && !this.#coarse;
+      current !== null &&
+      !this.#incomplete &&
+      !this.#orderStale &&
+      !this.#client.sorting &&
+      !this.#splatsStale &&
+      !this.#coarse;
   };
 
   #drawSplats(current: OpenCase, moving: boolean): void {

@@ -33,33 +33,30 @@ export interface SortResult {
   milliseconds: number;
 }
 
-/** Whether `renderer` can hold a section; why not, as a line for a person, else. */
-function whyNoSection(section: Section | null, renderer: WebGLRenderer): string | null {
-  if (!section) {
-    return "This case has no section volume: its splats draw the faces.";
-  }
+/** Why `renderer` cannot hold a section, as a line for a person; null: it can. */
+function whyNoSection(section: Section, renderer: WebGLRenderer): string | null {
   const gl = renderer.getContext() as WebGL2RenderingContext;
   return Math.max(...section.dims) > (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number)
     ? "This device cannot hold the section volume: splats draw the faces."
     : null;
 }
 
-/** A case that is open: what the GPU holds of it, and the order of its splats. */
+/** A case that is open: what the GPU holds of it, and the order of its splats. Its section comes later. */
 export class OpenCase {
   readonly name: string;
   readonly info: CaseInfo;
   readonly mesh: SplatMesh;
-  readonly faces: SectionFaces | null;
-  /** Why faces are not drawn from a volume; null: they can be. */
-  readonly noSection: string | null;
+  faces: SectionFaces | null = null;
+  /** Why faces are not drawn from a volume; null: they can be, or will. */
+  noSection: string | null;
   /** The windows that its values are usually seen through; none for photographs and without a section. */
-  readonly windows: ReadonlyMap<string, Window>;
+  windows: ReadonlyMap<string, Window> = new Map();
   readonly #client: CaseClient;
   readonly #ticket: number;
   #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 
   /** Throws CaseError. */
-  constructor(name: string, loaded: LoadedCase, client: CaseClient, renderer: WebGLRenderer) {
+  constructor(name: string, loaded: LoadedCase, client: CaseClient) {
     this.name = name;
     this.info = parseCaseInfo(loaded.clipgs);
     const { sceneToPatient, mmPerUnit, faceGain } = this.info;
@@ -67,12 +64,19 @@ export class OpenCase {
     this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
-    this.noSection = whyNoSection(loaded.section, renderer);
-    this.faces = loaded.section && !this.noSection ? new SectionFaces(loaded.section) : null;
-    this.windows = this.faces ? windowPresets(this.faces.section) : new Map();
+    this.noSection = loaded.hasSection ? null : "This case has no section volume: its splats draw the faces.";
     this.#client = client;
     this.#ticket = loaded.ticket;
     this.#spare = new Uint32Array(scene.capacity);
+  }
+
+  /** Draws faces from the volume from now on, if `renderer` can hold it. */
+  setSection(section: Section, renderer: WebGLRenderer): void {
+    this.noSection = whyNoSection(section, renderer);
+    if (!this.noSection) {
+      this.faces = new SectionFaces(section);
+      this.windows = windowPresets(section);
+    }
   }
 
   /**

@@ -1,3 +1,4 @@
+import type { Section } from "../sog/section";
 import { CaseError } from "../sog/zip";
 import type { LoadedCase, Reply, Request } from "./protocol";
 
@@ -8,17 +9,26 @@ export interface Sorted {
   milliseconds: number;
 }
 
+/** A section, and what decoding it took. */
+export interface DecodedSection {
+  section: Section;
+  milliseconds: number;
+}
+
+/** A case whose section may be still to come; null: it has none. */
+export type ArrivingCase = LoadedCase & { section: Promise<DecodedSection> | null };
+
+/** One end of a promise. */
+interface Waiting<T> {
+  resolve: (value: T) => void;
+  reject: (error: CaseError) => void;
+}
+
 /** The main thread's end of case_worker.ts. */
 export class CaseClient {
   readonly #worker: Worker;
-  readonly #loads = new Map<
-    number,
-    {
-      resolve: (value: LoadedCase) => void;
-      reject: (error: CaseError) => void;
-      progress: (share: number) => void;
-    }
-  >();
+  readonly #loads = new Map<number, Waiting<ArrivingCase> & { progress: (share: number) => void }>();
+  readonly #sections = new Map<number, Waiting<DecodedSection>>();
   #sorted: ((value: Sorted) => void) | null = null;
   #sorting: Promise<Sorted> | null = null;
   #tickets = 0;
@@ -29,8 +39,8 @@ export class CaseClient {
     this.#worker.onerror = () => this.#fail("the viewer's worker stopped; reload the page");
   }
 
-  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */
-  load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError, as sections do. */
+  load(url: string, progress: (share: number) => void): Promise<ArrivingCase> {
     const ticket = this.#tickets++;
     return new Promise((resolve, reject) => {
       this.#loads.set(ticket, { resolve, reject, progress });
@@ -67,10 +77,10 @@ export class CaseClient {
   }
 
   #fail(message: string): void {
-    for (const load of this.#loads.values()) {
-      load.reject(new CaseError(message));
+    for (const waiting of [this.#loads, this.#sections]) {
+      waiting.forEach(({ reject }) => reject(new CaseError(message)));
+      waiting.clear();
     }
-    this.#loads.clear();
   }
 
   #receive(reply: Reply): void {
@@ -81,16 +91,29 @@ export class CaseClient {
       resolve?.(reply);
       return;
     }
-    const load = this.#loads.get(reply.ticket);
+    const { ticket } = reply;
+    const load = this.#loads.get(ticket);
+    const section = this.#sections.get(ticket);
     if (reply.kind === "progress") {
       load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
-      return;
-    }
-    this.#loads.delete(reply.ticket);
-    if (reply.kind === "failed") {
-      load?.reject(new CaseError(reply.message));
+    } else if (reply.kind === "loaded") {
+      this.#loads.delete(ticket);
+      load?.resolve({ ...reply, section: reply.hasSection ? this.#sectionOf(ticket) : null });
+    } else if (reply.kind === "section") {
+      this.#sections.delete(ticket);
+      section?.resolve(reply);
     } else {
-      load?.resolve(reply);
+      this.#loads.delete(ticket);
+      this.#sections.delete(ticket);
+      (load ?? section)?.reject(new CaseError(reply.message));
     }
+  }
+
+  #sectionOf(ticket: number): Promise<DecodedSection> {
+    const section = new Promise<DecodedSection>((resolve, reject) =>
+      this.#sections.set(ticket, { resolve, reject }),
+    );
+    section.catch(() => {}); // whoever still waits for it hears of it
+    return section;
   }
 }

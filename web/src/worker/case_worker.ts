@@ -3,7 +3,7 @@
 import wasmUrl from "@wasm/splat_order.wasm?url";
 
 import { ImageDecoder } from "../sog/images";
-import { parseSection, type Section } from "../sog/section";
+import { parseSection } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
 import { CaseError, readZip } from "../sog/zip";
 import { FileCache } from "./file_cache";
@@ -30,45 +30,38 @@ async function compile(): Promise<WebAssembly.Module> {
   return module;
 }
 
-async function decodeImages(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<SogImages> {
-  const decoder = new ImageDecoder();
+async function decodeImages(
+  decoder: ImageDecoder,
+  meta: SogMeta,
+  archive: Map<string, Uint8Array>,
+): Promise<SogImages> {
   const decode = (name: string) => decoder.decode(archive.get(name)!, name);
   const palette = async (meta: { files: string[] } | null) => {
     const [centroids, labels] = await Promise.all(meta ? meta.files.map(decode) : []);
     return centroids && labels ? { centroids, labels } : null;
   };
-  try {
-    const [meansLow, meansHigh, scales, quats, sh0, shN, faces] = await Promise.all([
-      decode(meta.means.files[0]!),
-      decode(meta.means.files[1]!),
-      decode(meta.scales.files[0]!),
-      decode(meta.quats.files[0]!),
-      decode(meta.sh0.files[0]!),
-      palette(meta.shN),
-      palette(meta.faces),
-    ]);
-    return { meansLow, meansHigh, scales, quats, sh0, shN, faces };
-  } finally {
-    decoder.dispose();
-  }
+  const [meansLow, meansHigh, scales, quats, sh0, shN, faces] = await Promise.all([
+    decode(meta.means.files[0]!),
+    decode(meta.means.files[1]!),
+    decode(meta.scales.files[0]!),
+    decode(meta.quats.files[0]!),
+    decode(meta.sh0.files[0]!),
+    palette(meta.shN),
+    palette(meta.faces),
+  ]);
+  return { meansLow, meansHigh, scales, quats, sh0, shN, faces };
 }
 
-/** The volume that faces are drawn from, if the case has one. Throws CaseError. */
-async function decodeSection(meta: SogMeta, archive: Map<string, Uint8Array>): Promise<Section | null> {
-  const info = parseSection(meta.clipgs, archive);
-  if (!info) {
-    return null;
-  }
-  const decoder = new ImageDecoder();
-  try {
-    return { ...info, voxels: await decoder.decodeSection(archive.get(info.file)!, info) };
-  } finally {
-    decoder.dispose();
+/** Throws CaseError once another case was asked for. */
+function checkNewest(ticket: number): void {
+  if (ticket !== newestLoad) {
+    throw new CaseError("another case was chosen meanwhile");
   }
 }
 
 async function load(ticket: number, url: string): Promise<void> {
   newestLoad = ticket;
+  const decoder = new ImageDecoder();
   try {
     const [bytes, wasm] = await Promise.all([
       files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total })),
@@ -76,15 +69,9 @@ async function load(ticket: number, url: string): Promise<void> {
     ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
-    const start = performance.now();
-    let sectionMs = 0;
-    const [scene, section] = await Promise.all([
-      decodeImages(meta, archive).then((images) => packScene(meta, images)),
-      decodeSection(meta, archive).finally(() => (sectionMs = performance.now() - start)),
-    ]);
-    if (ticket !== newestLoad) {
-      throw new CaseError("another case was chosen meanwhile");
-    }
+    const info = parseSection(meta.clipgs, archive);
+    const scene = packScene(meta, await decodeImages(decoder, meta, archive));
+    checkNewest(ticket);
     const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
     order.load(scene);
     current = { ticket, order };
@@ -95,14 +82,23 @@ async function load(ticket: number, url: string): Promise<void> {
     if (scene.faces) {
       transfer.push(scene.faces.labels.buffer, scene.faces.palette.rgba.buffer);
     }
-    if (section) {
-      transfer.push(section.voxels.buffer);
-    }
     const { clipgs } = meta;
-    reply({ kind: "loaded", ticket, scene, section, sectionMs, clipgs, bytes: bytes.length }, transfer);
+    reply(
+      { kind: "loaded", ticket, scene, hasSection: info !== null, clipgs, bytes: bytes.length },
+      transfer,
+    );
+    if (info) {
+      const start = performance.now();
+      const section = { ...info, voxels: await decoder.decodeSection(archive.get(info.file)!, info) };
+      checkNewest(ticket);
+      const milliseconds = performance.now() - start;
+      reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
+    }
   } catch (error) {
     const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
     reply({ kind: "failed", ticket, message });
+  } finally {
+    decoder.dispose();
   }
 }
 

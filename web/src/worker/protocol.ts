@@ -2,13 +2,11 @@ import { kMaxPlanes } from "../model/cut";
 import type { Section } from "../sog/section";
 import type { PackedScene } from "../sog/sog";
 
-/** A case, decoded. */
+/** A case, decoded, but for its section: that takes longer, and follows. */
 export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
-  section: Section | null;
-  /** What decoding the section took. */
-  sectionMs: number;
+  hasSection: boolean;
   /** The `clipgs` block of meta.json, unchecked. */
   clipgs: unknown;
   bytes: number;
@@ -33,5 +31,7 @@ export type Request =
 export type Reply =
   | { kind: "progress"; ticket: number; loaded: number; total: number }
   | ({ kind: "loaded" } & LoadedCase)
+  /** Follows where the case has one, or else `failed` does. `milliseconds`: what decoding took. */
+  | { kind: "section"; ticket: number; section: Section; milliseconds: number }
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };
