@@ -129,6 +129,7 @@ TrainOptions refine_options() {
   options.steps = 6000;
   options.mean_rate = 5e-4f;
   options.coarse_share = 0;
+  options.least_pixels = 0;  // halves would have to find their place in steps that are too small
   return options;
 }
 
