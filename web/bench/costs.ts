@@ -116,6 +116,7 @@ async function firstPicture(session: Session): Promise<string[]> {
     const page = await session.open("#case=first");
     whole.push(await page.evaluate(() => window.clipgs.ready.then(() => performance.now())));
     seen.push(await page.evaluate(pictured));
+    await page.waitForFunction(() => window.clipgs.stats.settled); // the GPU has nothing left to do
     await page.close();
   }
   const megabytes = (readFileSync(file).length / 1e6).toFixed(1);

@@ -29,7 +29,7 @@ import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
-import { type ArrivingCase, CaseClient } from "./worker/case_client";
+import { CaseClient, type DecodedSection } from "./worker/case_client";
 import type { ClipOperator } from "./worker/protocol";
 
 export interface ViewerState extends Style {
@@ -121,9 +121,9 @@ export class Viewer {
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #inset: Inset = { right: 0, bottom: 0 };
   #ticks = 0; // animation frames
-  #incomplete = false; // the case's section is still to come
   #ordered = false; // whether the case's splats have an order
   #pictured = false; // whether the page has drawn it
+  #marked = false; // whether that is on the timeline
   readonly #firstFrame: (() => void)[] = [];
   #worn = false; // a headset draws
   #disposed = false;
@@ -161,9 +161,8 @@ export class Viewer {
     return this.#renderer;
   }
 
-  /** The case that can be drawn: what is cut has no faces until its section is there. */
   get openCase(): OpenCase | null {
-    return this.#incomplete && this.state.cuts.length > 0 ? null : this.#case;
+    return this.#case;
   }
 
   get caseName(): string | null {
@@ -197,7 +196,7 @@ export class Viewer {
 
   /**
    * Shows the case at `url`. The view and plane stay, unless `begin`, called before the first picture, says otherwise.
-   * Resolves with its first whole picture; one that needs no section is shown before. Rejects with CaseError.
+   * The body is shown, uncut, before its section is there; resolves with the first picture after. Rejects with CaseError.
    */
   async open(
     name: string,
@@ -213,10 +212,9 @@ export class Viewer {
     const opened = new OpenCase(name, loaded, this.#client);
     this.#case?.free();
     this.#case = opened;
-    this.#incomplete = loaded.hasSection;
     this.#ordered = false;
     this.#pictured = false;
-    this.#firstFrame.push(() => performance.mark(kPictureMark));
+    this.#marked = false;
     this.state.window = null;
     this.state.pins = [];
     this.stats.sectionBytes = 0;
@@ -226,22 +224,28 @@ export class Viewer {
     this.stats.total = loaded.scene.count;
     this.setCuts(this.state.cuts, this.state.active);
     begin();
-    await this.#complete(opened, loaded.section);
-    await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
+    if (loaded.hasSection) {
+      await this.#complete(opened, loaded.ticket);
+    }
+    await this.#nextPicture();
   }
 
-  /** Gives a case its section once it is there. */
-  async #complete(opened: OpenCase, section: ArrivingCase["section"]): Promise<void> {
+  /** Until the case has been drawn as it is. */
+  #nextPicture(): Promise<void> {
+    return new Promise((resolve) => this.#firstFrame.push(resolve));
+  }
+
+  /** Gives a case its section, after its first picture: decoding and drawing would wait for each other. */
+  async #complete(opened: OpenCase, ticket: number): Promise<void> {
+    await this.#nextPicture();
+    let decoded: DecodedSection | null = null;
     try {
-      const decoded = await section;
-      if (decoded && this.#case === opened) {
-        opened.setSection(decoded.section, this.#renderer);
-        this.stats.sectionBytes = opened.faces?.bytes ?? 0;
-        this.stats.sectionMs = decoded.milliseconds;
-      }
+      decoded = await this.#client.section(ticket);
     } finally {
       if (this.#case === opened) {
-        this.#incomplete = false;
+        opened.setSection(decoded?.section ?? null, this.#renderer);
+        this.stats.sectionBytes = opened.faces?.bytes ?? 0;
+        this.stats.sectionMs = decoded?.milliseconds ?? 0;
         this.#touch();
       }
     }
@@ -627,10 +631,11 @@ export class Viewer {
     if (this.#captured || this.#worn) {
       return;
     }
+    const current = this.#case;
     if (this.#pictured) {
+      this.#mark();
       this.tick();
     }
-    const current = this.openCase;
     if (current) {
       this.#placeCamera();
       if (this.#orderStale && !this.#client.sorting) {
@@ -640,7 +645,10 @@ export class Viewer {
       // Where a frame takes long, so do the pauses within a movement.
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
       const moving = !this.#pictured || now - this.#lastChange < pause;
-      if (this.#ordered && (this.#splatsStale || (!moving && this.#coarse))) {
+      const due = moving
+        ? this.#splatsStale
+        : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;
+      if (this.#ordered && due) {
         this.#pictured = true;
         this.#rate.count(now, this.#ticks);
         this.stats.frameMs = this.#rate.frameMs;
@@ -654,12 +662,20 @@ export class Viewer {
     }
     this.stats.settled =
       current !== null &&
-      !this.#incomplete &&
+      !current.awaitsSection &&
       !this.#orderStale &&
       !this.#client.sorting &&
       !this.#splatsStale &&
       !this.#coarse;
   };
+
+  /** Says when a case is seen first. */
+  #mark(): void {
+    if (!this.#marked) {
+      this.#marked = true;
+      performance.mark(kPictureMark);
+    }
+  }
 
   #drawSplats(current: OpenCase, moving: boolean): void {
     this.#splatsStale = false;

@@ -3,7 +3,7 @@ import type { PerspectiveCamera, WebGLRenderer } from "three";
 import { type CaseInfo, parseCaseInfo } from "../model/case_info";
 import { type Cut, planesOf } from "../model/cut";
 import type { FaceSource } from "../model/faces";
-import { kWorldFromPatient } from "../model/geometry";
+import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
 import type { Section } from "../sog/section";
@@ -47,6 +47,8 @@ export class OpenCase {
   readonly info: CaseInfo;
   readonly mesh: SplatMesh;
   faces: SectionFaces | null = null;
+  /** Whether its section is still to come: it is shown whole until then, for behind faces splats are hollow. */
+  awaitsSection: boolean;
   /** Why faces are not drawn from a volume; null: they can be, or will. */
   noSection: string | null;
   /** The windows that its values are usually seen through; none for photographs and without a section. */
@@ -64,16 +66,20 @@ export class OpenCase {
     this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
+    this.awaitsSection = loaded.hasSection;
     this.noSection = loaded.hasSection ? null : "This case has no section volume: its splats draw the faces.";
     this.#client = client;
     this.#ticket = loaded.ticket;
     this.#spare = new Uint32Array(scene.capacity);
   }
 
-  /** Draws faces from the volume from now on, if `renderer` can hold it. */
-  setSection(section: Section, renderer: WebGLRenderer): void {
-    this.noSection = whyNoSection(section, renderer);
-    if (!this.noSection) {
+  /** Draws faces from the volume from now on, if there is one (null: it is damaged) and `renderer` can hold it. */
+  setSection(section: Section | null, renderer: WebGLRenderer): void {
+    this.awaitsSection = false;
+    this.noSection = section
+      ? whyNoSection(section, renderer)
+      : "The section volume of this case is damaged: splats draw the faces.";
+    if (section && !this.noSection) {
       this.faces = new SectionFaces(section);
       this.windows = windowPresets(section);
     }
@@ -92,7 +98,7 @@ export class OpenCase {
   ): Promise<SortResult | null> {
     const { mesh } = this;
     const view = new Float32Array(kViewFloats);
-    mesh.setClip(planesOf(cuts), clip);
+    mesh.setClip(this.#planes(cuts), clip);
     writeSortView(view, mesh.sceneCamera(camera, width, height), mesh.planes, leastPixels);
     const { count, order, milliseconds } = await this.#client.sort(
       this.#ticket,
@@ -113,7 +119,7 @@ export class OpenCase {
     rays: number,
   ): Subject {
     const { mesh, faces, info } = this;
-    const planes = planesOf(cuts);
+    const planes = this.#planes(cuts);
     mesh.setClip(planes, clip);
     mesh.visible = true;
     if (!faces || section === "splats" || !layers.faces) {
@@ -128,6 +134,10 @@ export class OpenCase {
     faces.setStyle(grey, window);
     faces.rays = rays;
     return { mesh, faces };
+  }
+
+  #planes(cuts: readonly Cut[]): Plane[] {
+    return this.awaitsSection ? [] : planesOf(cuts);
   }
 
   /** Frees what the GPU holds. */

@@ -15,9 +15,6 @@ export interface DecodedSection {
   milliseconds: number;
 }
 
-/** A case whose section may be still to come; null: it has none. */
-export type ArrivingCase = LoadedCase & { section: Promise<DecodedSection> | null };
-
 /** One end of a promise. */
 interface Waiting<T> {
   resolve: (value: T) => void;
@@ -27,7 +24,7 @@ interface Waiting<T> {
 /** The main thread's end of case_worker.ts. */
 export class CaseClient {
   readonly #worker: Worker;
-  readonly #loads = new Map<number, Waiting<ArrivingCase> & { progress: (share: number) => void }>();
+  readonly #loads = new Map<number, Waiting<LoadedCase> & { progress: (share: number) => void }>();
   readonly #sections = new Map<number, Waiting<DecodedSection>>();
   #sorted: ((value: Sorted) => void) | null = null;
   #sorting: Promise<Sorted> | null = null;
@@ -39,12 +36,20 @@ export class CaseClient {
     this.#worker.onerror = () => this.#fail("the viewer's worker stopped; reload the page");
   }
 
-  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError, as sections do. */
-  load(url: string, progress: (share: number) => void): Promise<ArrivingCase> {
+  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */
+  load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
     const ticket = this.#tickets++;
     return new Promise((resolve, reject) => {
       this.#loads.set(ticket, { resolve, reject, progress });
       this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
+    });
+  }
+
+  /** The section of a case that was loaded and has one. Once; rejects with CaseError. */
+  section(ticket: number): Promise<DecodedSection> {
+    return new Promise((resolve, reject) => {
+      this.#sections.set(ticket, { resolve, reject });
+      this.#post({ kind: "section", ticket });
     });
   }
 
@@ -98,7 +103,7 @@ export class CaseClient {
       load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
     } else if (reply.kind === "loaded") {
       this.#loads.delete(ticket);
-      load?.resolve({ ...reply, section: reply.hasSection ? this.#sectionOf(ticket) : null });
+      load?.resolve(reply);
     } else if (reply.kind === "section") {
       this.#sections.delete(ticket);
       section?.resolve(reply);
@@ -107,13 +112,5 @@ export class CaseClient {
       this.#sections.delete(ticket);
       (load ?? section)?.reject(new CaseError(reply.message));
     }
-  }
-
-  #sectionOf(ticket: number): Promise<DecodedSection> {
-    const section = new Promise<DecodedSection>((resolve, reject) =>
-      this.#sections.set(ticket, { resolve, reject }),
-    );
-    section.catch(() => {}); // whoever still waits for it hears of it
-    return section;
   }
 }

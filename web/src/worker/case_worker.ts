@@ -3,7 +3,7 @@
 import wasmUrl from "@wasm/splat_order.wasm?url";
 
 import { ImageDecoder } from "../sog/images";
-import { parseSection } from "../sog/section";
+import { parseSection, type SectionInfo } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
 import { CaseError, readZip } from "../sog/zip";
 import { FileCache } from "./file_cache";
@@ -18,11 +18,21 @@ const worker = self as unknown as {
 
 const files = new FileCache();
 let module: Promise<WebAssembly.Module> | null = null;
-let current: { ticket: number; order: SplatOrder } | null = null;
+let current: {
+  ticket: number;
+  order: SplatOrder;
+  section: { info: SectionInfo; image: Uint8Array } | null; // until it is decoded
+} | null = null;
 let newestLoad = -1;
+const kSuperseded = "another case was chosen meanwhile";
 
 function reply(message: Reply, transfer: Transferable[] = []): void {
   worker.postMessage(message, transfer);
+}
+
+function fail(ticket: number, error: unknown): void {
+  const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
+  reply({ kind: "failed", ticket, message });
 }
 
 async function compile(): Promise<WebAssembly.Module> {
@@ -55,7 +65,7 @@ async function decodeImages(
 /** Throws CaseError once another case was asked for. */
 function checkNewest(ticket: number): void {
   if (ticket !== newestLoad) {
-    throw new CaseError("another case was chosen meanwhile");
+    throw new CaseError(kSuperseded);
   }
 }
 
@@ -74,7 +84,7 @@ async function load(ticket: number, url: string): Promise<void> {
     checkNewest(ticket);
     const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
     order.load(scene);
-    current = { ticket, order };
+    current = { ticket, order, section: info && { info, image: archive.get(info.file)! } };
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
@@ -87,16 +97,28 @@ async function load(ticket: number, url: string): Promise<void> {
       { kind: "loaded", ticket, scene, hasSection: info !== null, clipgs, bytes: bytes.length },
       transfer,
     );
-    if (info) {
-      const start = performance.now();
-      const section = { ...info, voxels: await decoder.decodeSection(archive.get(info.file)!, info) };
-      checkNewest(ticket);
-      const milliseconds = performance.now() - start;
-      reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
-    }
   } catch (error) {
-    const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
-    reply({ kind: "failed", ticket, message });
+    fail(ticket, error);
+  } finally {
+    decoder.dispose();
+  }
+}
+
+async function sendSection(ticket: number): Promise<void> {
+  const start = performance.now();
+  const decoder = new ImageDecoder();
+  try {
+    if (current?.ticket !== ticket) {
+      throw new CaseError(kSuperseded);
+    }
+    const { info, image } = current.section!;
+    current.section = null;
+    const section = { ...info, voxels: await decoder.decodeSection(image, info) };
+    checkNewest(ticket);
+    const milliseconds = performance.now() - start;
+    reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
+  } catch (error) {
+    fail(ticket, error);
   } finally {
     decoder.dispose();
   }
@@ -113,6 +135,8 @@ worker.onmessage = (event) => {
   const request = event.data;
   if (request.kind === "load") {
     void load(request.ticket, request.url);
+  } else if (request.kind === "section") {
+    void sendSection(request.ticket);
   } else if (request.kind === "prefetch") {
     void files.prefetch(request.url);
   } else {

@@ -2,7 +2,7 @@ import { kMaxPlanes } from "../model/cut";
 import type { Section } from "../sog/section";
 import type { PackedScene } from "../sog/sog";
 
-/** A case, decoded, but for its section: that takes longer, and follows. */
+/** A case, decoded, but for its section: that takes longer, and is asked for by itself. */
 export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
@@ -22,6 +22,8 @@ export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 4 * kMaxPlanes;
 /** To the worker. */
 export type Request =
   | { kind: "load"; ticket: number; url: string }
+  /** Decodes the section of the case that was loaded with this ticket. */
+  | { kind: "section"; ticket: number }
   /** Fetches what may be loaded next; nothing answers. */
   | { kind: "prefetch"; url: string }
   /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */
@@ -31,7 +33,7 @@ export type Request =
 export type Reply =
   | { kind: "progress"; ticket: number; loaded: number; total: number }
   | ({ kind: "loaded" } & LoadedCase)
-  /** Follows where the case has one, or else `failed` does. `milliseconds`: what decoding took. */
+  /** `milliseconds`: what decoding took. */
   | { kind: "section"; ticket: number; section: Section; milliseconds: number }
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };
