@@ -113,6 +113,7 @@ Vec3 uniaxial_normal(const std::vector<const Frame*>& frames, const Dataset& dat
 /// The side of a pixel at the middle of the matter, mm, in the median of the frames.
 float typical_pixel(const std::vector<const Frame*>& frames, const Sphere& sphere) {
   std::vector<float> sides;
+  sides.reserve(frames.size());
   for (const Frame* frame : frames) {
     sides.push_back(glm::distance(frame->camera.position, sphere.center) / frame->camera.fx);
   }
@@ -250,8 +251,9 @@ double Trainer::step() {
   }
 
   // Without truncation nothing else cuts: then it acts from the start.
-  if (uniaxial_ && (progress >= options_.uniaxial->coarse_share ||
-                    options_.uniaxial->truncation == Truncation::kNone)) {
+  if (uniaxial_ && options_.uniaxial &&
+      (progress >= options_.uniaxial->coarse_share ||
+       options_.uniaxial->truncation == Truncation::kNone)) {
     uniaxial_->start_adjusting();
   }
   const Image& image = draw(view, half ? half_size(view.camera) : view.camera);
@@ -320,7 +322,7 @@ void Trainer::note_reached() {
   for (const std::uint32_t i : reached()) {
     last_reached_[i] = static_cast<std::uint32_t>(step_);
     const Vec3 scale = gaussians_.scale(i);
-    need_[i] += glm::length(gradients_.mean(i)) * std::max(scale.x, std::max(scale.y, scale.z));
+    need_[i] += glm::length(gradients_.mean(i)) * std::max({scale.x, scale.y, scale.z});
   }
 }
 

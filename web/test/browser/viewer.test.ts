@@ -44,6 +44,21 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await framed.close();
   });
 
+  it("shows the body before its section is there, once", async () => {
+    const opened = await session.open("#case=phantom", errors);
+    const times = await opened.evaluate(async () => {
+      const { clipgs } = window;
+      await clipgs.ready;
+      const whole = performance.now();
+      const seen = performance.getEntriesByName("clipgs: picture").map(({ startTime }) => startTime);
+      return { whole, seen, section: clipgs.stats.sectionMs };
+    });
+    expect(times.seen).toHaveLength(1);
+    expect(times.section).toBeGreaterThan(0);
+    expect(times.whole - times.seen[0]!).toBeGreaterThan(times.section);
+    await opened.close();
+  });
+
   it("draws faces from the volume unless the link or a button says otherwise", async () => {
     const state = () => page.evaluate(() => window.clipgs.state.section);
     await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
