@@ -123,7 +123,6 @@ export class Viewer {
   #ticks = 0; // animation frames
   #ordered = false; // whether the case's splats have an order
   #pictured = false; // whether the page has drawn it
-  #marked = false; // whether that is on the timeline
   readonly #firstFrame: (() => void)[] = [];
   #worn = false; // a headset draws
   #disposed = false;
@@ -214,7 +213,6 @@ export class Viewer {
     this.#case = opened;
     this.#ordered = false;
     this.#pictured = false;
-    this.#marked = false;
     this.state.window = null;
     this.state.pins = [];
     this.stats.sectionBytes = 0;
@@ -224,6 +222,7 @@ export class Viewer {
     this.stats.total = loaded.scene.count;
     this.setCuts(this.state.cuts, this.state.active);
     begin();
+    void this.#nextPicture().then(() => this.#case === opened && performance.mark(kPictureMark));
     if (loaded.hasSection) {
       await this.#complete(opened, loaded.ticket);
     }
@@ -633,7 +632,6 @@ export class Viewer {
     }
     const current = this.#case;
     if (this.#pictured) {
-      this.#mark();
       this.tick();
     }
     if (current) {
@@ -668,14 +666,6 @@ export class Viewer {
       !this.#splatsStale &&
       !this.#coarse;
   };
-
-  /** Says when a case is seen first. */
-  #mark(): void {
-    if (!this.#marked) {
-      this.#marked = true;
-      performance.mark(kPictureMark);
-    }
-  }
 
   #drawSplats(current: OpenCase, moving: boolean): void {
     this.#splatsStale = false;
