@@ -40,7 +40,7 @@ export interface Subject {
 /**
  * The picture of splats and faces: drawn into a texture, and shown as an object that covers the canvas. It is drawn
  * again only when something changes. In half floats faint layers add up exactly; while something moves, bytes do, as in
- * a headset, and take half as long to blend.
+ * a headset, which blend faster.
  */
 export class SplatLayer {
   /** Put this into the scene of the canvas. */

@@ -40,6 +40,16 @@ async function compile(): Promise<WebAssembly.Module> {
   return module;
 }
 
+/** With a decoder that is freed afterwards. */
+async function decoding<T>(use: (decoder: ImageDecoder) => Promise<T>): Promise<T> {
+  const decoder = new ImageDecoder();
+  try {
+    return await use(decoder);
+  } finally {
+    decoder.dispose();
+  }
+}
+
 async function decodeImages(
   decoder: ImageDecoder,
   meta: SogMeta,
@@ -71,7 +81,6 @@ function checkNewest(ticket: number): void {
 
 async function load(ticket: number, url: string): Promise<void> {
   newestLoad = ticket;
-  const decoder = new ImageDecoder();
   try {
     const [bytes, wasm] = await Promise.all([
       files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total })),
@@ -80,7 +89,7 @@ async function load(ticket: number, url: string): Promise<void> {
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
     const info = parseSection(meta.clipgs, archive);
-    const scene = packScene(meta, await decodeImages(decoder, meta, archive));
+    const scene = packScene(meta, await decoding((decoder) => decodeImages(decoder, meta, archive)));
     checkNewest(ticket);
     const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
     order.load(scene);
@@ -99,28 +108,23 @@ async function load(ticket: number, url: string): Promise<void> {
     );
   } catch (error) {
     fail(ticket, error);
-  } finally {
-    decoder.dispose();
   }
 }
 
 async function sendSection(ticket: number): Promise<void> {
   const start = performance.now();
-  const decoder = new ImageDecoder();
   try {
     if (current?.ticket !== ticket) {
       throw new CaseError(kSuperseded);
     }
     const { info, image } = current.section!;
     current.section = null;
-    const section = { ...info, voxels: await decoder.decodeSection(image, info) };
+    const section = { ...info, voxels: await decoding((decoder) => decoder.decodeSection(image, info)) };
     checkNewest(ticket);
     const milliseconds = performance.now() - start;
     reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
   } catch (error) {
     fail(ticket, error);
-  } finally {
-    decoder.dispose();
   }
 }
 
