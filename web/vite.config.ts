@@ -1,11 +1,29 @@
 import { resolve } from "node:path";
+import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
 // CLIPGS_WEB_OUT: where the WASM module is and the bundle goes; the build of the C++ program sets it.
 const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "build");
 
+/** The page asks for the viewer's code at once, not when its beginning has run. */
+const preloadPage: Plugin = {
+  name: "preload-page",
+  transformIndexHtml: {
+    order: "post",
+    handler(_html, { bundle }) {
+      const page = Object.values(bundle ?? {}).find((part) => part.type === "chunk" && part.name === "page");
+      return (
+        page && [
+          { tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${page.fileName}` } },
+        ]
+      );
+    },
+  },
+};
+
 export default defineConfig({
   base: "./",
+  plugins: [preloadPage],
   resolve: {
     alias: {
       "@wasm": out,

@@ -17,6 +17,7 @@ import { PointerControls } from "./ui/pointer";
 import { savePicture } from "./ui/save_picture";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { Viewer } from "./viewer";
+import { CaseClient } from "./worker/case_client";
 import { Headset, offeredSurroundings } from "./xr/headset";
 
 const kStatsIntervalMs = 250;
@@ -78,7 +79,8 @@ export class App {
   #statsTimer = 0;
   #pictureOnly = false;
 
-  constructor(root: HTMLElement, host: Host) {
+  /** Throws CaseError where the browser cannot draw. */
+  constructor(root: HTMLElement, host: Host, client = new CaseClient()) {
     this.#root = root;
     this.host = host;
     const { signal } = this.#ended;
@@ -89,7 +91,7 @@ export class App {
     });
     root.classList.add("viewer");
     root.append(canvas);
-    this.viewer = new Viewer(canvas);
+    this.viewer = new Viewer(canvas, client);
     this.actions = new Actions(this.viewer);
     this.headset = new Headset(this.viewer, this.actions, this.marking, host);
     this.headset.changed = () => this.#update();

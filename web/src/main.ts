@@ -2,9 +2,9 @@ import "./ui/viewer.css";
 import "./ui/page.css";
 
 import type { ClipgsApi } from "./api";
-import { Page } from "./page";
-import { makeApi } from "./script_api";
+import { caseFile, fetchCases } from "./model/case_list";
 import { h } from "./ui/dom";
+import { CaseClient } from "./worker/case_client";
 
 declare global {
   interface Window {
@@ -12,12 +12,29 @@ declare global {
   }
 }
 
+// The case is fetched and decoded while the rest of the viewer's code is on its way.
+const client = new CaseClient();
+const cases = fetchCases();
+const linked = new URLSearchParams(location.hash.slice(1)).get("case");
+if (linked) {
+  client.expect(caseFile(linked));
+} else {
+  cases.then(
+    (all) => {
+      const first = all.find((one) => !one.error);
+      if (first) {
+        client.expect(first.file);
+      }
+    },
+    () => {}, // said by the page
+  );
+}
+
 const root = document.getElementById("app")!;
 try {
-  const page = new Page(root);
-  const ready = page.start();
-  ready.catch(() => {}); // said on the page; who waits for it hears it too
-  window.clipgs = makeApi(page.app, () => ready);
+  const { startPage } = await import("./page");
+  window.clipgs = startPage(root, client, cases);
 } catch (error) {
+  client.dispose();
   root.replaceChildren(h("div", { class: "message", role: "alert" }, h("p", {}, (error as Error).message)));
 }

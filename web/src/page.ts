@@ -1,13 +1,24 @@
+import type { ClipgsApi } from "./api";
 import { App, type Host } from "./app";
-import { type CaseSummary, fetchCases } from "./model/case_list";
+import { caseFile, type CaseSummary, fetchCases } from "./model/case_list";
 import { formatLink, type Link, parseLink } from "./model/link";
+import { makeApi } from "./script_api";
 import type { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
+import type { CaseClient } from "./worker/case_client";
 
 const kLinkDelayMs = 300;
 
+/** Makes the page in `root`; its first case and the list of `cases` may be on their way already. */
+export function startPage(root: HTMLElement, client: CaseClient, cases: Promise<CaseSummary[]>): ClipgsApi {
+  const page = new Page(root, client);
+  const ready = page.start(cases);
+  ready.catch(() => {}); // said on the page; who waits for it hears it too
+  return makeApi(page.app, () => ready);
+}
+
 /** The page of `clipgs serve`: the server's cases, and the address that says what is shown. */
-export class Page implements Host {
+class Page implements Host {
   readonly keys = window;
   readonly app: App;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
@@ -15,17 +26,17 @@ export class Page implements Host {
   #size: Link["size"];
   #linkTimer = 0;
 
-  constructor(root: HTMLElement) {
-    this.app = new App(root, this);
+  constructor(root: HTMLElement, client: CaseClient) {
+    this.app = new App(root, this, client);
     root.append(this.#menu.element);
     // By now the address may have been written over.
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
   }
 
   /** Shows what the address names, or else the first case. Rejects with CaseError. */
-  async start(): Promise<void> {
+  async start(cases: Promise<CaseSummary[]>): Promise<void> {
     try {
-      await this.cases();
+      this.#cases = await cases;
     } catch (error) {
       this.app.fail((error as CaseError).message, () => location.reload());
       throw error;
@@ -41,9 +52,12 @@ export class Page implements Host {
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
   async open(name: string): Promise<void> {
     const known = this.#cases.find((one) => one.name === name);
-    const file = `cases/${encodeURIComponent(name)}.sog`;
     const again = () => void this.open(name).catch(() => {});
-    await this.app.open(known ?? { name, file, error: null }, parseLink(location.hash), again);
+    await this.app.open(
+      known ?? { name, file: caseFile(name), error: null },
+      parseLink(location.hash),
+      again,
+    );
     document.title = `${this.app.title} · clipgs`;
     this.#prefetchAfter(name);
   }

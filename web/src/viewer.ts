@@ -29,7 +29,7 @@ import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
-import { CaseClient, type DecodedSection } from "./worker/case_client";
+import type { CaseClient, DecodedSection } from "./worker/case_client";
 import type { ClipOperator } from "./worker/protocol";
 
 export interface ViewerState extends Style {
@@ -107,7 +107,7 @@ export class Viewer {
     uColors: { value: kBackgrounds.dark },
   });
   #background: Background = "dark";
-  readonly #client = new CaseClient();
+  readonly #client: CaseClient;
   #case: OpenCase | null = null;
   #width = 1; // CSS px
   #height = 1;
@@ -127,9 +127,11 @@ export class Viewer {
   #worn = false; // a headset draws
   #disposed = false;
 
-  constructor(canvas: HTMLCanvasElement) {
+  /** Takes over the client. Throws CaseError where the browser cannot draw. */
+  constructor(canvas: HTMLCanvasElement, client: CaseClient) {
     ColorManagement.enabled = false; // colours are display sRGB from the file to the screen
     this.canvas = canvas;
+    this.#client = client;
     // An opaque canvas, which three.js does not ask for by itself, spares the page a layer to blend.
     const context = canvas.getContext("webgl2", {
       alpha: false,

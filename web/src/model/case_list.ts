@@ -12,6 +12,11 @@ export interface CaseSummary {
   error: string | null;
 }
 
+/** Where the server has the case of this name. */
+export function caseFile(name: string): string {
+  return `cases/${encodeURIComponent(name)}.sog`;
+}
+
 /** Asks the server what cases there are. Throws CaseError. */
 export async function fetchCases(): Promise<CaseSummary[]> {
   let index: { cases: Partial<CaseSummary>[] };
@@ -30,7 +35,7 @@ export async function fetchCases(): Promise<CaseSummary[]> {
     title: one.title || one.name || "",
     preset: one.preset ?? "",
     splats: one.splats ?? 0,
-    file: one.file ?? `cases/${encodeURIComponent(one.name ?? "")}.sog`,
+    file: one.file ?? caseFile(one.name ?? ""),
     thumbnail: one.thumbnail ?? null,
     error: one.error ?? null,
   }));

@@ -21,6 +21,13 @@ interface Waiting<T> {
   reject: (error: CaseError) => void;
 }
 
+/** A load that nobody has asked for yet. */
+interface Expected {
+  url: string;
+  loaded: Promise<LoadedCase>;
+  progress: (share: number) => void;
+}
+
 /** The main thread's end of case_worker.ts. */
 export class CaseClient {
   readonly #worker: Worker;
@@ -29,6 +36,7 @@ export class CaseClient {
   #sorted: ((value: Sorted) => void) | null = null;
   #sorting: Promise<Sorted> | null = null;
   #tickets = 0;
+  #expected: Expected | null = null;
 
   constructor() {
     this.#worker = new Worker(new URL("./case_worker.ts", import.meta.url), { type: "module" });
@@ -36,13 +44,26 @@ export class CaseClient {
     this.#worker.onerror = () => this.#fail("the viewer's worker stopped; reload the page");
   }
 
+  /** Begins to load what the first load() will ask for. */
+  expect(url: string): void {
+    const expected: Expected = {
+      url,
+      progress: () => {},
+      loaded: this.#load(url, (share) => expected.progress(share)),
+    };
+    expected.loaded.catch(() => {}); // said by load()
+    this.#expected = expected;
+  }
+
   /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */
   load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
-    const ticket = this.#tickets++;
-    return new Promise((resolve, reject) => {
-      this.#loads.set(ticket, { resolve, reject, progress });
-      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
-    });
+    const expected = this.#expected;
+    this.#expected = null;
+    if (expected?.url !== url) {
+      return this.#load(url, progress);
+    }
+    expected.progress = progress;
+    return expected.loaded;
   }
 
   /** The section of a case that was loaded and has one. Once; rejects with CaseError. */
@@ -75,6 +96,14 @@ export class CaseClient {
   dispose(): void {
     this.#worker.terminate();
     this.#fail("the viewer is gone");
+  }
+
+  #load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+    const ticket = this.#tickets++;
+    return new Promise((resolve, reject) => {
+      this.#loads.set(ticket, { resolve, reject, progress });
+      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
+    });
   }
 
   #post(message: Request, transfer: Transferable[] = []): void {
