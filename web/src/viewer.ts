@@ -644,7 +644,7 @@ export class Viewer {
       }
       // Where a frame takes long, so do the pauses within a movement.
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
-      const moving = !this.#pictured || now - this.#lastChange < pause;
+      const moving = !this.#pictured || current.awaitsSection || now - this.#lastChange < pause;
       const due = moving
         ? this.#splatsStale
         : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;

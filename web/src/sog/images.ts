@@ -4,7 +4,8 @@ import { CaseError } from "./zip";
 
 const kAsTheyAre = { premultiplyAlpha: "none", colorSpaceConversion: "none" } as const;
 
-async function decodeBitmap(webp: Uint8Array, name: string): Promise<ImageBitmap> {
+/** `name` is what errors call the image. Throws CaseError. */
+export async function decodeBitmap(webp: Uint8Array, name: string): Promise<ImageBitmap> {
   try {
     return await createImageBitmap(new Blob([webp as BlobPart], { type: "image/webp" }), kAsTheyAre);
   } catch {
@@ -48,12 +49,11 @@ export class ImageDecoder {
   }
 
   /**
-   * Decodes a section's image row by row of tiles, so that neither its size on this device nor a second copy
-   * of it matters. Throws CaseError.
+   * Reads a section's image row by row of tiles, so that neither its size on this device nor a second copy
+   * of it matters, and closes it. Throws CaseError.
    */
-  async decodeSection(webp: Uint8Array, info: SectionInfo): Promise<Uint8Array> {
+  async readSection(bitmap: ImageBitmap, info: SectionInfo): Promise<Uint8Array> {
     const { tileWidth, tileHeight, columns, rows } = info.mosaic;
-    const bitmap = await decodeBitmap(webp, info.file);
     if (bitmap.width !== columns * tileWidth || bitmap.height !== rows * tileHeight) {
       throw new CaseError(
         `${info.file} is ${bitmap.width}×${bitmap.height}, which does not fit the section; build the case again`,

@@ -2,7 +2,7 @@
 
 import wasmUrl from "@wasm/splat_order.wasm?url";
 
-import { ImageDecoder } from "../sog/images";
+import { decodeBitmap, ImageDecoder } from "../sog/images";
 import { parseSection, type SectionInfo } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
 import { CaseError, readZip } from "../sog/zip";
@@ -21,7 +21,7 @@ let module: Promise<WebAssembly.Module> | null = null;
 let current: {
   ticket: number;
   order: SplatOrder;
-  section: { info: SectionInfo; image: Uint8Array } | null; // until it is decoded
+  section: { info: SectionInfo; bitmap: Promise<ImageBitmap> } | null; // until it was asked for
 } | null = null;
 let newestLoad = -1;
 const kSuperseded = "another case was chosen meanwhile";
@@ -93,7 +93,13 @@ async function load(ticket: number, url: string): Promise<void> {
     checkNewest(ticket);
     const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
     order.load(scene);
-    current = { ticket, order, section: info && { info, image: archive.get(info.file)! } };
+    void current?.section?.bitmap.then((bitmap) => bitmap.close()).catch(() => {}); // nobody asked for it
+    current = {
+      ticket,
+      order,
+      section: info && { info, bitmap: decodeBitmap(archive.get(info.file)!, info.file) },
+    };
+    current.section?.bitmap.catch(() => {}); // said when it is asked for
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
@@ -117,9 +123,10 @@ async function sendSection(ticket: number): Promise<void> {
     if (current?.ticket !== ticket) {
       throw new CaseError(kSuperseded);
     }
-    const { info, image } = current.section!;
+    const { info, bitmap } = current.section!;
     current.section = null;
-    const section = { ...info, voxels: await decoding((decoder) => decoder.decodeSection(image, info)) };
+    const image = await bitmap;
+    const section = { ...info, voxels: await decoding((decoder) => decoder.readSection(image, info)) };
     checkNewest(ticket);
     const milliseconds = performance.now() - start;
     reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
