@@ -18,7 +18,9 @@ import {
 
 import type { PackedScene } from "../sog/sog";
 
-const kWidth = 2048;
+/** Splats lie in rows of textures of this width: 2 to the power of kWidthBits. */
+export const kWidthBits = 11;
+const kWidth = 1 << kWidthBits;
 
 function dataTexture(
   data: Uint8Array | Uint16Array | Uint32Array | Float32Array,

@@ -20,7 +20,7 @@ import { type FaceGain, gainAt } from "../model/face_gain";
 import type { Plane } from "../model/geometry";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
-import type { GpuScene } from "./gpu_scene";
+import { type GpuScene, kWidthBits } from "./gpu_scene";
 import { makeSceneCamera, type SceneCamera, setSceneCamera } from "./scene_camera";
 import { shader } from "./shaders";
 
@@ -96,7 +96,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         glslVersion: GLSL3,
         vertexShader: shader("splat.vert.glsl"),
         fragmentShader: shader("splat.frag.glsl"),
-        defines: { kSplatsPerInstance, kPlanes: 1 },
+        defines: { kSplatsPerInstance, kWidthBits, kPlanes: 1 },
         uniforms: {
           uScene: { value: scene.packed },
           uOrder: { value: scene.order },

@@ -123,16 +123,14 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int sl
   vec3 local[kPlanes];                          // Mᵀn
   float shares[kPlanes];
   for (int i = 0; i < kPlanes; ++i) {
-    shares[i] = 1.0;
-    if (clip == kClipNone || i >= count) {
-      continue;
-    }
     d[i] = dot(planes[i].xyz, g.mean) - planes[i].w;
     local[i] = planes[i].xyz * g.axes;
     variance[i] = dot(local[i], local[i]);
     deviation[i] = sqrt(variance[i]);
-    shares[i] = clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation[i]), 0.0, 1.0) : 1.0;
-    removed = removed || (clip == kClipHard && d[i] < 0.0) || (clip == kClipExact && d[i] < -kClipSigma * deviation[i]);
+    bool cuts = i < count;
+    shares[i] = cuts && clip == kClipSoft ? clamp(0.5 + d[i] / (2.0 * deviation[i]), 0.0, 1.0) : 1.0;
+    removed = removed || (cuts && clip == kClipHard && d[i] < 0.0) ||
+              (cuts && clip == kClipExact && d[i] < -kClipSigma * deviation[i]);
   }
   s.opacity = g.opacity * jointShare(shares, slabs);
   if (removed || t.z <= camera.near || s.opacity < kAlphaMin) {

@@ -25,6 +25,11 @@ out vec2 vPosition;  // pixel offset in sigma along the splat's axes
 out float vPlane[kPlanes];  // standardised distances of planes
 flat out vec4 vColor;
 
+// Of a splat by its number, in textures that are a power of two wide.
+ivec2 texelOf(uint index) {
+  return ivec2(index & ((1u << kWidthBits) - 1u), index >> kWidthBits);
+}
+
 void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);  // outside: nothing is drawn
   vPosition = vec2(0.0);
@@ -36,10 +41,7 @@ void main() {
   if (index >= uCount) {
     return;
   }
-  ivec2 orderSize = textureSize(uOrder, 0);
-  uint id = texelFetch(uOrder, ivec2(int(index) % orderSize.x, int(index) / orderSize.x), 0).r;
-  int width = textureSize(uScene, 0).x;
-  ivec2 texel = ivec2(int(id) % width, int(id) / width);
+  ivec2 texel = texelOf(texelFetch(uOrder, texelOf(index), 0).r);
   Gaussian g = unpackGaussian(texelFetch(uScene, texel, 0), uPackedScene);
   Splat s = project(g, uCamera, uPlanes, uPlaneCount, uSlabs, uClip);
   if (!s.visible) {
