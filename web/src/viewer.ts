@@ -117,7 +117,8 @@ export class Viewer {
   #coarse = false; // what is shown was drawn for speed
   #canvasStale = true;
   #captured: Promise<void> | null = null; // while a picture is drawn apart
-  #lastChange = 0;
+  #lastChange = 0; // ms, and as an animation frame
+  #changeTick = 0;
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #inset: Inset = { right: 0, bottom: 0 };
   #ticks = 0; // animation frames
@@ -584,6 +585,7 @@ export class Viewer {
     this.#splatsStale = true;
     this.#canvasStale = true;
     this.#lastChange = performance.now();
+    this.#changeTick = this.#ticks;
     this.stats.settled = false;
     this.changed();
   }
@@ -644,7 +646,8 @@ export class Viewer {
       }
       // Where a frame takes long, so do the pauses within a movement.
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
-      const moving = !this.#pictured || current.awaitsSection || now - this.#lastChange < pause;
+      const changed = this.#ticks - this.#changeTick < 2 || now - this.#lastChange < pause;
+      const moving = !this.#pictured || current.awaitsSection || changed;
       const due = moving
         ? this.#splatsStale
         : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;
