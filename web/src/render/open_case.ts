@@ -55,6 +55,7 @@ export class OpenCase {
   windows: ReadonlyMap<string, Window> = new Map();
   readonly #client: CaseClient;
   readonly #ticket: number;
+  readonly #view = new Float32Array(kViewFloats); // that the worker is told
   #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 
   /** Throws CaseError. */
@@ -97,12 +98,11 @@ export class OpenCase {
     leastPixels = 0,
   ): Promise<SortResult | null> {
     const { mesh } = this;
-    const view = new Float32Array(kViewFloats);
     mesh.setClip(this.#planes(cuts), clip);
-    writeSortView(view, mesh.sceneCamera(camera, width, height), mesh.planes, leastPixels);
+    writeSortView(this.#view, mesh.sceneCamera(camera, width, height), mesh.planes, leastPixels);
     const { count, order, milliseconds } = await this.#client.sort(
       this.#ticket,
-      view,
+      this.#view,
       mesh.clip,
       this.#spare,
     );

@@ -75,8 +75,10 @@ export function viewportSize(
 export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> {
   readonly #scene: GpuScene;
   readonly #mmPerUnit: number;
-  readonly #camera: SceneCamera = makeSceneCamera();
+  readonly #camera: SceneCamera; // of the frame that is drawn
+  readonly #seen = makeSceneCamera(); // scratch
   readonly #sizeScratch = new Vector2();
+  readonly #inverse = new Matrix4(); // scratch
   readonly #sceneToPatient: Matrix4;
   readonly #faceGain: FaceGain;
   readonly #colorPass: FullScreenPass;
@@ -183,11 +185,10 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     }
   }
 
-  /** The camera as the scene sees it, for a picture of width × height px. */
+  /** The camera as the scene sees it, for a picture of width × height px: until this is asked again. */
   sceneCamera(camera: PerspectiveCamera, width: number, height: number): SceneCamera {
-    const result = makeSceneCamera();
-    setSceneCamera(result, camera, this.matrixWorld, width, height, this.#mmPerUnit);
-    return result;
+    setSceneCamera(this.#seen, camera, this.matrixWorld, width, height, this.#mmPerUnit);
+    return this.#seen;
   }
 
   /** Standard deviations that splats are drawn to, at most. */
@@ -196,9 +197,9 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.material.uniformsNeedUpdate = true;
   }
 
-  /** A point of the world in scene space. */
+  /** Takes a point of the world to scene space. */
   scenePoint(point: Vector3): Vector3 {
-    return point.clone().applyMatrix4(this.matrixWorld.clone().invert());
+    return point.applyMatrix4(this.#inverse.copy(this.matrixWorld).invert());
   }
 
   /** Takes an order of `count` splats, far to near; returns the array that it replaces. */

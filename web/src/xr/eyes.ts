@@ -29,8 +29,12 @@ export function setBothEyes(out: BothEyes, eyes: readonly Eye[]): void {
   if (!first) {
     return;
   }
-  let [left, right, bottom, top] = [Infinity, -Infinity, Infinity, -Infinity]; // tangents
-  let [leftmost, rightmost] = [Infinity, -Infinity]; // eyes, along the first one's x
+  let left = Infinity; // tangents
+  let right = -Infinity;
+  let bottom = Infinity;
+  let top = -Infinity;
+  let leftmost = Infinity; // eyes, along the first one's x
+  let rightmost = -Infinity;
   out.middle.set(0, 0, 0);
   for (const eye of eyes) {
     const p = eye.projectionMatrix.elements;

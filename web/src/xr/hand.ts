@@ -15,6 +15,8 @@ import {
   MeshBasicMaterial,
   type Object3D,
   type PerspectiveCamera,
+  Ray,
+  type Sphere,
   SphereGeometry,
   Vector3,
   type WebXRManager,
@@ -43,7 +45,7 @@ function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
 
 /**
  * A hand in the headset, with a controller or bare: what it is near to or, where that is nothing, points at. Its trigger
- * or pinch goes to everything that listens, its grip button to what `holds` accepts alone, and A or X calls `menu`.
+ * or pinch goes to everything that listens, its grip button to `held` alone, and A or X calls `menu`.
  */
 export class Hand {
   /** In the room. */
@@ -62,32 +64,29 @@ export class Hand {
   readonly #holders = new CombinedPointer(false);
   readonly #ray: Mesh;
   readonly #joints: InstancedMesh;
+  readonly #held: Object3D;
   readonly #menu: () => void;
   #menuPressed = false;
   readonly #matrix = new Matrix4(); // scratch
+  readonly #sight = new Ray();
   readonly #size = new Vector3();
 
-  constructor(
-    xr: WebXRManager,
-    index: number,
-    camera: PerspectiveCamera,
-    holds: (object: Object3D) => boolean,
-    menu: () => void,
-  ) {
+  constructor(xr: WebXRManager, index: number, camera: PerspectiveCamera, held: Object3D, menu: () => void) {
+    this.#held = held;
     this.#menu = menu;
     this.#far = xr.getController(index);
     this.#grip = xr.getControllerGrip(index);
     this.#bare = xr.getHand(index);
-    const pointers = (filter?: (object: Object3D) => boolean): [Pointer, Pointer] => {
+    const pointers = (): [Pointer, Pointer] => {
       // However long it is pressed: hands are slower than mice.
-      const options = { customSort: firstMet, clickThresholdMs: Infinity, filter };
+      const options = { customSort: firstMet, clickThresholdMs: Infinity };
       return [
         createGrabPointer(() => camera, { current: this.#near }, this, { ...options, radius: kReach }),
         createRayPointer(() => camera, { current: this.#far }, this, options),
       ];
     };
     this.#any = pointers();
-    this.#hold = pointers(holds);
+    this.#hold = pointers();
     this.#any.forEach((pointer, i) => this.#pointers.register(pointer, i === 1));
     this.#hold.forEach((pointer, i) => this.#holders.register(pointer, i === 1));
     const material = new MeshBasicMaterial({ color: kColor, transparent: true, opacity: 0.6 });
@@ -107,8 +106,11 @@ export class Hand {
     this.#listen(this.#far);
   }
 
-  /** Moves the pointers to where the hand is now; what they meet in `scene` hears of it. */
-  update(scene: Object3D, timeStamp: number): void {
+  /**
+   * Moves the pointers to where the hand is now; what they meet in `scene` hears of it. Of `crowd`, many parts in a
+   * sphere, each is asked only where the hand may meet them.
+   */
+  update(scene: Object3D, timeStamp: number, crowd: { parts: Object3D; sphere: Sphere }): void {
     if (!this.source) {
       return;
     }
@@ -124,8 +126,9 @@ export class Hand {
       this.#near.quaternion.copy(this.#grip.quaternion);
     }
     this.object.updateMatrixWorld();
+    crowd.parts.intersectChildren = this.#mayMeet(crowd.sphere);
     this.#pointers.move(scene, { timeStamp });
-    this.#holders.move(scene, { timeStamp });
+    this.#holders.move(this.#held, { timeStamp });
     const [, ray] = this.#any;
     const at = ray.getEnabled() ? ray.getIntersection() : undefined;
     this.#ray.visible = at !== undefined;
@@ -150,6 +153,15 @@ export class Hand {
     }
     (this.#ray.material as MeshBasicMaterial).dispose();
     this.#joints.dispose();
+  }
+
+  /** Whether it is near to a sphere, or points at it. */
+  #mayMeet(sphere: Sphere): boolean {
+    const { origin, direction } = this.#sight;
+    const near = sphere.distanceToPoint(origin.setFromMatrixPosition(this.#near.matrixWorld)) < kReach;
+    origin.setFromMatrixPosition(this.#far.matrixWorld);
+    direction.set(0, 0, -1).transformDirection(this.#far.matrixWorld);
+    return near || this.#sight.intersectsSphere(sphere);
   }
 
   #listen(events: XRTargetRaySpace): void {

@@ -8,7 +8,7 @@ import type { Marking } from "../model/pins";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
-import { Governor } from "./governor";
+import { type Effort, Governor } from "./governor";
 import { Hand } from "./hand";
 import type { Panel, PanelHost } from "./panel/panel";
 import { Stage } from "./stage";
@@ -36,6 +36,7 @@ const kFrameRate = 72;
 export class Headset {
   readonly stage: Stage;
   readonly governor = new Governor();
+  #effort: Effort | null = null; // that the headset knows of
   /** It is put on or taken off. */
   changed: () => void = () => {};
   /** Null until it is worn for the first time. */
@@ -48,6 +49,7 @@ export class Headset {
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
   readonly #forward = new Vector3();
+  readonly #eye = new Vector3(); // scratch
   #placed = false;
   #time = 0;
   #shown: OpenCase | null = null;
@@ -65,14 +67,7 @@ export class Headset {
     this.stage = new Stage(viewer, marking);
     const { xr } = viewer.renderer;
     this.#hands = [0, 1].map(
-      (index) =>
-        new Hand(
-          xr,
-          index,
-          this.#camera,
-          (object) => this.stage.isCase(object),
-          () => this.#placePanel(),
-        ),
+      (index) => new Hand(xr, index, this.#camera, this.stage.solid, () => this.#placePanel()),
     );
     this.stage.scene.add(...this.#hands.map((hand) => hand.object));
     xr.addEventListener("sessionend", () => this.#takenOff());
@@ -104,6 +99,7 @@ export class Headset {
     }
     this.#placed = false;
     this.#version = -1;
+    this.#effort = null;
     this.#viewer.yieldTo(this);
     renderer.setAnimationLoop((time, frame) => this.#frame(time, frame));
     this.changed();
@@ -201,7 +197,7 @@ export class Headset {
       this.stage.place(middle, this.#forward);
       this.#placePanel();
     }
-    this.#hands.forEach((hand) => hand.update(this.stage.scene, time));
+    this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd));
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
     this.#time = time;
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
@@ -237,15 +233,16 @@ export class Headset {
   #govern(time: number, frame: XRFrame | undefined): void {
     const { xr } = this.#viewer.renderer;
     const rate = xr.getSession()?.frameRate ?? kFrameRate;
-    const before = this.governor.effort;
     this.governor.count(time, 1000 / rate);
-    if (this.governor.effort !== before) {
-      this.panel?.refresh();
+    if (this.governor.effort === this.#effort) {
+      return;
     }
+    this.panel?.refresh();
     const space = xr.getReferenceSpace();
-    const views = (space && frame?.getViewerPose(space)?.views) ?? [];
-    for (const view of views) {
-      view.requestViewportScale?.(this.governor.effort.scale);
+    const pose = space && frame?.getViewerPose(space);
+    if (pose) {
+      this.#effort = this.governor.effort; // a view keeps what was asked for
+      pose.views.forEach((view) => view.requestViewportScale?.(this.governor.effort.scale));
     }
   }
 
@@ -298,7 +295,7 @@ export class Headset {
       const { faces } = shown.subject(camera, height, state, window, kRays);
       shown.faces?.setVisible(faces !== null);
     }
-    shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#both.middle));
+    shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#eye.copy(this.#both.middle)));
     const { extent, leastPixels } = this.governor.effort;
     shown.mesh.extent = extent;
     viewer.sortFor(camera, width, height, leastPixels);

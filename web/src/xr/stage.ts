@@ -75,9 +75,9 @@ export class Stage {
     this.#release = this.#store.bind(this.#box);
   }
 
-  /** Whether an object is the case, as hands meet it. */
-  isCase(object: Object3D): boolean {
-    return object === this.#box;
+  /** The case, as hands meet it. */
+  get solid(): Object3D {
+    return this.#box;
   }
 
   /** What is pointed at, while points are marked. */

@@ -1,7 +1,15 @@
 import { HandleStore } from "@pmndrs/handle";
 import { Container, reversePainterSortStable, Text } from "@pmndrs/uikit";
 import { computed, signal } from "@preact/signals-core";
-import { Group, type Object3D, type Texture, TextureLoader, Vector3, type WebGLRenderer } from "three";
+import {
+  Group,
+  type Object3D,
+  Sphere,
+  type Texture,
+  TextureLoader,
+  Vector3,
+  type WebGLRenderer,
+} from "three";
 
 import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, failureText, formatCount } from "../../model/case_list";
@@ -109,6 +117,8 @@ export class Panel {
   #refreshed = 0;
   #time = 0;
   readonly #eye = new Vector3();
+  /** What hands meet of it, and where that is in the room. */
+  readonly crowd = { parts: new Group(), sphere: new Sphere() };
   readonly #cubePlace = new Vector3(); // scratch
 
   constructor(viewer: Viewer, actions: Actions, marking: Marking, host: PanelHost) {
@@ -152,10 +162,10 @@ export class Panel {
       }),
     );
     // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
-    const lift = new Group();
-    lift.position.y = kTop;
-    this.object.add(this.#board.add(lift.add(this.#root)));
+    this.crowd.parts.position.y = kTop;
+    this.object.add(this.#board.add(this.crowd.parts.add(this.#root)));
     this.object.add(this.#marks.object, this.#letters.object, this.#cube.object);
+    this.#marks.object.intersectChildren = this.#letters.object.intersectChildren = false;
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
     );
@@ -239,8 +249,8 @@ export class Panel {
     }
     const { reading, pointedPin, roomFromPatient } = stage;
     this.#marks.update(reading, pointedPin, roomFromPatient, eye, stage.toPatient(eye), delta);
-    this.#cubePlace.copy(kCube).applyQuaternion(this.#board.quaternion).add(this.#board.position);
-    this.#cube.place(this.#cubePlace, stage.quaternion);
+    this.#cube.place(this.#inRoom(this.#cubePlace.copy(kCube)), stage.quaternion);
+    this.#updateCrowd();
   }
 
   dispose(): void {
@@ -251,6 +261,18 @@ export class Panel {
     this.#cube.dispose();
     this.#wristButtons.forEach((one) => one.dispose());
     this.#pictures.forEach((picture) => picture.dispose());
+  }
+
+  /** Of a point of the board. */
+  #inRoom(point: Vector3): Vector3 {
+    return point.applyQuaternion(this.#board.quaternion).add(this.#board.position);
+  }
+
+  #updateCrowd(): void {
+    const [width, height] = this.#root.size.peek() ?? [0, 0];
+    const { sphere } = this.crowd;
+    sphere.radius = 0.5 * kPixel * Math.hypot(width, height);
+    this.#inRoom(sphere.center.set(0, kTop - 0.5 * kPixel * height, 0));
   }
 
   #live<T>(read: () => T): Live<T> {

@@ -41,6 +41,7 @@ export class WristButton {
     this.#eye.copy(eye).sub(this.#wrist.position).normalize();
     this.#back.set(0, 1, 0).applyQuaternion(this.#wrist.quaternion);
     this.#shown.value = this.#wrist.visible && this.#back.dot(this.#eye) > kFacing;
+    this.#wrist.intersectChildren = this.#shown.value;
     this.#root.update(delta);
   }
 
