@@ -14,11 +14,13 @@ import { kClipOperators, kViewFloats } from "../src/worker/protocol";
 import { SplatOrder } from "../src/worker/splat_order";
 import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
+import { Wearer } from "../test/browser/wearer";
 import { median, table } from "./measure";
 
 const kRounds = 5;
 const kSorted = 300_000;
 const kLongTaskMs = 8;
+const kHeadsetFrames = 30;
 const [file = "", other = file] = parseArgs({ allowPositionals: true }).positionals;
 const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "../build/release/web");
 
@@ -208,6 +210,37 @@ async function planeTasks(session: Session): Promise<string[]> {
   ];
 }
 
+interface AllocationNode {
+  selfSize: number;
+  children: AllocationNode[];
+}
+
+function allocated({ selfSize, children }: AllocationNode): number {
+  return children.reduce((sum, child) => sum + allocated(child), selfSize);
+}
+
+/** What frames in a headset leave to collect while its wearer moves: of the viewer, its libraries and the emulator. */
+async function garbage(session: Session): Promise<string[]> {
+  const page = await session.openInHeadset("#case=first");
+  await page.evaluate(() => window.clipgs.ready);
+  const wearer = new Wearer(page);
+  await wearer.wear();
+  await wearer.frames(kHeadsetFrames);
+  const client = await page.context().newCDPSession(page);
+  const collected = { includeObjectsCollectedByMajorGC: true, includeObjectsCollectedByMinorGC: true };
+  await client.send("HeapProfiler.startSampling", { samplingInterval: 256, ...collected });
+  await page.evaluate(async (frames) => {
+    for (let i = 0; i < frames; ++i) {
+      window.headset.position.set(0.002 * i, 1.6, 0);
+      await new Promise(requestAnimationFrame);
+    }
+  }, kHeadsetFrames);
+  const { profile } = await client.send("HeapProfiler.stopSampling");
+  await page.close();
+  const kilobytes = allocated(profile.head) / kHeadsetFrames / 1000;
+  return ["garbage a frame in a headset", `${kilobytes.toFixed(0)} KB`, ""];
+}
+
 function overdraw(session: Session): string[] {
   const scene = join(session.folder, "scene.ply");
   execFileSync(kProgram, ["--quiet", "unpack", file, "-o", scene]);
@@ -224,7 +257,7 @@ await session.start((cases) => {
 });
 try {
   rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
-  rows.push(overdraw(session));
+  rows.push(await garbage(session), overdraw(session));
 } finally {
   process.exitCode = (await session.stop()) ?? 0;
 }

@@ -172,15 +172,37 @@ function scenePlane({ sceneToPatient, mmPerUnit }: CaseInfo, { normal, offset }:
   return { normal: inScene.toArray(), offset: (offset - n.dot(origin)) / mmPerUnit };
 }
 
-function makeMovements({ bounds }: CaseInfo): Record<string, Moment[]> {
+/** The offset of the plane of this normal that cuts half of the splats away. */
+async function halfOffset(page: Page, normal: Triple, [first, last]: [number, number]): Promise<number> {
+  let [low, high] = [first, last];
+  for (let step = 0; step < 8; ++step) {
+    const offset = 0.5 * (low + high);
+    const { drawn, total } = await page.evaluate(
+      async (plane) => {
+        window.clipgs.setPlane(plane);
+        do {
+          await new Promise(requestAnimationFrame);
+        } while (!window.clipgs.stats.settled);
+        return window.clipgs.stats;
+      },
+      { normal, offset },
+    );
+    [low, high] = drawn > 0.5 * total ? [offset, high] : [low, offset];
+  }
+  return low;
+}
+
+async function makeMovements({ bounds }: CaseInfo, page: Page): Promise<Record<string, Moment[]>> {
   const axis = new Vector3(1, 0.3, 0.5).normalize();
+  const normal = axis.toArray();
   const [first, last] = projectBox(bounds, axis);
-  const at = (share: number) => ({ normal: axis.toArray(), offset: first + share * (last - first) });
+  const at = (share: number) => ({ normal, offset: first + share * (last - first) });
+  const half = { normal, offset: await halfOffset(page, normal, [first, last]) };
   const movement = (moment: (share: number) => Moment) =>
     Array.from({ length: kFrames }, (_, i) => moment(i / (kFrames - 1)));
   return {
     "turning, uncut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: null })),
-    "turning, half cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: at(0.5) })),
+    "turning, half cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: half })),
     "plane moving": movement((s) => ({ azimuth: kAzimuth, plane: at(0.8 - 0.7 * s) })),
   };
 }
@@ -237,12 +259,12 @@ async function waitUntilShown({ name, page, time }: Contender, moment: Moment): 
 
 async function main(): Promise<void> {
   const info = await readCaseInfo(file);
-  const movements = makeMovements(info);
   const session = new Session();
   await session.start((cases) => copyFileSync(file, join(cases, "case.sog")));
   const server = await serveFiles();
   try {
     const contenders = await openAll(session, info, server);
+    const movements = await makeMovements(info, contenders[0]!.page);
     for (const contender of contenders) {
       await waitUntilShown(contender, { azimuth: kAzimuth, plane: null });
     }

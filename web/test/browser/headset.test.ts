@@ -611,5 +611,19 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.wear();
       expect(await page.evaluate(() => window.clipgs.headset.scale)).toBe(1);
     });
+
+    it("leaves the room to be seen around the case where that is asked for", async () => {
+      await page.evaluate(() => window.clipgs.headset.leave());
+      await page.waitForFunction(() => !window.clipgs.headset.worn);
+      await page.getByTitle("Show it in the headset, in the room where one is").click();
+      await page.waitForFunction(() => window.clipgs.headset.worn);
+      await wearer.frames(5);
+      const blended = await page.evaluate(() => window.headset.activeSession!.environmentBlendMode);
+      expect(blended).toBe("alpha-blend");
+      for (const { picture } of await eyes()) {
+        expect(picture.data[3], "alpha of the room").toBe(0);
+        expect(coverage({ ...picture, data: Uint8Array.from(picture.data) })).toBeGreaterThan(0.02);
+      }
+    });
   });
 });
