@@ -15,21 +15,18 @@ declare global {
 // The case is fetched and decoded while the rest of the viewer's code is on its way.
 const client = new CaseClient();
 const cases = fetchCases();
-const linked = new URLSearchParams(location.hash.slice(1)).get("case");
-if (linked) {
-  client.expect(caseFile(linked));
-} else {
-  cases.then(
-    (all) => {
-      const first = all.find((one) => !one.error);
-      if (first) {
-        client.expect(first.file);
-      }
-    },
-    () => {}, // said by the page
-  );
+cases.catch(() => {}); // said by the page
+
+/** The case that the address names, or else the first one. */
+async function expectCase(): Promise<void> {
+  const linked = new URLSearchParams(location.hash.slice(1)).get("case");
+  const file = linked ? caseFile(linked) : (await cases).find((one) => !one.error)?.file;
+  if (file) {
+    client.expect(file);
+  }
 }
 
+expectCase().catch(() => {}); // said by the page
 const root = document.getElementById("app")!;
 try {
   const { startPage } = await import("./page");
