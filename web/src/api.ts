@@ -60,7 +60,7 @@ export interface ViewerStats {
   scale: number; // resolution of the picture shown, 1: full
   settled: boolean; // the picture shown is that of the state, as good as it gets
   sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
-  sectionMs: number; // decoding it
+  sectionMs: number; // decoding what was left of it when the body was seen
 }
 
 /** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */

@@ -237,7 +237,7 @@ export class Viewer {
     return new Promise((resolve) => this.#firstFrame.push(resolve));
   }
 
-  /** Gives a case its section, after its first picture: decoding and drawing would wait for each other. */
+  /** Gives a case its section, after its first picture: both wait for the GPU. */
   async #complete(opened: OpenCase, ticket: number): Promise<void> {
     await this.#nextPicture();
     let decoded: DecodedSection | null = null;

@@ -9,7 +9,7 @@ export interface Sorted {
   milliseconds: number;
 }
 
-/** A section, and what decoding it took. */
+/** A section, and what it took once it was asked for. */
 export interface DecodedSection {
   section: Section;
   milliseconds: number;

@@ -18,17 +18,10 @@ const worker = self as unknown as {
 
 const files = new FileCache();
 let module: Promise<WebAssembly.Module> | null = null;
-
-/** And what decoding it took. */
-interface DecodedImage {
-  bitmap: ImageBitmap;
-  milliseconds: number;
-}
-
 let current: {
   ticket: number;
   order: SplatOrder;
-  section: { info: SectionInfo; image: Promise<DecodedImage> } | null; // until it was asked for
+  section: { info: SectionInfo; bitmap: Promise<ImageBitmap> } | null; // until it is asked for
 } | null = null;
 let newestLoad = -1;
 const kSuperseded = "another case was chosen meanwhile";
@@ -100,16 +93,16 @@ async function load(ticket: number, url: string): Promise<void> {
     checkNewest(ticket);
     const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
     order.load(scene);
-    current?.section?.image.then(
-      ({ bitmap }) => bitmap.close(), // nobody asked for it
+    current?.section?.bitmap.then(
+      (bitmap) => bitmap.close(), // nobody asked for it
       () => {},
     );
     current = {
       ticket,
       order,
-      section: info && { info, image: decodeImage(archive.get(info.file)!, info.file) },
+      section: info && { info, bitmap: decodeBitmap(archive.get(info.file)!, info.file) },
     };
-    current.section?.image.catch(() => {}); // said when it is asked for
+    current.section?.bitmap.catch(() => {}); // said when it is asked for
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
@@ -127,26 +120,18 @@ async function load(ticket: number, url: string): Promise<void> {
   }
 }
 
-async function decodeImage(webp: Uint8Array, name: string): Promise<DecodedImage> {
-  const start = performance.now();
-  return { bitmap: await decodeBitmap(webp, name), milliseconds: performance.now() - start };
-}
-
 async function sendSection(ticket: number): Promise<void> {
+  const start = performance.now();
   try {
     if (current?.ticket !== ticket) {
       throw new CaseError(kSuperseded);
     }
-    const { info, image } = current.section!;
+    const { info, bitmap } = current.section!;
     current.section = null;
-    const decoded = await image;
-    const start = performance.now();
-    const section = {
-      ...info,
-      voxels: await decoding((decoder) => decoder.readSection(decoded.bitmap, info)),
-    };
+    const image = await bitmap;
+    const section = { ...info, voxels: await decoding((decoder) => decoder.readSection(image, info)) };
     checkNewest(ticket);
-    const milliseconds = decoded.milliseconds + performance.now() - start;
+    const milliseconds = performance.now() - start;
     reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
   } catch (error) {
     fail(ticket, error);

@@ -33,7 +33,7 @@ export type Request =
 export type Reply =
   | { kind: "progress"; ticket: number; loaded: number; total: number }
   | ({ kind: "loaded" } & LoadedCase)
-  /** `milliseconds`: what decoding took. */
+  /** `milliseconds`: what was left of decoding took. */
   | { kind: "section"; ticket: number; section: Section; milliseconds: number }
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };
