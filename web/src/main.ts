@@ -17,7 +17,7 @@ const client = new CaseClient();
 const cases = fetchCases();
 cases.catch(() => {}); // said by the page
 
-/** The case that the address names, or else the first one. */
+/** The case that the address names (parseLink() would bring most of the viewer's code), or else the first one. */
 async function expectCase(): Promise<void> {
   const linked = new URLSearchParams(location.hash.slice(1)).get("case");
   const file = linked ? caseFile(linked) : (await cases).find((one) => !one.error)?.file;

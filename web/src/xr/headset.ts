@@ -234,15 +234,16 @@ export class Headset {
     const { xr } = this.#viewer.renderer;
     const rate = xr.getSession()?.frameRate ?? kFrameRate;
     this.governor.count(time, 1000 / rate);
-    if (this.governor.effort === this.#effort) {
+    const { effort } = this.governor;
+    if (effort === this.#effort) {
       return;
     }
     this.panel?.refresh();
     const space = xr.getReferenceSpace();
     const pose = space && frame?.getViewerPose(space);
     if (pose) {
-      this.#effort = this.governor.effort; // a view keeps what was asked for
-      pose.views.forEach((view) => view.requestViewportScale?.(this.governor.effort.scale));
+      this.#effort = effort; // a view keeps what was asked for
+      pose.views.forEach((view) => view.requestViewportScale?.(effort.scale));
     }
   }
 

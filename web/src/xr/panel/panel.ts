@@ -165,6 +165,7 @@ export class Panel {
     this.crowd.parts.position.y = kTop;
     this.object.add(this.#board.add(this.crowd.parts.add(this.#root)));
     this.object.add(this.#marks.object, this.#letters.object, this.#cube.object);
+    // Nobody presses these; what marks a point or removes a pin is the stage's.
     this.#marks.object.intersectChildren = this.#letters.object.intersectChildren = false;
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),

@@ -120,7 +120,6 @@ export class RoomMarks {
     });
     for (const mesh of [...this.#dots, ...this.#lines]) {
       mesh.renderOrder = kOverCase;
-      mesh.raycast = () => {};
     }
     for (const object of [...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object)]) {
       this.#placed.add(object);

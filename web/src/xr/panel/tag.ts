@@ -30,8 +30,7 @@ export class Tag {
         anchorY: kAnchors[where],
         depthTest: false,
         renderOrder: kOverCase,
-        "*": { depthTest: false, renderOrder: kOverCase, pointerEvents: "none" },
-        pointerEvents: "none",
+        "*": { depthTest: false, renderOrder: kOverCase },
       },
       new Text({ text: this.text, color: "#e4e7ec", fontSize: 16 }),
     );
