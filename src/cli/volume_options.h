@@ -6,11 +6,20 @@
 
 namespace clipgs {
 
-/// Adds --series, --hu and --keep-table, which every command that reads a volume understands.
-/// `options` must outlive the parsing.
+/// Adds --series, --gaps, --hu and --keep-table, which every command that reads a volume
+/// understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   command.add_option("--series", options.series,
                      "DICOM series, by UID or by its number in the list (default: the largest)");
+  command
+      .add_option_function<std::string>(
+          "--gaps",
+          [&options](const std::string& word) {
+            options.gaps = word == "refuse" ? Gaps::kRefuse : Gaps::kInterpolate;
+          },
+          "Where a few slices of a series are missing (at most 3 in a row and 10 % of all)")
+      ->check(CLI::IsMember({"interpolate", "refuse"}))
+      ->default_str("interpolate");
   command
       .add_option_function<std::vector<float>>(
           "--hu",

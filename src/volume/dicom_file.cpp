@@ -5,19 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <span>
 
 #include "core/error.h"
-#include "core/file.h"
 #include "volume/itk_reader.h"
 
 namespace clipgs {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr size_t kPreamble = 128;
 constexpr std::uint32_t kUndefinedLength = 0xffffffff;
@@ -63,7 +58,8 @@ struct Encoding {
 
 class Walker {
  public:
-  Walker(std::span<const std::uint8_t> bytes, const fs::path& path) : bytes_(bytes), path_(path) {}
+  Walker(std::span<const std::uint8_t> bytes, std::string name)
+      : bytes_(bytes), name_(std::move(name)) {}
 
   void walk() {
     at_ = kPreamble + 4;
@@ -103,7 +99,7 @@ class Walker {
   std::span<const std::uint8_t> pixels() const { return pixels_; }
 
   [[noreturn]] void corrupt(const char* what) const {
-    throw Error("{}: truncated or corrupt DICOM file ({} at byte {})", path_.string(), what, at_);
+    throw Error("{}: truncated or corrupt DICOM file ({} at byte {})", name_, what, at_);
   }
 
  private:
@@ -115,7 +111,7 @@ class Walker {
       return {true, true};
     }
     if (syntax == "1.2.840.10008.1.2.1.99") {
-      throw Error("{}: deflated DICOM is not supported; export it uncompressed", path_.string());
+      throw Error("{}: deflated DICOM is not supported; export it uncompressed", name_);
     }
     return {true, false};
   }
@@ -256,7 +252,7 @@ class Walker {
   }
 
   std::span<const std::uint8_t> bytes_;
-  const fs::path& path_;
+  std::string name_;
   size_t at_ = 0;
   Encoding encoding_;
   std::map<std::uint32_t, std::span<const std::uint8_t>> values_;
@@ -289,9 +285,9 @@ int parse_int(const std::string& text, int otherwise) {
   return static_cast<int>(parse_double(text, otherwise));
 }
 
-DicomHeader header_of(const Walker& walker, const fs::path& path) {
+DicomHeader header_of(const Walker& walker, const DicomSource& source) {
   DicomHeader header;
-  header.path = path;
+  header.source = source;
   header.series_uid = walker.text(kSeriesUid);
   header.modality = walker.text(kModality);
   header.series_number = parse_int(walker.text(kSeriesNumber), 0);
@@ -328,12 +324,12 @@ void require_all_pixels(const Walker& walker, const DicomHeader& header) {
                              header.frames * header.samples * header.bits_allocated;
   if (!walker.encapsulated() && walker.pixels().size() < bits / 8) {
     throw Error("{}: truncated or corrupt DICOM file: {} bytes of pixels where {} are due",
-                header.path.string(), walker.pixels().size(), bits / 8);
+                header.source.name(), walker.pixels().size(), bits / 8);
   }
 }
 
-DicomHeader checked_header(Walker& walker, const fs::path& path) {
-  DicomHeader header = header_of(walker, path);
+DicomHeader checked_header(const Walker& walker, const DicomSource& source) {
+  DicomHeader header = header_of(walker, source);
   if (header.rows == 0 || header.columns == 0) {
     walker.corrupt("pixels without a size");
   }
@@ -361,57 +357,39 @@ std::vector<float> convert_pixels(const DicomHeader& header, std::span<const std
   return values;
 }
 
-std::vector<fs::path> files_below(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
-       it.increment(error)) {
-    if (it->is_regular_file(error)) {
-      files.push_back(it->path());
-    }
-  }
-  if (error) {
-    throw Error("{}: cannot be listed: {}", folder.string(), error.message());
-  }
-  std::ranges::sort(files);
-  return files;
-}
-
-}  // namespace
-
-bool is_dicom_file(const fs::path& path) {
-  std::array<char, kPreamble + 4> head{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), head.size());
-  return file && std::memcmp(&head[kPreamble], "DICM", 4) == 0;
-}
-
-std::optional<DicomHeader> read_dicom_header(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  Walker walker(bytes, path);
+/// What walking the file finds: nothing for a file without an image.
+std::optional<DicomHeader> walked_header(Walker& walker, const DicomSource& source) {
   walker.walk();
   if (!walker.has_pixels()) {
     return std::nullopt;
   }
-  return checked_header(walker, path);
+  return checked_header(walker, source);
+}
+
+}  // namespace
+
+std::optional<DicomHeader> read_dicom_header(const DicomSource& source) {
+  const std::vector<std::uint8_t> bytes = source.read();
+  Walker walker(bytes, source.name());
+  return walked_header(walker, source);
 }
 
 std::vector<float> read_dicom_pixels(const DicomHeader& known) {
-  const std::vector<std::uint8_t> bytes = read_file(known.path);
-  Walker walker(bytes, known.path);
+  const std::vector<std::uint8_t> bytes = known.source.read();
+  Walker walker(bytes, known.source.name());
   walker.walk();
-  const DicomHeader header = checked_header(walker, known.path);
+  const DicomHeader header = checked_header(walker, known.source);
   if (header.rows != known.rows || header.columns != known.columns || header.frames != 1) {
-    throw Error("{}: changed while it was read", known.path.string());
+    throw Error("{}: changed while it was read", known.source.name());
   }
   if (header.samples != 1 || !header.photometric.starts_with("MONOCHROME")) {
     throw Error("{}: a colour image; store colour volumes as RGB .nrrd or .mha",
-                header.path.string());
+                header.source.name());
   }
   const bool whole_bytes =
       header.bits_allocated == 8 || header.bits_allocated == 16 || header.bits_allocated == 32;
   if (!whole_bytes || header.bits_stored < 1 || header.bits_stored > header.bits_allocated) {
-    throw Error("{}: pixels of {} bits in {} are not supported", header.path.string(),
+    throw Error("{}: pixels of {} bits in {} are not supported", header.source.name(),
                 header.bits_stored, header.bits_allocated);
   }
   if (!walker.encapsulated()) {
@@ -420,16 +398,26 @@ std::vector<float> read_dicom_pixels(const DicomHeader& known) {
   return convert_pixels(header, decode_dicom_pixels(header, walker.pixels()), false);
 }
 
-std::vector<DicomHeader> scan_dicom(const fs::path& folder) {
-  std::vector<DicomHeader> headers;
-  for (const fs::path& file : files_below(folder)) {
-    if (is_dicom_file(file)) {
-      if (std::optional<DicomHeader> header = read_dicom_header(file)) {
-        headers.push_back(std::move(*header));
+DicomScan scan_dicom(const std::vector<DicomSource>& sources) {
+  DicomScan scan;
+  for (const DicomSource& source : sources) {
+    std::string series_uid;
+    try {
+      const std::vector<std::uint8_t> bytes = source.read();
+      Walker walker(bytes, source.name());
+      try {
+        if (std::optional<DicomHeader> header = walked_header(walker, source)) {
+          scan.images.push_back(std::move(*header));
+        }
+      } catch (const Error&) {
+        series_uid = walker.text(kSeriesUid);
+        throw;
       }
+    } catch (const Error& e) {
+      scan.unreadable.push_back({source, series_uid, e.what()});
     }
   }
-  return headers;
+  return scan;
 }
 
 }  // namespace clipgs

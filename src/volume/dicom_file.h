@@ -1,16 +1,17 @@
 #pragma once
 
-#include <filesystem>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "volume/dicom_source.h"
+
 namespace clipgs {
 
 /// What the header of one DICOM image says; nothing that tells who the patient is.
 struct DicomHeader {
-  std::filesystem::path path;
+  DicomSource source;
   std::string series_uid;
   std::string modality;  ///< "CT", "MR", ...
   int series_number = 0;
@@ -33,21 +34,30 @@ struct DicomHeader {
   double intercept = 0;
 };
 
-/// True if the file starts like DICOM ("DICM" at byte 128).
-bool is_dicom_file(const std::filesystem::path& path);
-
 /// Walks all data elements of a DICOM file (PS3.5: explicit and implicit VR, nested sequences,
 /// native and encapsulated pixels) and checks that every length lies inside the file, so that a
 /// decoder gets to see whole files only. Nothing for files that hold no image (reports, DICOMDIR).
 /// Throws Error for truncated and corrupt files.
-std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path);
+std::optional<DicomHeader> read_dicom_header(const DicomSource& source);
 
 /// Pixels of a single-frame grey image, slope and intercept applied, row by row. Only the pixels
 /// and the few facts above ever reach the decoder of compressed pixels. Throws Error.
 std::vector<float> read_dicom_pixels(const DicomHeader& known);
 
-/// Headers of all DICOM images in the folder and its subfolders, in the order of their paths; other
-/// files are passed over. Throws Error.
-std::vector<DicomHeader> scan_dicom(const std::filesystem::path& folder);
+/// A DICOM file that cannot be read: a slice of a series, if it could be read up to there.
+struct UnreadableDicom {
+  DicomSource source;
+  std::string series_uid;  ///< empty: not known
+  std::string error;       ///< what is wrong, one line
+};
+
+struct DicomScan {
+  std::vector<DicomHeader> images;
+  std::vector<UnreadableDicom> unreadable;
+};
+
+/// The headers of all images among the files. A file that cannot be read ends nothing: whether it
+/// matters is known when a series has been chosen.
+DicomScan scan_dicom(const std::vector<DicomSource>& sources);
 
 }  // namespace clipgs

@@ -1,5 +1,6 @@
 #include "volume/dicom_fixture.h"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <gdcmDataElement.h>
 #include <gdcmTransferSyntax.h>
@@ -53,6 +54,9 @@ void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice) {
        fmt::format("{:.6f}\\{:.6f}", slice.pixel_spacing.y, slice.pixel_spacing.x));
   text(0x0028, 0x1052, gdcm::VR::DS, fmt::format("{}", slice.intercept));
   text(0x0028, 0x1053, gdcm::VR::DS, fmt::format("{}", slice.slope));
+  for (const FixtureSlice::Text& extra : slice.texts) {
+    text(extra.group, extra.element, gdcm::VR::DS, extra.value);
+  }
   insert(data, {0x0028, 0x0002}, 1);  // samples per pixel
   insert(data, {0x0028, 0x0010}, slice.rows);
   insert(data, {0x0028, 0x0011}, slice.columns);
@@ -69,6 +73,39 @@ void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice) {
   if (!writer.Write()) {
     throw std::runtime_error("cannot write " + path.string());
   }
+}
+
+double fixture_truth(const glm::dvec3& lps) { return 40 + 3 * lps.x - 2 * lps.y + 4 * lps.z; }
+
+void fill(FixtureSlice& slice, double added) {
+  slice.pixels.clear();
+  for (int y = 0; y < slice.rows; ++y) {
+    for (int x = 0; x < slice.columns; ++x) {
+      const glm::dvec3 p = slice.position + slice.row * (x * slice.pixel_spacing.x) +
+                           slice.column * (y * slice.pixel_spacing.y);
+      slice.pixels.push_back(static_cast<std::int16_t>(
+          std::lround((fixture_truth(p) + added - slice.intercept) / slice.slope)));
+    }
+  }
+}
+
+void write_series(const std::filesystem::path& folder, const std::vector<double>& table,
+                  FixtureSlice slice, const std::string& prefix, double added) {
+  std::filesystem::create_directories(folder);
+  for (size_t i = 0; i < table.size(); ++i) {
+    slice.position.z = table[i];
+    slice.instance = static_cast<int>(i) + 1;
+    fill(slice, added);
+    write_dicom(folder / fmt::format("{}{}", prefix, (i * 7) % 31), slice);
+  }
+}
+
+std::vector<double> even_table(int slices, double step) {
+  std::vector<double> table;
+  for (int i = 0; i < slices; ++i) {
+    table.push_back(-20 + i * step);
+  }
+  return table;
 }
 
 }  // namespace clipgs

@@ -22,9 +22,29 @@ struct FixtureSlice {
   double slope = 1;
   double intercept = -1024;
   std::vector<std::int16_t> pixels;  ///< as stored, rows × columns
+  struct Text {
+    std::uint16_t group = 0;
+    std::uint16_t element = 0;
+    std::string value;
+  };
+  std::vector<Text> texts;  ///< further elements, of decimal strings
 };
+
+/// A function that linear resampling keeps: HU at an LPS position.
+double fixture_truth(const glm::dvec3& lps);
+
+/// The pixels become fixture_truth() of their places, plus `added`.
+void fill(FixtureSlice& slice, double added = 0);
 
 /// Writes an uncompressed DICOM file.
 void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice);
+
+/// Writes one filled slice per position along the table (z), instance numbers from 1, in an order
+/// that the names do not follow.
+void write_series(const std::filesystem::path& folder, const std::vector<double>& table,
+                  FixtureSlice slice, const std::string& prefix = "i", double added = 0);
+
+/// `slices` positions from -20 mm on.
+std::vector<double> even_table(int slices, double step);
 
 }  // namespace clipgs

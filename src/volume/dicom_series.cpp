@@ -11,15 +11,10 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "volume/stack_plan.h"
 
 namespace clipgs {
 namespace {
-
-glm::dvec3 normal_of(const DicomHeader& slice) { return glm::cross(slice.row, slice.column); }
-
-double along_normal(const DicomHeader& slice, const glm::dvec3& normal) {
-  return glm::dot(slice.position, normal);
-}
 
 /// Images of one key lie parallel with equal pixels. Rounding lets the last digits differ.
 auto stack_key(const DicomHeader& h) {
@@ -54,91 +49,6 @@ void drop_repeats(std::vector<DicomHeader>& slices, const std::string& where) {
     warn(fmt::format("{}: {} images share their position with another; the first of each is taken",
                      where, before - slices.size()));
   }
-}
-
-/// The step most others agree with (within 5 %); the smaller one if several do.
-double most_common(const std::vector<double>& steps) {
-  double best = steps.front();
-  std::ptrdiff_t best_count = 0;
-  for (const double step : steps) {
-    const auto count = std::ranges::count_if(
-        steps, [&](double other) { return std::abs(other - step) < 0.05 * step; });
-    if (count > best_count || (count == best_count && step < best)) {
-      best = step;
-      best_count = count;
-    }
-  }
-  return best;
-}
-
-bool nearly(double a, double b) { return std::abs(a - b) < 0.05 * b; }
-
-/// Consecutive equal steps.
-struct Run {
-  size_t first = 0;
-  size_t count = 0;
-  double step = 0;
-};
-
-std::vector<Run> runs_of(const std::vector<double>& steps) {
-  std::vector<Run> runs;
-  for (size_t i = 0; i < steps.size(); ++i) {
-    if (runs.empty() || !nearly(steps[i], runs.back().step)) {
-      runs.push_back({i, 0, steps[i]});
-    }
-    ++runs.back().count;
-  }
-  return runs;
-}
-
-/// How many slices a short run lacks at each of its steps, 0 if it is none (see plan_stack).
-long missing_per_step(const std::vector<Run>& runs, size_t i, double common) {
-  const Run& run = runs[i];
-  if (run.count > 2 || runs.size() == 1) {
-    return 0;
-  }
-  const double before = i > 0 ? runs[i - 1].step : runs[i + 1].step;
-  const double after = i + 1 < runs.size() ? runs[i + 1].step : before;
-  const double multiple = std::round(run.step / before);
-  const bool doubled =
-      nearly(before, after) && multiple >= 2 && nearly(run.step, multiple * before);
-  if (doubled) {
-    return std::lround(multiple) - 1;
-  }
-  return run.step > 3.5 * common ? std::lround(run.step / common) - 1 : 0;
-}
-
-/// Throws if some steps look like holes rather than like a change of spacing.
-void refuse_missing_slices(const std::vector<double>& steps, const std::string& where) {
-  const std::vector<Run> runs = runs_of(steps);
-  const double common = most_common(steps);
-  size_t missing = 0;
-  std::optional<size_t> first;
-  for (size_t i = 0; i < runs.size(); ++i) {
-    const long lacking = missing_per_step(runs, i, common);
-    if (lacking > 0) {
-      missing += static_cast<size_t>(lacking) * runs[i].count;
-      first = first.value_or(runs[i].first);
-    }
-  }
-  if (first) {
-    throw Error(
-        "{}: {} of {} slices missing, the first after slice {} ({:.2f} mm to the next, most "
-        "are {:.2f} mm apart); copy the whole series",
-        where, missing, steps.size() + 1 + missing, *first + 1, steps[*first], common);
-  }
-}
-
-/// The finest of the spacings that the scan kept for a while: a single odd step, where two blocks
-/// of slices overlap, must not multiply the data.
-double finest_lasting_step(const std::vector<double>& steps, double otherwise) {
-  double finest = std::numeric_limits<double>::max();
-  for (const Run& run : runs_of(steps)) {
-    if (run.count >= 3) {
-      finest = std::min(finest, run.step);
-    }
-  }
-  return finest < std::numeric_limits<double>::max() ? finest : otherwise;
 }
 
 /// A regular grid that holds every slice: in-plane axes as stored, the third along the normal.
@@ -208,7 +118,15 @@ class ShiftedSlice {
   std::vector<float> pixels_;
 };
 
-void warn_of_resampling(const StackPlan& plan, const ResampleGrid& grid, const std::string& where) {
+void warn_of_resampling(const StackPlan& plan, const ResampleGrid& grid,
+                        const std::vector<DicomHeader>& slices, const std::string& where) {
+  if (!plan.gaps.empty()) {
+    warn(fmt::format("{}: {}; interpolated from their neighbours (--gaps refuse stops instead)",
+                     where, describe_gaps(plan, slices)));
+  }
+  if (!plan.sheared && !plan.uneven) {
+    return;
+  }
   std::string why;
   if (plan.sheared) {
     why = fmt::format("gantry tilted by {:.1f} degrees", plan.tilt_deg);
@@ -287,7 +205,7 @@ void require_whole(const DicomStack& stack, const std::string& where) {
   if (std::abs(glm::length(first.row) - 1) > 1e-2 ||
       std::abs(glm::length(first.column) - 1) > 1e-2 || skew > 1e-2) {
     throw Error("{}: the slices' orientation is not made of perpendicular unit vectors",
-                first.path.string());
+                first.source.name());
   }
 }
 
@@ -316,7 +234,7 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
     }
     // A file of many frames is a volume of its own.
     DicomStack& stack =
-        stacks[{stack_key(header), multi_frame ? header.path.string() : std::string()}];
+        stacks[{stack_key(header), multi_frame ? header.source.name() : std::string()}];
     stack.uid = header.series_uid;
     stack.modality = header.modality;
     stack.series_number = header.series_number;
@@ -332,65 +250,30 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
   return sorted;
 }
 
-StackPlan plan_stack(const std::vector<DicomHeader>& slices, const std::string& where) {
-  const glm::dvec3 normal = normal_of(slices.front());
-  std::vector<double> steps;
-  for (size_t i = 1; i < slices.size(); ++i) {
-    steps.push_back(along_normal(slices[i], normal) - along_normal(slices[i - 1], normal));
-  }
-  std::vector<double> sorted = steps;
-  std::ranges::sort(sorted);
-  const double median = sorted[sorted.size() / 2];
-
-  StackPlan plan;
-  plan.smallest_step = sorted.front();
-  plan.largest_step = sorted.back();
-  const double tolerance = std::max(0.02 * median, 0.02);
-  plan.uneven = median - sorted.front() > tolerance || sorted.back() - median > tolerance;
-  const glm::dvec3 whole = slices.back().position - slices.front().position;
-  const double depth = glm::dot(whole, normal);
-  if (plan.uneven) {
-    refuse_missing_slices(steps, where);
-    plan.step = finest_lasting_step(steps, median);
-  } else {
-    plan.step = depth / static_cast<double>(steps.size());
-  }
-
-  for (const DicomHeader& slice : slices) {
-    const glm::dvec3 shift = slice.position - slices.front().position;
-    const glm::dvec3 in_plane = shift - normal * glm::dot(shift, normal);
-    plan.largest_shift = std::max(plan.largest_shift, glm::length(in_plane));
-  }
-  const DicomHeader& first = slices.front();
-  plan.sheared = plan.largest_shift > 0.5 * std::min(first.pixel_spacing.x, first.pixel_spacing.y);
-  plan.tilt_deg = glm::degrees(std::atan2(glm::length(whole - normal * depth), depth));
-  return plan;
-}
-
-StoredImage read_stack(const DicomStack& stack, float fill, const std::string& where) {
+StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where) {
   if (stack.slices.front().frames > 1) {
-    return read_multi_frame(stack.slices.front().path);
+    return read_multi_frame(stack.slices.front().source.path);
   }
   DicomStack whole = stack;
   drop_repeats(whole.slices, where);
   require_whole(whole, where);
-  const StackPlan plan = plan_stack(whole.slices, where);
+  const StackPlan plan = plan_stack(whole.slices, gaps, where);
   const ResampleGrid grid = resample_grid(whole.slices, plan);
 
   StoredImage image;
   const DicomHeader& first = whole.slices.front();
   image.direction = glm::dmat3(first.row, first.column, grid.normal);
-  const bool resample = plan.uneven || plan.sheared;
-  image.dims = resample ? grid.dims
-                        : IVec3(first.columns, first.rows, static_cast<int>(whole.slices.size()));
+  image.dims = plan.resampled()
+                   ? grid.dims
+                   : IVec3(first.columns, first.rows, static_cast<int>(whole.slices.size()));
   image.spacing = grid.spacing;
-  image.origin = resample ? grid.origin : first.position;
+  image.origin = plan.resampled() ? grid.origin : first.position;
   if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
     throw Error("{}: more than 2^31 voxels; crop or downsample the series", where);
   }
   image.values.resize(static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z);
-  if (resample) {
-    warn_of_resampling(plan, grid, where);
+  if (plan.resampled()) {
+    warn_of_resampling(plan, grid, whole.slices, where);
     resample_stack(whole, grid, fill, image.values);
   } else {
     read_regular(whole, image.values);

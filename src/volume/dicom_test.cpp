@@ -15,40 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A function that linear resampling keeps: HU at an LPS position.
-double truth(const glm::dvec3& lps) { return 40 + 3 * lps.x - 2 * lps.y + 4 * lps.z; }
-
-void fill(FixtureSlice& slice) {
-  for (int y = 0; y < slice.rows; ++y) {
-    for (int x = 0; x < slice.columns; ++x) {
-      const glm::dvec3 p = slice.position + slice.row * (x * slice.pixel_spacing.x) +
-                           slice.column * (y * slice.pixel_spacing.y);
-      slice.pixels.push_back(
-          static_cast<std::int16_t>(std::lround((truth(p) - slice.intercept) / slice.slope)));
-    }
-  }
-}
-
-/// Writes one slice per position along the table (z), in an order that names do not follow.
-void write_series(const TestFolder& folder, const std::vector<double>& table, FixtureSlice slice,
-                  const std::string& prefix = "i") {
-  for (size_t i = 0; i < table.size(); ++i) {
-    slice.pixels.clear();
-    slice.position.z = table[i];
-    slice.instance = static_cast<int>(i) + 1;
-    fill(slice);
-    write_dicom(folder / fmt::format("{}{}", prefix, (i * 7) % 31), slice);
-  }
-}
-
-std::vector<double> even_table(int slices, double step) {
-  std::vector<double> table;
-  for (int i = 0; i < slices; ++i) {
-    table.push_back(-20 + i * step);
-  }
-  return table;
-}
-
 FixtureSlice tilted_slice(double degrees) {
   FixtureSlice slice;
   const double angle = glm::radians(degrees);
@@ -63,7 +29,7 @@ void expect_truth(const Volume& volume, double tolerance) {
     for (double y = 3; y < 8; y += 1.3) {
       for (double z = -12; z < 0; z += 2.1) {
         const float value = volume.sample(Vec3(-x, -y, z));
-        EXPECT_NEAR(value, truth({x, y, z}), tolerance) << x << " " << y << " " << z;
+        EXPECT_NEAR(value, fixture_truth({x, y, z}), tolerance) << x << " " << y << " " << z;
         ++checked;
       }
     }
@@ -77,7 +43,7 @@ TEST(Dicom, SeriesBecomesAVolumeInHu) {
   slice.pixel_spacing = {1.25, 1.0};
   slice.slope = 0.5;
   slice.intercept = -1000;
-  write_series(folder, even_table(14, 2), slice);
+  write_series(folder.path(), even_table(14, 2), slice);
   testing::internal::CaptureStderr();
   const Volume volume = load_volume(folder.path());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
@@ -89,7 +55,7 @@ TEST(Dicom, SeriesBecomesAVolumeInHu) {
 
 TEST(Dicom, OneFileStandsForItsSeries) {
   const TestFolder folder;
-  write_series(folder, even_table(6, 2), FixtureSlice());
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
   EXPECT_EQ(load_volume(folder / "i7").dims, IVec3(16, 12, 6));
 }
 
@@ -98,7 +64,6 @@ TEST(Dicom, ObliqueSeriesKeepsItsRotation) {
   FixtureSlice slice = tilted_slice(12);
   const glm::dvec3 normal = glm::cross(slice.row, slice.column);
   for (int i = 0; i < 10; ++i) {
-    slice.pixels.clear();
     slice.position = normal * (i * 2.0);
     slice.instance = i;
     fill(slice);
@@ -107,12 +72,12 @@ TEST(Dicom, ObliqueSeriesKeepsItsRotation) {
   const Volume volume = load_volume(folder.path());
   EXPECT_EQ(volume.dims, IVec3(16, 12, 10));
   EXPECT_LT(glm::length(volume.direction[2] - Vec3(-normal.x, -normal.y, normal.z)), 1e-4f);
-  EXPECT_NEAR(volume.sample(Vec3(-5, -5, 8)), truth({5, 5, 8}), 0.6);
+  EXPECT_NEAR(volume.sample(Vec3(-5, -5, 8)), fixture_truth({5, 5, 8}), 0.6);
 }
 
 TEST(Dicom, TiltedGantryIsResampledWithAWarning) {
   const TestFolder folder;
-  write_series(folder, even_table(14, 2), tilted_slice(16.5));
+  write_series(folder.path(), even_table(14, 2), tilted_slice(16.5));
   testing::internal::CaptureStderr();
   const Volume volume = load_volume(folder.path());
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("gantry tilted by 16.5 degrees"));
@@ -123,7 +88,7 @@ TEST(Dicom, TiltedGantryIsResampledWithAWarning) {
 
 TEST(Dicom, UnevenSpacingIsResampledWithAWarning) {
   const TestFolder folder;
-  write_series(folder, {-20, -17, -14, -11, -6, -1, 4, 9}, FixtureSlice());
+  write_series(folder.path(), {-20, -17, -14, -11, -6, -1, 4, 9}, FixtureSlice());
   testing::internal::CaptureStderr();
   const Volume volume = load_volume(folder.path());
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("slices 3.00 to 5.00 mm apart"));
@@ -131,21 +96,41 @@ TEST(Dicom, UnevenSpacingIsResampledWithAWarning) {
   expect_truth(volume, 0.7);
 }
 
-TEST(Dicom, MissingSlicesAreAnError) {
+TEST(Dicom, AFewMissingSlicesAreInterpolatedWithAWarning) {
   const TestFolder folder;
-  write_series(folder, even_table(12, 2), FixtureSlice());
-  std::filesystem::remove(folder / "i11");  // the sixth: 5 * 7 % 31 = 4; i11 is the seventh
-  const std::string error = error_of([&] { load_volume(folder.path()); });
-  EXPECT_THAT(error, HasSubstr("1 of 12 slices missing"));
+  write_series(folder.path(), even_table(12, 2), FixtureSlice());
+  std::filesystem::remove(folder / "i11");  // the seventh, at -8 mm: 6 * 7 % 31
+  testing::internal::CaptureStderr();
+  const Volume volume = load_volume(folder.path());
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("1 of 12 slices is missing: slice 7 (at -8.00 mm); interpolated"));
+  EXPECT_EQ(volume.dims, IVec3(16, 12, 12));
+  EXPECT_NEAR(volume.spacing.z, 2, 1e-6);
+  for (double z = -20; z <= 2; z += 2) {
+    EXPECT_NEAR(volume.sample(Vec3(-3, -4, z)), fixture_truth({3, 4, z}), 0.6) << z;
+  }
+  LoadOptions strict;
+  strict.gaps = Gaps::kRefuse;
+  EXPECT_THAT(error_of([&] { load_volume(folder.path(), strict); }),
+              HasSubstr("1 of 12 slices missing"));
+}
+
+TEST(Dicom, ManyMissingSlicesAreAnError) {
+  const TestFolder folder;
+  write_series(folder.path(), even_table(12, 2), FixtureSlice());
+  std::filesystem::remove(folder / "i11");
+  std::filesystem::remove(folder / "i18");
+  EXPECT_THAT(error_of([&] { load_volume(folder.path()); }),
+              HasSubstr("2 of 12 slices missing, the first after slice 6"));
 }
 
 TEST(Dicom, LargestSeriesIsTakenAndTheOthersListed) {
   const TestFolder folder;
-  write_series(folder, even_table(5, 2), FixtureSlice(), "a");
+  write_series(folder.path(), even_table(5, 2), FixtureSlice(), "a");
   FixtureSlice other;
   other.series_uid = "1.2.3.4";
   other.modality = "MR";
-  write_series(folder, even_table(9, 3), other, "b");
+  write_series(folder.path(), even_table(9, 3), other, "b");
   testing::internal::CaptureStderr();
   EXPECT_EQ(load_volume(folder.path()).dims.z, 9);
   const std::string listing = testing::internal::GetCapturedStderr();
@@ -164,8 +149,8 @@ TEST(Dicom, LargestSeriesIsTakenAndTheOthersListed) {
 
 TEST(Dicom, RepeatedPositionsKeepTheFirstInstance) {
   const TestFolder folder;
-  write_series(folder, even_table(5, 2), FixtureSlice(), "a");
-  write_series(folder, even_table(5, 2), FixtureSlice(), "b");
+  write_series(folder.path(), even_table(5, 2), FixtureSlice(), "a");
+  write_series(folder.path(), even_table(5, 2), FixtureSlice(), "b");
   testing::internal::CaptureStderr();
   EXPECT_EQ(load_volume(folder.path()).dims.z, 5);
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("5 images share their position"));
@@ -173,7 +158,7 @@ TEST(Dicom, RepeatedPositionsKeepTheFirstInstance) {
 
 TEST(Dicom, DamagedFilesAreErrors) {
   const TestFolder folder;
-  write_series(folder, even_table(6, 2), FixtureSlice());
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
   const std::vector<std::uint8_t> whole = read_file(folder / "i7");
   testing::internal::CaptureStderr();
   for (const size_t length : {size_t{140}, whole.size() / 2, whole.size() - 40}) {
@@ -187,7 +172,7 @@ TEST(Dicom, DamagedFilesAreErrors) {
 
 TEST(Dicom, FlippedBitsGiveAVolumeOrAnError) {
   const TestFolder folder;
-  write_series(folder, even_table(4, 2), FixtureSlice());
+  write_series(folder.path(), even_table(4, 2), FixtureSlice());
   const std::vector<std::uint8_t> whole = read_file(folder / "i7");
   Rng rng(3);
   testing::internal::CaptureStderr();
@@ -210,7 +195,7 @@ TEST(Dicom, FlippedBitsGiveAVolumeOrAnError) {
 
 TEST(Dicom, OneSliceIsNoVolume) {
   const TestFolder folder;
-  write_series(folder, {0}, FixtureSlice());
+  write_series(folder.path(), {0}, FixtureSlice());
   EXPECT_THAT(error_of([&] { load_volume(folder.path()); }), HasSubstr("at least 2"));
 }
 

@@ -266,14 +266,14 @@ std::vector<std::uint8_t> decode_dicom_pixels(const DicomHeader& header,
   gdcm::ImageReader reader;
   reader.SetStream(file);
   if (!reader.Read()) {
-    throw Error("{}: its compressed pixels cannot be read", header.path.string());
+    throw Error("{}: its compressed pixels cannot be read", header.source.name());
   }
   const gdcm::Image& image = reader.GetImage();
   const size_t expected = static_cast<size_t>(header.columns) * header.rows *
                           static_cast<size_t>(header.bits_allocated / 8);
   std::vector<std::uint8_t> pixels(image.GetBufferLength());
   if (pixels.size() != expected || !image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) {
-    throw Error("{}: its compressed pixels are corrupt", header.path.string());
+    throw Error("{}: its compressed pixels are corrupt", header.source.name());
   }
   return pixels;
 }

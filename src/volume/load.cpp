@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "volume/dicom_series.h"
+#include "volume/dicom_study.h"
 #include "volume/isolate_body.h"
 #include "volume/itk_reader.h"
 #include "volume/orient.h"
@@ -100,63 +100,12 @@ Modality dicom_modality(const std::string& text) {
   return text == "CT" ? Modality::kCt : text == "MR" ? Modality::kMr : Modality::kUnknown;
 }
 
-std::vector<DicomStack> stacks_in(const fs::path& folder) {
-  std::vector<DicomStack> stacks = group_into_stacks(scan_dicom(folder));
-  if (stacks.empty()) {
-    throw Error(
-        "{}: no DICOM image with a position in this folder; give the folder of a CT or MR "
-        "series, or a .nii(.gz), .nrrd or .mha file",
-        folder.string());
-  }
-  return stacks;
-}
-
-void list_choices(const std::vector<DicomStack>& stacks, const std::string& where) {
-  std::string text = fmt::format("{}: {} series:", where, stacks.size());
-  for (size_t i = 0; i < stacks.size(); ++i) {
-    text += fmt::format("{} {}) {}, UID {}", i == 0 ? "" : ";", i + 1, stacks[i].describe(),
-                        stacks[i].uid);
-  }
-  warn(text + "; taking 1, choose another with --series");
-}
-
-const DicomStack& choose_stack(const std::vector<DicomStack>& stacks, const std::string& series,
-                               const std::string& where) {
-  if (series.empty()) {
-    if (stacks.size() > 1) {
-      list_choices(stacks, where);
-    }
-    return stacks.front();
-  }
-  for (size_t i = 0; i < stacks.size(); ++i) {
-    if (series == std::to_string(i + 1) || series == stacks[i].uid) {
-      return stacks[i];
-    }
-  }
-  throw Error("{}: no series \"{}\": give a number from 1 to {} or a series UID", where, series,
-              stacks.size());
-}
-
-Volume load_dicom(const std::vector<DicomStack>& stacks, const std::string& series,
-                  const LoadOptions& options, const std::string& where) {
-  const DicomStack& stack = choose_stack(stacks, series, where);
+Volume load_dicom(const DicomStudy& study, const LoadOptions& options) {
+  const DicomStack& stack = choose_stack(study, options.series);
   const Modality modality = dicom_modality(stack.modality);
   const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
-  return make_volume(read_stack(stack, fill, where), modality, options, where);
-}
-
-/// One file of a series stands for the series.
-Volume load_series_of(const fs::path& file, const LoadOptions& options) {
-  const fs::path folder = fs::absolute(file).parent_path();
-  const std::vector<DicomStack> stacks = stacks_in(folder);
-  for (size_t i = 0; i < stacks.size(); ++i) {
-    for (const DicomHeader& slice : stacks[i].slices) {
-      if (slice.path == fs::absolute(file)) {
-        return load_dicom(stacks, std::to_string(i + 1), options, folder.string());
-      }
-    }
-  }
-  throw Error("{}: a DICOM file without an image", file.string());
+  return make_volume(read_stack(stack, fill, options.gaps, study.where), modality, options,
+                     study.where);
 }
 
 Volume load_values(const fs::path& path, const LoadOptions& options) {
@@ -165,11 +114,8 @@ Volume load_values(const fs::path& path, const LoadOptions& options) {
   if (!fs::exists(path, ignored)) {
     throw Error("{}: no such file or folder", where);
   }
-  if (fs::is_directory(path, ignored)) {
-    return load_dicom(stacks_in(path), options.series, options, where);
-  }
-  if (is_dicom_file(path)) {
-    return load_series_of(path, options);
+  if (is_dicom(path)) {
+    return load_dicom(open_study(path), options);
   }
   return make_volume(read_image_file(path), Modality::kUnknown, options, where);
 }
@@ -178,7 +124,7 @@ Volume load_values(const fs::path& path, const LoadOptions& options) {
 
 std::vector<SeriesInfo> list_series(const fs::path& folder) {
   std::vector<SeriesInfo> series;
-  for (const DicomStack& stack : stacks_in(folder)) {
+  for (const DicomStack& stack : open_study(folder).stacks) {
     const DicomHeader& first = stack.slices.front();
     const int slices = first.frames > 1 ? first.frames : static_cast<int>(stack.slices.size());
     series.push_back({stack.uid, stack.modality, stack.series_number, slices,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/gaps.h"
 #include "volume/volume.h"
 
 namespace clipgs {
@@ -16,10 +17,11 @@ struct Rescale {
 };
 
 struct LoadOptions {
-  std::string series;            ///< DICOM series UID or 1-based number; empty: the largest
-  std::optional<Rescale> hu;     ///< --hu scale,offset; empty: values as stored
-  bool keep_table = false;       ///< leave what a CT shows beside the patient
-  std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
+  std::string series;              ///< DICOM series UID or 1-based number; empty: the largest
+  Gaps gaps = Gaps::kInterpolate;  ///< what to do where a few slices of a series are missing
+  std::optional<Rescale> hu;       ///< --hu scale,offset; empty: values as stored
+  bool keep_table = false;         ///< leave what a CT shows beside the patient
+  std::filesystem::path labels;    ///< segmentation of the volume (add_labels()); empty: none
 };
 
 /// One series of a DICOM folder, as a person tells series apart.
@@ -35,14 +37,14 @@ struct SeriesInfo {
 /// from 1.
 std::vector<SeriesInfo> list_series(const std::filesystem::path& folder);
 
-/// Reads a DICOM folder (or one file of it), NIfTI, NRRD or MetaImage file (through ITK), converts
-/// LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries and uneven
-/// slice spacing to a regular grid (with a warning that says what was done). Throws Error for
-/// anything it cannot make sense of: truncated or corrupt files, no image in a folder, missing
-/// slices, zero-size, NaN or constant data. Colour volumes become photographs. Several series in a
-/// folder are listed in a warning. CT is cut off at −1024 HU: scanners mark pixels outside their
-/// field with less. Table and cushions are taken off a CT (isolate_body()), with a warning that
-/// says how much.
+/// Reads a DICOM folder (or the series of one file of it), NIfTI, NRRD or MetaImage file (through
+/// ITK), converts LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries
+/// and uneven slice spacing to a regular grid (with a warning that says what was done). Throws
+/// Error for anything it cannot make sense of: truncated or corrupt files, no image in a folder,
+/// missing slices (more than a few, see Gaps), zero-size, NaN or constant data. Colour volumes
+/// become photographs. Several series in a folder are listed in a warning. CT is cut off at −1024
+/// HU: scanners mark pixels outside their field with less. Table and cushions are taken off a CT
+/// (isolate_body()), with a warning that says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.
