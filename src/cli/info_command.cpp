@@ -27,19 +27,27 @@ struct InfoOptions {
 
 Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-Json describe_series(const fs::path& folder) {
+/// `choice` is what --series takes.
+Json describe_series(const std::vector<SeriesInfo>& choices) {
   Json list = Json::array();
-  for (const SeriesInfo& series : list_series(folder)) {
-    list.push_back({{"uid", series.uid},
-                    {"modality", series.modality},
-                    {"number", series.number},
-                    {"dims", {series.dims.x, series.dims.y, series.dims.z}}});
+  for (const SeriesInfo& series : choices) {
+    Json entry = {{"choice", list.size() + 1},
+                  {"uid", series.uid},
+                  {"modality", series.modality},
+                  {"number", series.number},
+                  {"dims", {series.dims.x, series.dims.y, series.dims.z}},
+                  {"taken", series.taken}};
+    if (!series.phase.empty()) {
+      entry["phase"] = series.phase;
+    }
+    list.push_back(std::move(entry));
   }
   return list;
 }
 
 Json describe_volume(const InfoOptions& options) {
-  const Volume volume = load_volume(options.path, options.load);
+  const LoadedVolume loaded = load_with_series(options.path, options.load);
+  const Volume& volume = loaded.volume;
   const auto [low, high] = std::ranges::minmax(volume.values);
   Json json;
   json["kind"] = "volume";
@@ -52,8 +60,8 @@ Json describe_volume(const InfoOptions& options) {
   json["modality"] = modality_name(volume.modality);
   json["values"] = {low, high};
   json["auto_preset"] = choose_preset(volume).name;
-  if (fs::is_directory(options.path)) {
-    json["series"] = describe_series(options.path);
+  if (!loaded.series.empty()) {
+    json["series"] = describe_series(loaded.series);
   }
   return json;
 }
@@ -107,7 +115,13 @@ void run_info(const InfoOptions& options) {
   }
   fmt::print("{}\n", options.path.string());
   for (const auto& [key, value] : json.items()) {
-    fmt::print("  {:<14} {}\n", key, as_text(value));
+    if (value.is_array() && !value.empty() && value[0].is_object()) {
+      for (const Json& item : value) {
+        fmt::print("  {:<14} {}\n", key, as_text(item));
+      }
+    } else {
+      fmt::print("  {:<14} {}\n", key, as_text(value));
+    }
   }
 }
 

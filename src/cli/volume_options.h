@@ -10,7 +10,8 @@ namespace clipgs {
 /// understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   command.add_option("--series", options.series,
-                     "DICOM series, by UID or by its number in the list (default: the largest)");
+                     "DICOM series or phase, by its number in the list of clipgs info, or by UID "
+                     "(default: the largest; of phases alike in size the first)");
   command
       .add_option_function<std::string>(
           "--gaps",

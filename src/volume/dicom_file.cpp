@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -22,12 +23,20 @@ constexpr std::uint32_t tag(std::uint32_t group, std::uint32_t element) {
 }
 
 constexpr std::uint32_t kTransferSyntax = tag(0x0002, 0x0010);
+constexpr std::uint32_t kImageType = tag(0x0008, 0x0008);
+constexpr std::uint32_t kAcquisitionTime = tag(0x0008, 0x0032);
 constexpr std::uint32_t kModality = tag(0x0008, 0x0060);
+constexpr std::uint32_t kEchoTime = tag(0x0018, 0x0081);
+constexpr std::uint32_t kTriggerTime = tag(0x0018, 0x1060);
+constexpr std::uint32_t kBValue = tag(0x0018, 0x9087);
 constexpr std::uint32_t kSeriesUid = tag(0x0020, 0x000e);
 constexpr std::uint32_t kSeriesNumber = tag(0x0020, 0x0011);
+constexpr std::uint32_t kAcquisitionNumber = tag(0x0020, 0x0012);
 constexpr std::uint32_t kInstanceNumber = tag(0x0020, 0x0013);
 constexpr std::uint32_t kPosition = tag(0x0020, 0x0032);
 constexpr std::uint32_t kOrientation = tag(0x0020, 0x0037);
+constexpr std::uint32_t kTemporalPosition = tag(0x0020, 0x0100);
+constexpr std::uint32_t kTemporalIndex = tag(0x0020, 0x9128);
 constexpr std::uint32_t kSamples = tag(0x0028, 0x0002);
 constexpr std::uint32_t kFrames = tag(0x0028, 0x0008);
 constexpr std::uint32_t kRows = tag(0x0028, 0x0010);
@@ -45,10 +54,19 @@ constexpr std::uint32_t kItemEnd = tag(0xfffe, 0xe00d);
 constexpr std::uint32_t kSequenceEnd = tag(0xfffe, 0xe0dd);
 
 /// The elements that we read; no other value leaves the file.
-constexpr std::array kWanted{
-    kTransferSyntax, kModality,    kSeriesUid,  kSeriesNumber,   kInstanceNumber, kPosition,
-    kOrientation,    kSamples,     kFrames,     kRows,           kColumns,        kPixelSpacing,
-    kBitsAllocated,  kPhotometric, kBitsStored, kRepresentation, kIntercept,      kSlope};
+constexpr std::array kWanted{kTransferSyntax,   kImageType,
+                             kAcquisitionTime,  kModality,
+                             kEchoTime,         kTriggerTime,
+                             kBValue,           kSeriesUid,
+                             kSeriesNumber,     kAcquisitionNumber,
+                             kInstanceNumber,   kPosition,
+                             kOrientation,      kSamples,
+                             kTemporalPosition, kTemporalIndex,
+                             kFrames,           kRows,
+                             kColumns,          kPixelSpacing,
+                             kBitsAllocated,    kPhotometric,
+                             kBitsStored,       kRepresentation,
+                             kIntercept,        kSlope};
 
 /// How a data set is encoded, as the transfer syntax says.
 struct Encoding {
@@ -90,6 +108,27 @@ class Walker {
       return otherwise;
     }
     return u16(it->second.data());
+  }
+
+  /// Of a 4-byte unsigned integer.
+  std::optional<double> unsigned_long(std::uint32_t wanted) const {
+    const auto it = values_.find(wanted);
+    return it != values_.end() && it->second.size() == 4
+               ? std::optional<double>(u32(it->second.data()))
+               : std::nullopt;
+  }
+
+  /// Of an 8-byte float.
+  std::optional<double> float64(std::uint32_t wanted) const {
+    const auto it = values_.find(wanted);
+    if (it == values_.end() || it->second.size() != 8) {
+      return std::nullopt;
+    }
+    const std::uint64_t first = u32(it->second.data());
+    const std::uint64_t second = u32(it->second.data() + 4);
+    const auto number =
+        std::bit_cast<double>(encoding_.big_endian ? first << 32U | second : second << 32U | first);
+    return std::isfinite(number) ? std::optional(number) : std::nullopt;
   }
 
   bool has_pixels() const { return has_pixels_; }
@@ -276,6 +315,14 @@ bool parse_numbers(const std::string& text, std::array<double, N>& numbers) {
   return true;
 }
 
+/// Without what a terminal would obey, and not too long to be said.
+std::string printable(std::string text) {
+  constexpr size_t kLongest = 64;
+  text.resize(std::min(text.size(), kLongest));
+  std::ranges::replace_if(text, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return text;
+}
+
 double parse_double(const std::string& text, double otherwise) {
   std::array<double, 1> number{};
   return parse_numbers(text, number) ? number[0] : otherwise;
@@ -283,6 +330,34 @@ double parse_double(const std::string& text, double otherwise) {
 
 int parse_int(const std::string& text, int otherwise) {
   return static_cast<int>(parse_double(text, otherwise));
+}
+
+std::optional<double> parse_optional(const std::string& text) {
+  std::array<double, 1> number{};
+  return parse_numbers(text, number) ? std::optional(number[0]) : std::nullopt;
+}
+
+/// Seconds of "HHMMSS.FFFFFF", of which the last parts may lack.
+std::optional<double> parse_time(const std::string& text) {
+  const size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  if (digits < 6) {
+    return std::nullopt;
+  }
+  return 3600 * parse_double(text.substr(0, 2), 0) + 60 * parse_double(text.substr(2, 2), 0) +
+         parse_double(text.substr(4), 0);
+}
+
+DicomMarks marks_of(const Walker& walker) {
+  DicomMarks marks;
+  marks.temporal_position = parse_optional(walker.text(kTemporalPosition));
+  marks.temporal_index = walker.unsigned_long(kTemporalIndex);
+  marks.trigger_ms = parse_optional(walker.text(kTriggerTime));
+  marks.echo_ms = parse_optional(walker.text(kEchoTime));
+  marks.b_value = walker.float64(kBValue);
+  marks.acquisition = parse_optional(walker.text(kAcquisitionNumber));
+  marks.acquired_s = parse_time(walker.text(kAcquisitionTime));
+  marks.image_type = printable(walker.text(kImageType));
+  return marks;
 }
 
 DicomHeader header_of(const Walker& walker, const DicomSource& source) {
@@ -295,6 +370,7 @@ DicomHeader header_of(const Walker& walker, const DicomSource& source) {
   header.columns = walker.unsigned_short(kColumns, 0);
   header.rows = walker.unsigned_short(kRows, 0);
   header.frames = std::max(parse_int(walker.text(kFrames), 1), 1);
+  header.marks = marks_of(walker);
   header.transfer_syntax = walker.text(kTransferSyntax);
   header.photometric = walker.text(kPhotometric);
   header.samples = walker.unsigned_short(kSamples, 1);

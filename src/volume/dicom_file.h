@@ -9,6 +9,18 @@
 
 namespace clipgs {
 
+/// What may set images at the same place apart, each as far as it is there.
+struct DicomMarks {
+  std::optional<double> temporal_position{};
+  std::optional<double> temporal_index{};
+  std::optional<double> trigger_ms{};  ///< after the heart's R wave
+  std::optional<double> echo_ms{};
+  std::optional<double> b_value{};  ///< s/mm², of diffusion
+  std::optional<double> acquisition{};
+  std::optional<double> acquired_s{};  ///< time of the day
+  std::string image_type{};            ///< "ORIGINAL\\PRIMARY\\M", ...
+};
+
 /// What the header of one DICOM image says; nothing that tells who the patient is.
 struct DicomHeader {
   DicomSource source;
@@ -24,9 +36,10 @@ struct DicomHeader {
   glm::dvec3 row{1, 0, 0};         ///< LPS direction along a row (growing column index)
   glm::dvec3 column{0, 1, 0};      ///< LPS direction along a column
   glm::dvec2 pixel_spacing{1, 1};  ///< mm between columns, between rows
-  std::string transfer_syntax;     ///< UID
-  std::string photometric;         ///< "MONOCHROME2", "RGB", ...
-  int samples = 1;                 ///< numbers a pixel
+  DicomMarks marks;
+  std::string transfer_syntax;  ///< UID
+  std::string photometric;      ///< "MONOCHROME2", "RGB", ...
+  int samples = 1;              ///< numbers a pixel
   int bits_allocated = 16;
   int bits_stored = 16;
   bool is_signed = false;

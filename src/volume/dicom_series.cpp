@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "volume/dicom_phases.h"
 #include "volume/stack_plan.h"
 
 namespace clipgs {
@@ -34,14 +35,13 @@ void sort_slices(std::vector<DicomHeader>& slices) {
   });
 }
 
-/// Keeps the first (by instance number) of the images that share a position: phases, echoes,
-/// copies.
+/// Keeps the first (by instance number) of the images that share a position and that nothing sets
+/// apart: copies.
 void drop_repeats(std::vector<DicomHeader>& slices, const std::string& where) {
   const glm::dvec3 normal = normal_of(slices.front());
-  constexpr double kSamePlace = 0.005;  // mm
   const size_t before = slices.size();
   const auto same = [&](const DicomHeader& a, const DicomHeader& b) {
-    return std::abs(along_normal(a, normal) - along_normal(b, normal)) < kSamePlace;
+    return same_place(a, b, normal);
   };
   const auto repeats = std::ranges::unique(slices, same);
   slices.erase(repeats.begin(), repeats.end());
@@ -220,8 +220,9 @@ std::uint64_t DicomStack::voxels() const {
 std::string DicomStack::describe() const {
   const DicomHeader& first = slices.front();
   const size_t images = first.frames > 1 ? static_cast<size_t>(first.frames) : slices.size();
-  return fmt::format("{}, series {}, {} slices of {} x {}", modality.empty() ? "?" : modality,
-                     series_number, images, first.columns, first.rows);
+  return fmt::format("{}, series {}, {}{}{} slices of {} x {}", modality.empty() ? "?" : modality,
+                     series_number, phase, phase.empty() ? "" : ", ", images, first.columns,
+                     first.rows);
 }
 
 std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& headers) {
@@ -243,7 +244,10 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
   std::vector<DicomStack> sorted;
   for (auto& [key, stack] : stacks) {
     sort_slices(stack.slices);
-    sorted.push_back(std::move(stack));
+    for (DicomPhase& phase : split_phases(std::move(stack.slices))) {
+      sorted.push_back({stack.uid, stack.modality, stack.series_number, std::move(phase.name),
+                        std::move(phase.slices)});
+    }
   }
   std::ranges::stable_sort(
       sorted, [](const DicomStack& a, const DicomStack& b) { return a.voxels() > b.voxels(); });

@@ -11,19 +11,21 @@
 namespace clipgs {
 
 /// The images of one series that lie parallel, sorted along their normal: what can become a volume.
-/// (A series that also holds a localizer makes two of these.)
+/// (A series that also holds a localizer makes two of these, one of several phases one for each.)
 struct DicomStack {
   std::string uid;
   std::string modality;  ///< "CT", "MR", ...
   int series_number = 0;
+  std::string phase;  ///< what sets it apart from others at the same places (split_phases())
   std::vector<DicomHeader> slices;
 
   std::uint64_t voxels() const;
-  /// "CT, series 3, 120 slices of 512 x 512".
+  /// "CT, series 3, acquisition 2, 120 slices of 512 x 512".
   std::string describe() const;
 };
 
-/// Groups images into stacks, the largest first. Images without a position are left out.
+/// Groups images into stacks, the largest first, phases of the same size in their order. Images
+/// without a position are left out.
 std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& headers);
 
 /// Reads the stack's pixels onto a regular grid. Tilted and uneven stacks and those that lack a few

@@ -49,12 +49,21 @@ DicomStudy study_around(const fs::path& file) {
 }
 
 std::string list_of(const std::vector<DicomStack>& stacks) {
+  constexpr size_t kMost = 12;
   std::string text;
-  for (size_t i = 0; i < stacks.size(); ++i) {
+  for (size_t i = 0; i < std::min(stacks.size(), kMost); ++i) {
     text += fmt::format("{} {}) {}, UID {}", i == 0 ? "" : ";", i + 1, stacks[i].describe(),
                         stacks[i].uid);
   }
+  if (stacks.size() > kMost) {
+    text += fmt::format("; and {} more (clipgs info lists all)", stacks.size() - kMost);
+  }
   return text;
+}
+
+void warn_of_choice(const DicomStudy& study, size_t chosen) {
+  warn(fmt::format("{}: {} series or phases:{}; taking {}, choose another with --series",
+                   study.where, study.stacks.size(), list_of(study.stacks), chosen + 1));
 }
 
 size_t index_of(const DicomStudy& study, const std::string& series) {
@@ -62,18 +71,25 @@ size_t index_of(const DicomStudy& study, const std::string& series) {
   if (series.empty()) {
     const size_t chosen = study.given.value_or(0);
     if (stacks.size() > 1) {
-      warn(fmt::format("{}: {} series:{}; taking {}, choose another with --series", study.where,
-                       stacks.size(), list_of(stacks), chosen + 1));
+      warn_of_choice(study, chosen);
     }
     return chosen;
   }
   for (size_t i = 0; i < stacks.size(); ++i) {
-    if (series == std::to_string(i + 1) || series == stacks[i].uid) {
+    if (series == std::to_string(i + 1)) {
       return i;
     }
   }
-  throw Error("{}: no series \"{}\": give a number from 1 to {} or a series UID", study.where,
-              series, stacks.size());
+  const auto found = std::ranges::find(stacks, series, &DicomStack::uid);
+  if (found == stacks.end()) {
+    throw Error("{}: no series \"{}\": give a number from 1 to {} or a series UID", study.where,
+                series, stacks.size());
+  }
+  const auto chosen = static_cast<size_t>(found - stacks.begin());
+  if (std::ranges::count(stacks, series, &DicomStack::uid) > 1) {
+    warn_of_choice(study, chosen);  // a UID names all phases
+  }
+  return chosen;
 }
 
 /// A file that cannot be read must not be missed in silence, nor stop what it is no part of.
@@ -110,10 +126,10 @@ DicomStudy open_study(const fs::path& path) {
   return study_of(scan_dicom(dicom_files_in(path, true)), path.string());
 }
 
-const DicomStack& choose_stack(const DicomStudy& study, const std::string& series) {
-  const DicomStack& stack = study.stacks[index_of(study, series)];
-  account_for_unreadable(study, stack);
-  return stack;
+size_t choose_stack(const DicomStudy& study, const std::string& series) {
+  const size_t chosen = index_of(study, series);
+  account_for_unreadable(study, study.stacks[chosen]);
+  return chosen;
 }
 
 }  // namespace clipgs

@@ -24,9 +24,10 @@ bool is_dicom(const std::filesystem::path& path);
 /// series. Throws Error if there is no image with a position, or the file given cannot be read.
 DicomStudy open_study(const std::filesystem::path& path);
 
-/// The stack with this number (from 1) or series UID; empty: the one that the file given belongs
-/// to, or else the first, with a warning that lists the others. Files that cannot be read are an
-/// Error if they belong to the stack or, of unknown series, lie beside it; else a warning.
-const DicomStack& choose_stack(const DicomStudy& study, const std::string& series);
+/// The index of the stack with this number (from 1) or series UID (of several phases the first,
+/// with a warning that lists them); empty: of the one that the file given belongs to, or else the
+/// first, with a warning that lists the others. Files that cannot be read are an Error if they
+/// belong to the stack or, of unknown series, lie beside it; else a warning.
+size_t choose_stack(const DicomStudy& study, const std::string& series);
 
 }  // namespace clipgs

@@ -144,7 +144,11 @@ TEST(Dicom, LargestSeriesIsTakenAndTheOthersListed) {
   EXPECT_EQ(load_volume(folder.path(), options).modality, Modality::kMr);
   options.series = "9";
   EXPECT_THAT(error_of([&] { load_volume(folder.path(), options); }), HasSubstr("from 1 to 2"));
-  EXPECT_EQ(list_series(folder.path()).size(), 2);
+  options.series = "2";
+  const std::vector<SeriesInfo> series = load_with_series(folder.path(), options).series;
+  ASSERT_EQ(series.size(), 2);
+  EXPECT_FALSE(series[0].taken);
+  EXPECT_TRUE(series[1].taken);
 }
 
 TEST(Dicom, RepeatedPositionsKeepTheFirstInstance) {

@@ -100,15 +100,29 @@ Modality dicom_modality(const std::string& text) {
   return text == "CT" ? Modality::kCt : text == "MR" ? Modality::kMr : Modality::kUnknown;
 }
 
-Volume load_dicom(const DicomStudy& study, const LoadOptions& options) {
-  const DicomStack& stack = choose_stack(study, options.series);
-  const Modality modality = dicom_modality(stack.modality);
-  const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
-  return make_volume(read_stack(stack, fill, options.gaps, study.where), modality, options,
-                     study.where);
+std::vector<SeriesInfo> choices_of(const DicomStudy& study, size_t chosen) {
+  std::vector<SeriesInfo> list;
+  for (size_t i = 0; i < study.stacks.size(); ++i) {
+    const DicomStack& stack = study.stacks[i];
+    const DicomHeader& first = stack.slices.front();
+    const int slices = first.frames > 1 ? first.frames : static_cast<int>(stack.slices.size());
+    list.push_back({stack.uid, stack.modality, stack.series_number, stack.phase,
+                    IVec3(first.columns, first.rows, slices), i == chosen});
+  }
+  return list;
 }
 
-Volume load_values(const fs::path& path, const LoadOptions& options) {
+LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
+  const size_t chosen = choose_stack(study, options.series);
+  const DicomStack& stack = study.stacks[chosen];
+  const Modality modality = dicom_modality(stack.modality);
+  const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
+  return {make_volume(read_stack(stack, fill, options.gaps, study.where), modality, options,
+                      study.where),
+          choices_of(study, chosen)};
+}
+
+LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
   const std::string where = path.string();
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
@@ -117,28 +131,21 @@ Volume load_values(const fs::path& path, const LoadOptions& options) {
   if (is_dicom(path)) {
     return load_dicom(open_study(path), options);
   }
-  return make_volume(read_image_file(path), Modality::kUnknown, options, where);
+  return {make_volume(read_image_file(path), Modality::kUnknown, options, where), {}};
 }
 
 }  // namespace
 
-std::vector<SeriesInfo> list_series(const fs::path& folder) {
-  std::vector<SeriesInfo> series;
-  for (const DicomStack& stack : open_study(folder).stacks) {
-    const DicomHeader& first = stack.slices.front();
-    const int slices = first.frames > 1 ? first.frames : static_cast<int>(stack.slices.size());
-    series.push_back({stack.uid, stack.modality, stack.series_number, slices,
-                      IVec3(first.columns, first.rows, slices)});
+LoadedVolume load_with_series(const fs::path& path, const LoadOptions& options) {
+  LoadedVolume loaded = load_values(path, options);
+  if (!options.labels.empty()) {
+    add_labels(loaded.volume, options.labels);
   }
-  return series;
+  return loaded;
 }
 
 Volume load_volume(const fs::path& path, const LoadOptions& options) {
-  Volume volume = load_values(path, options);
-  if (!options.labels.empty()) {
-    add_labels(volume, options.labels);
-  }
-  return volume;
+  return load_with_series(path, options).volume;
 }
 
 }  // namespace clipgs

@@ -17,35 +17,43 @@ struct Rescale {
 };
 
 struct LoadOptions {
-  std::string series;              ///< DICOM series UID or 1-based number; empty: the largest
+  /// DICOM series UID or 1-based number in the list of series and phases; empty: that of the file
+  /// given, or the largest (of phases alike in size the first).
+  std::string series;
   Gaps gaps = Gaps::kInterpolate;  ///< what to do where a few slices of a series are missing
   std::optional<Rescale> hu;       ///< --hu scale,offset; empty: values as stored
   bool keep_table = false;         ///< leave what a CT shows beside the patient
   std::filesystem::path labels;    ///< segmentation of the volume (add_labels()); empty: none
 };
 
-/// One series of a DICOM folder, as a person tells series apart.
+/// One series of a DICOM folder, or one phase of it, as a person tells them apart.
 struct SeriesInfo {
   std::string uid;
   std::string modality;  ///< "CT", "MR", ...
   int number = 0;        ///< DICOM's series number
-  int slices = 0;
-  IVec3 dims{0};  ///< columns, rows, slices as stored
+  std::string phase;     ///< what sets it apart from others at the same places; may be empty
+  IVec3 dims{0};         ///< columns, rows, slices as stored
+  bool taken = false;    ///< it is the volume
 };
 
-/// The series of a DICOM folder, the largest first: LoadOptions::series counts in this order
-/// from 1.
-std::vector<SeriesInfo> list_series(const std::filesystem::path& folder);
+/// A volume and what there was to choose from.
+struct LoadedVolume {
+  Volume volume;
+  std::vector<SeriesInfo> series;  ///< of DICOM, in the order in which LoadOptions::series counts
+};
 
 /// Reads a DICOM folder (or the series of one file of it), NIfTI, NRRD or MetaImage file (through
 /// ITK), converts LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries
 /// and uneven slice spacing to a regular grid (with a warning that says what was done). Throws
 /// Error for anything it cannot make sense of: truncated or corrupt files, no image in a folder,
 /// missing slices (more than a few, see Gaps), zero-size, NaN or constant data. Colour volumes
-/// become photographs. Several series in a folder are listed in a warning. CT is cut off at −1024
+/// become photographs. Several series or phases are listed in a warning. CT is cut off at −1024
 /// HU: scanners mark pixels outside their field with less. Table and cushions are taken off a CT
 /// (isolate_body()), with a warning that says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
+
+/// load_volume() that tells what there was to choose from as well.
+LoadedVolume load_with_series(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.
 void save_volume(const std::filesystem::path& path, const Volume& volume);
