@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_reader.h"
+#include "volume/volume.h"
 
 namespace clipgs {
 namespace {
@@ -127,8 +128,7 @@ Dataset load_dataset(const std::filesystem::path& folder) {
   const JsonReader bounds = top.child("bounds");
   dataset.bounds.min = bounds.vector<3>("min");
   dataset.bounds.max = bounds.vector<3>("max");
-  const Vec3 spacing = top.child("volume").vector<3>("spacing");
-  dataset.voxel_mm = std::cbrt(spacing.x * spacing.y * spacing.z);
+  dataset.voxel_mm = mean_spacing(top.child("volume").vector<3>("spacing"));
   dataset.preset = top.text("preset");
   dataset.depth_scale = top.number("depth_scale");
   if (!(dataset.extent.x < dataset.extent.y) || !(dataset.sphere.radius > 0) ||

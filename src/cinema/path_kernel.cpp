@@ -833,7 +833,7 @@ class Kernel {
   /// sampled. Such paths end; returns which they are.
   HWY_INLINE Mask shade_faces(Float3 voxel, Float3 direction, const Material& material,
                               const Draws& draws, Int path) {
-    // Less than half a voxel deep, seen from outside: near an edge, the face that the ray passed
+    // Matter hardly below a face, seen from outside: near an edge, of the face that the ray passed
     // last.
     Float nearest(kFar);
     Mask met = none();
@@ -844,7 +844,7 @@ class Kernel {
       const Float depth = Float(face.offset) - dot(Float3(face.gradient), voxel);
       const Float slope = -dot(direction, Float3(face.outward));
       const Mask passed =
-          (depth < Float(face.half_voxel)) & (slope > Float(0)) & (depth < nearest * slope);
+          (depth < Float(view_.face_depth)) & (slope > Float(0)) & (depth < nearest * slope);
       nearest = select(passed, depth / slope, nearest);
       normal = select(passed, Float3(face.outward), normal);
       white = select(passed, Float3(face.radiance), white);
@@ -915,7 +915,7 @@ class Kernel {
     const Float3 normal = or_zero(vertex.surface, (Float(-1) / steepness) * slope);
     vertex.normal = select(dot(normal, direction) > Float(0), -normal, normal);
     // The boundary is blurred over about a voxel and would shadow itself: light leaves from above.
-    vertex.voxel = voxel + vertex.normal;
+    vertex.voxel = voxel + vertex.normal * Float3(scene_.lift());
     Material& m = vertex.material;
     if (draws.bounce > 0) {
       // Highlights of later vertices would only be noise: the lobe's energy is spread evenly.

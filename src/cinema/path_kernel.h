@@ -13,8 +13,7 @@ struct BlockFace {
   Vec3 outward;   ///< grid frame
   Vec3 gradient;  ///< mm per voxel: depth in mm of p = offset − gradient·p
   float offset = 0;
-  float half_voxel = 0;  ///< mm
-  Vec3 radiance;         ///< of a white face under sky and distant lights, linear RGB
+  Vec3 radiance;  ///< of a white face under sky and distant lights, linear RGB
 };
 
 /// All that paths of one camera's view of a cut scene depend on.
@@ -32,6 +31,7 @@ struct PathView {
   Vec3 box_min, box_max;  // occupied, voxel space
   size_t plane_count = 0;
   size_t face_count = 0;
+  float face_depth = 0;  // mm: what lies less deep below a face is lit as the face itself
   std::array<BlockFace, Cut::kMostPlanes + 6> faces;  // of the planes, then of the box
   // The shadow catcher, in the grid frame.
   bool has_floor = false;

@@ -38,6 +38,7 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
   view_.box_min = occupied.min;
   view_.box_max = occupied.max;
   const Vec3 spacing = scene.volume().spacing;
+  view_.face_depth = 0.5f * mean_spacing(spacing);
   for (const Plane& plane : cut.planes()) {
     const Vec3 normal = scene.frame_from_world(plane.normal);
     add_face(-normal, -normal * spacing,
@@ -67,7 +68,6 @@ void PathTracer::add_face(const Vec3& outward, const Vec3& gradient, float offse
   face.outward = outward;
   face.gradient = gradient;
   face.offset = offset;
-  face.half_voxel = 0.5f * glm::length(gradient);
   face.radiance = scene_.lights().face_radiance(outward, Lights::Keys::kDistant);
 }
 

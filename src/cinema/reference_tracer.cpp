@@ -18,6 +18,7 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
       max_bounces_(max_bounces),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       spacing_(volume.spacing),
+      voxel_(std::cbrt(spacing_.x * spacing_.y * spacing_.z)),
       last_(volume.dims - 1),
       majorant_(preset.transfer.max_extinction(std::numeric_limits<float>::lowest(),
                                                std::numeric_limits<float>::max())) {
@@ -154,7 +155,7 @@ const Vec3* ReferenceTracer::face_at(const DVec3& voxel, const DVec3& direction)
                               : glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
     const double depth = offset - glm::dot(outward, voxel * spacing_);
     const double slope = -glm::dot(outward, direction);
-    if (depth < 0.5 * glm::length(outward * spacing_) && slope > 0 && depth / slope < nearest) {
+    if (depth < 0.5 * voxel_ && slope > 0 && depth / slope < nearest) {
       nearest = depth / slope;
       passed = &outward_[i];
     }
@@ -198,7 +199,7 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
       if (surface) {
         normal = Vec3(-gradient / steepness);
         normal = glm::dot(normal, out) < 0 ? -normal : normal;
-        start += DVec3(normal);
+        start += DVec3(normal) * voxel_ / spacing_;
       }
     }
     if (surface && bounce > 0) {

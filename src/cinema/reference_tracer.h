@@ -49,7 +49,8 @@ class ReferenceTracer {
   int max_bounces_;
   Lights lights_;
   DVec3 spacing_;
-  DVec3 last_;  // voxel index of the far corner
+  double voxel_;  // side of a cube as large as a voxel, mm
+  DVec3 last_;    // voxel index of the far corner
   double majorant_;
   std::vector<Plane> planes_;  // in the grid frame: normal·(voxel·spacing) >= offset is kept
   std::vector<Vec3> outward_;  // of the faces: the planes', then the box's −x +x −y +y −z +z

@@ -56,6 +56,7 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
       majorants_(grid_, preset.transfer, volume.spacing, labels_.get(), preset.gradient_opacity),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       inverse_spacing_(1.0f / volume.spacing),
+      lift_(mean_spacing(volume.spacing) * inverse_spacing_),
       gradient_scale_(grid_.step() / volume.spacing),
       tables_(std::make_unique<MaterialTables>()) {
   const TransferFunction& transfer = preset_.transfer;

@@ -35,6 +35,9 @@ class CinemaScene {
   Vec3 voxel_direction(const Vec3& direction) const { return direction * inverse_spacing_; }
 
   const Vec3& inverse_spacing() const { return inverse_spacing_; }
+  /// How far above a surface light leaves it, a mean voxel, in voxel space: a factor of the unit
+  /// normal in the grid frame.
+  const Vec3& lift() const { return lift_; }
 
   /// Mean extinction at a voxel position, 1/mm: that of the value, thinned by labels and where the
   /// values are even.
@@ -74,6 +77,7 @@ class CinemaScene {
   MajorantGrid majorants_;
   Lights lights_;
   Vec3 inverse_spacing_;
+  Vec3 lift_;
   Vec3 gradient_scale_;
   float entry_scale_ = 0;
   float entry_offset_ = 0;

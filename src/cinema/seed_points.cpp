@@ -45,7 +45,7 @@ class Looks {
         transfer_(preset.transfer),
         labels_(looks_of_labels(volume, preset.labels)),
         gradient_opacity_(preset.gradient_opacity),
-        thickness_(std::cbrt(volume.spacing.x * volume.spacing.y * volume.spacing.z)) {}
+        thickness_(mean_spacing(volume.spacing)) {}
 
   // Colour times opacity, opacity; photographs' colours do not count.
   Vec4 at(int x, int y, int z) const {
@@ -94,22 +94,31 @@ class Looks {
   float thickness_;
 };
 
-// Points per voxel, up to a common factor: opacity, more of it where the look changes.
+// Points per voxel, up to a common factor: opacity, more of it where the look changes. By how much
+// over a mean voxel counts, so that boundaries are covered alike whichever way they look.
 float weight_at(const Volume& volume, const Looks& looks, int x, int y, int z) {
   const Vec4 here = looks.at(x, y, z);
   if (here.w < 0.02f) {
     return 0;
   }
-  const auto ahead = [&](int dx, int dy, int dz) {
+  const Vec3 steps = mean_spacing(volume.spacing) / volume.spacing;  // of a mean voxel
+  float change2 = 0;                                                 // to the next voxels
+  float slope2 = 0;                                                  // over a mean voxel
+  const auto compare = [&](int dx, int dy, int dz, float along) {
     const Vec4 there =
         looks.at(std::clamp(x + dx, 0, volume.dims.x - 1), std::clamp(y + dy, 0, volume.dims.y - 1),
                  std::clamp(z + dz, 0, volume.dims.z - 1));
     const Vec4 change = there - here;
-    return glm::dot(change, change);
+    change2 += glm::dot(change, change);
+    slope2 += along * along * glm::dot(change, change);
   };
-  const float change2 = ahead(1, 0, 0) + ahead(-1, 0, 0) + ahead(0, 1, 0) + ahead(0, -1, 0) +
-                        ahead(0, 0, 1) + ahead(0, 0, -1);
-  return here.w * (1.0f + kBoundaryGain * std::min(1.0f, std::sqrt(change2)));
+  for (const int way : {-1, 1}) {
+    compare(way, 0, 0, steps.x);
+    compare(0, way, 0, steps.y);
+    compare(0, 0, way, steps.z);
+  }
+  const float most = std::max(1.0f, std::sqrt(change2));  // a step from nothing to all is enough
+  return here.w * (1.0f + kBoundaryGain * std::sqrt(slope2) / most);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace clipgs {
 namespace {
 
-constexpr int kCell = 8;               // voxels: matter is grouped by cells
+constexpr float kCell = 8;             // mean voxels: matter is grouped by cells of this side
 constexpr float kLeastShare = 0.05f;   // of the largest extinction that counts as visible …
 constexpr float kLeastDepth = 0.5f;    // … or of optical depth across the volume's diagonal / 20
 constexpr int kLeastVoxels = 6;        // in a cell, or it is a speck
@@ -41,18 +41,20 @@ class VisibleVoxels {
 class CellGrid {
  public:
   CellGrid(const Volume& volume, const VisibleVoxels& visible)
-      : dims_((volume.dims + kCell - 1) / kCell),
+      : cell_(glm::max(IVec3(1),
+                       IVec3(glm::round(kCell * mean_spacing(volume.spacing) / volume.spacing)))),
+        dims_((volume.dims + cell_ - 1) / cell_),
         counts_(static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y) *
                 static_cast<size_t>(dims_.z)) {
     const size_t slab = static_cast<size_t>(dims_.x) * static_cast<size_t>(dims_.y);
     parallel_for(static_cast<size_t>(dims_.z), 1, [&](size_t cz, size_t) {
-      const int z_end = std::min(volume.dims.z, (static_cast<int>(cz) + 1) * kCell);
-      for (int z = static_cast<int>(cz) * kCell; z < z_end; ++z) {
+      const int z_end = std::min(volume.dims.z, (static_cast<int>(cz) + 1) * cell_.z);
+      for (int z = static_cast<int>(cz) * cell_.z; z < z_end; ++z) {
         for (int y = 0; y < volume.dims.y; ++y) {
-          int* row = &counts_[cz * slab + static_cast<size_t>(y / kCell * dims_.x)];
+          int* row = &counts_[cz * slab + static_cast<size_t>(y / cell_.y * dims_.x)];
           const size_t first = volume.offset(0, y, z);
           for (int x = 0; x < volume.dims.x; ++x) {
-            row[x / kCell] += visible.contains(first + static_cast<size_t>(x)) ? 1 : 0;
+            row[x / cell_.x] += visible.contains(first + static_cast<size_t>(x)) ? 1 : 0;
           }
         }
       }
@@ -95,7 +97,7 @@ class CellGrid {
   }
 
   bool has_matter(int x, int y, int z) const {
-    return counts_[index(x / kCell, y / kCell, z / kCell)] > 0;
+    return counts_[index(x / cell_.x, y / cell_.y, z / cell_.z)] > 0;
   }
 
  private:
@@ -123,6 +125,7 @@ class CellGrid {
     }
   }
 
+  IVec3 cell_;  // voxels along the axes: as near to a cube as they can be
   IVec3 dims_;
   std::vector<int> counts_;  // visible voxels of each cell
 };

@@ -10,8 +10,6 @@ namespace {
 
 constexpr float kDepthVoxels = 4;  // of the traced volume: what lies deeper is left to the splats
 
-float mean_spacing(const Vec3& spacing) { return std::cbrt(spacing.x * spacing.y * spacing.z); }
-
 FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t) {
   return {glm::mix(a.extinction, b.extinction, t), glm::mix(a.specular, b.specular, t),
           glm::mix(a.roughness, b.roughness, t), glm::mix(a.surface, b.surface, t),
@@ -58,6 +56,7 @@ std::vector<Vec3> clipped(const std::vector<Vec3>& polygon, const Distance& dist
 
 FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut, int taps)
     : section_(section),
+      surface_depth_(section.surface_depth()),
       camera_(camera),
       origin_(section.index_from_world(camera.position)),
       low_(section.curve.values().front()),
@@ -79,7 +78,6 @@ FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut,
 
 void FaceRays::add_face(const Plane& plane) {
   faces_.push_back({-plane.normal, plane.signed_distance(camera_.position),
-                    section_.surface_depth(plane.normal),
                     face_diffuse(section_.rig, -plane.normal)});
 }
 

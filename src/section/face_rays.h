@@ -15,7 +15,6 @@ namespace clipgs {
 struct Face {
   Vec3 outward;        ///< unit, RAS, towards the removed side
   float distance = 0;  ///< of the camera, mm; negative on the removed side
-  float surface = 0;   ///< mm below the face that count as the face itself
   Vec3 light;          ///< what a white face radiates, linear RGB
 };
 
@@ -83,7 +82,7 @@ class FaceRays {
       if (t > ray.leave) {
         break;
       }
-      const bool surface = step.middle * slope < ray.face->surface;
+      const bool surface = step.middle * slope < surface_depth_;
       const Vec3 sampled = section_.sample(index_at(ray, t));
       const size_t entry = entry_of(section_.value(sampled));
       const float alpha = step.alphas[entry];
@@ -129,6 +128,7 @@ class FaceRays {
   std::vector<Vec3> polygon_of(const Face& face) const;
 
   const Section& section_;
+  float surface_depth_;  // mm below a face that count as the face itself
   Camera camera_;
   Vec3 origin_;                // the camera, section's index
   Mat3 index_from_direction_;  // a row vector times this: mm to section's voxels

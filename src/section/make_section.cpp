@@ -211,8 +211,7 @@ void fill_scalar(Section& section, const Volume& volume, const Preset& preset, c
       inside.push_back(field.values[i]);
     }
   }
-  const Vec3& s = volume.spacing;
-  section.curve = curve_for(inside, preset, 0.5f * std::cbrt(s.x * s.y * s.z));
+  section.curve = curve_for(inside, preset, 0.5f * mean_spacing(volume.spacing));
   section.voxels.resize(field.values.size());
   for (size_t i = 0; i < air.size(); ++i) {
     section.voxels[i] = air[i] != 0 ? 0 : nearest_code(section.curve.code(field.values[i]));

@@ -48,8 +48,7 @@ auto lerp(const Section& section, double code, const Get& get) {
 glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const Plane> planes,
                  const DVec3& direction) {
   const DVec3 eye(camera.position);
-  const Vec3& s = section.source_spacing;
-  const double voxel = std::cbrt(static_cast<double>(s.x) * s.y * s.z);
+  const double voxel = mean_spacing(section.source_spacing);
   const double step = kStepVoxels * voxel;
 
   // The first point that every plane keeps, and the last.
@@ -73,7 +72,7 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
   }
   const Vec3 outward = -face->normal;
   const DVec3 light(face_diffuse(section.rig, outward));
-  const double surface = section.surface_depth(outward);
+  const double surface = section.surface_depth();
   const double slope = glm::dot(DVec3(face->normal), direction);
   double transmittance = 1;
   for (double t = enter + 0.5 * step; t < std::min(leave, enter + kDepthVoxels * voxel);

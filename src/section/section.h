@@ -91,9 +91,9 @@ struct Section {
   /// The sides of the box at which matter ends only because the volume does, as planes that keep
   /// the inside: they are faces as those of a cut are.
   std::vector<Plane> ends() const;
-  /// Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep than this is
-  /// lit as the face itself.
-  float surface_depth(const Vec3& normal) const;
+  /// Half a mean voxel of the traced volume, mm: matter less deep than this is lit as the face
+  /// itself.
+  float surface_depth() const { return 0.5f * mean_spacing(source_spacing); }
 
  private:
   static const std::array<float, ValueCurve::kCodes> kIdentity;

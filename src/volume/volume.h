@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -11,6 +12,12 @@ namespace clipgs {
 
 enum class Modality { kUnknown, kCt, kMr, kPhoto };
 const char* modality_name(Modality modality);  ///< "CT", "MR", "photographs", "unknown"
+
+/// Side of a cube as large as a voxel, mm: the length of "a voxel" where no axis is meant, so that
+/// the same matter looks the same on cubes and on thick slices.
+inline float mean_spacing(const Vec3& spacing) {
+  return std::cbrt(spacing.x * spacing.y * spacing.z);
+}
 
 /// A regular grid of voxels, x fastest. The first index axis runs roughly to the patient's Right,
 /// the second Anterior, the third Superior (loading flips and permutes axes so).

@@ -72,10 +72,9 @@ export function indexFromPatient({ axes, spacing, origin }: Grid): Matrix4 {
     .invert();
 }
 
-/** Half a voxel of the traced volume along unit `normal` (RAS), mm: matter less deep is lit as the face itself. */
-export function surfaceDepth({ axes, sourceSpacing }: SectionInfo, normal: Vector3): number {
-  const along = axes.map((axis, k) => normal.dot(new Vector3(...axis)) * sourceSpacing[k]!);
-  return 0.5 * Math.hypot(...along);
+/** Half a mean voxel of the traced volume, mm: matter less deep is lit as the face itself. */
+export function surfaceDepth({ sourceSpacing }: Pick<SectionInfo, "sourceSpacing">): number {
+  return 0.5 * meanSpacing(sourceSpacing);
 }
 
 /** The middle of a section's box, RAS mm. */

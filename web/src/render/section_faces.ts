@@ -215,7 +215,7 @@ export class SectionFaces {
     facePolygons(this.section, all, margin).forEach((polygon, i) => {
       const outward = all[i]!.normal.clone().negate();
       const light = faceDiffuse(this.section.rig, outward).toArray();
-      const surface = surfaceDepth(this.section, outward);
+      const surface = surfaceDepth(this.section);
       for (let k = 2; k < polygon.length; ++k) {
         for (const corner of [polygon[0]!, polygon[k - 1]!, polygon[k]!]) {
           corners.push(...corner);

@@ -101,10 +101,8 @@ describe("a section's grid", () => {
     expect(gridMiddle(section).toArray()).toEqual([-12.5, 14, 24.5]);
   });
 
-  it("has a surface half a voxel of the traced volume deep", () => {
-    expect(surfaceDepth(section, new Vector3(0, 1, 0))).toBeCloseTo(0.5);
-    expect(surfaceDepth(section, new Vector3(1, 0, 0))).toBeCloseTo(0.25);
-    expect(surfaceDepth(section, new Vector3(0, 0, -1))).toBeCloseTo(0.75);
+  it("has a surface half a voxel of the traced volume deep, whichever way it looks", () => {
+    expect(surfaceDepth(section)).toBeCloseTo(0.5 * Math.cbrt(1 * 0.5 * 1.5));
   });
 });
 
