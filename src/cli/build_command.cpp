@@ -145,6 +145,7 @@ nlohmann::json claim_of(const BuildArguments& arguments, const Quality& quality)
           {"seed", arguments.seed},
           {"hu", hu ? nlohmann::json{hu->scale, hu->offset} : nlohmann::json()},
           {"series", arguments.loading.series},
+          {"frame", arguments.loading.frame},
           {"keep_table", arguments.loading.keep_table},
           {"denoise", arguments.denoise},
           {"model", arguments.model},

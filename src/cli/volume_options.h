@@ -6,12 +6,14 @@
 
 namespace clipgs {
 
-/// Adds --series, --gaps, --hu and --keep-table, which every command that reads a volume
+/// Adds --series, --frame, --gaps, --hu and --keep-table, which every command that reads a volume
 /// understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   command.add_option("--series", options.series,
                      "DICOM series or phase, by its number in the list of clipgs info, or by UID "
                      "(default: the largest; of phases alike in size the first)");
+  command.add_option("--frame", options.frame, "Volume of a 4D file (a series in time), from 1")
+      ->check(CLI::PositiveNumber);
   command
       .add_option_function<std::string>(
           "--gaps",

@@ -9,9 +9,6 @@
 #include <itkImage.h>
 #include <itkImageFileReader.h>
 #include <itkImageIOBase.h>
-#include <itkMetaImageIO.h>
-#include <itkNiftiImageIO.h>
-#include <itkNrrdImageIO.h>
 #include <itkRGBAPixel.h>
 #include <itkRGBPixel.h>
 #include <sstream>
@@ -36,46 +33,11 @@ std::string one_line(const itk::ExceptionObject& e) {
   return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
 }
 
-bool ends_with(const std::string& text, std::string_view suffix) {
-  return text.size() >= suffix.size() && text.ends_with(suffix);
-}
-
-itk::ImageIOBase::Pointer image_io(const fs::path& path) {
-  std::string name = path.filename().string();
-  std::ranges::transform(name, name.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (ends_with(name, ".nii") || ends_with(name, ".nii.gz") || ends_with(name, ".hdr") ||
-      ends_with(name, ".img") || ends_with(name, ".img.gz")) {
-    return itk::NiftiImageIO::New().GetPointer();
-  }
-  if (ends_with(name, ".nrrd") || ends_with(name, ".nhdr")) {
-    return itk::NrrdImageIO::New().GetPointer();
-  }
-  if (ends_with(name, ".mha") || ends_with(name, ".mhd")) {
-    return itk::MetaImageIO::New().GetPointer();
-  }
-  throw Error(
-      "{}: unknown kind of volume; use a DICOM folder, .nii(.gz), .nrrd, .nhdr, .mha or "
-      ".mhd",
-      path.string());
-}
-
 /// The most bytes of pixels that can come out of the file: deflate packs at best 1032 to 1. A
 /// header that promises more is corrupt, and must not make us allocate what it promises.
 std::uint64_t most_pixel_bytes(const fs::path& path) {
   constexpr std::uint64_t kBestDeflate = 1040;
-  const std::string extension = path.extension().string();
-  const bool detached = extension == ".nhdr" || extension == ".mhd" || extension == ".hdr";
-  std::uint64_t bytes = 0;
-  if (detached) {
-    for (const fs::directory_entry& entry :
-         fs::directory_iterator(fs::absolute(path).parent_path())) {
-      bytes += entry.is_regular_file() ? entry.file_size() : 0;
-    }
-  } else {
-    bytes = fs::file_size(path);
-  }
-  return bytes * kBestDeflate;
+  return fs::file_size(path) * kBestDeflate;
 }
 
 void check_header(itk::ImageIOBase& io, const fs::path& path) {
@@ -156,7 +118,7 @@ StoredImage read_checked(itk::ImageIOBase* io, const fs::path& path) {
   return stored;
 }
 
-/// Sends standard error to nowhere while it lives: the NIfTI library prints its errors there,
+/// Sends standard error to nowhere while it lives: libraries under ITK print their errors there,
 /// whatever its settings, beside the one line that we say.
 class QuietStandardError {
  public:
@@ -246,12 +208,6 @@ std::string minimal_file(const DicomHeader& header, std::span<const std::uint8_t
 }
 
 }  // namespace
-
-StoredImage read_image_file(const fs::path& path) {
-  silence_libraries();
-  const itk::ImageIOBase::Pointer io = image_io(path);
-  return read_with(io, path);
-}
 
 StoredImage read_multi_frame(const fs::path& path) {
   silence_libraries();

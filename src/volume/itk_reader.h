@@ -2,31 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
-#include "core/geometry.h"
 #include "volume/dicom_file.h"
+#include "volume/stored_image.h"
 
 namespace clipgs {
-
-/// An image as a file stores it, before anything is made of it; LPS millimetres as in DICOM.
-struct StoredImage {
-  IVec3 dims{0};
-  glm::dvec3 spacing{1};
-  glm::dmat3 direction{1};        ///< columns: LPS directions of the index axes
-  glm::dvec3 origin{0};           ///< LPS mm of the centre of voxel (0, 0, 0)
-  bool eight_bit = false;         ///< stored as 8-bit integers
-  std::vector<float> values;      ///< scalar images: rescaled by the file's slope and intercept
-  std::vector<std::uint8_t> rgb;  ///< colour images, 3 a voxel; values is then empty
-};
-
-/// Larger volumes are refused before anything is allocated (2^31 voxels are 8 GiB of floats).
-constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31;
-
-/// Reads a NIfTI, NRRD or MetaImage file. Throws Error.
-StoredImage read_image_file(const std::filesystem::path& path);
 
 /// A DICOM file of many frames as a volume, slope and intercept applied. Throws Error.
 StoredImage read_multi_frame(const std::filesystem::path& path);

@@ -5,8 +5,8 @@
 
 #include "core/error.h"
 #include "volume/dicom_study.h"
+#include "volume/image_file.h"
 #include "volume/isolate_body.h"
-#include "volume/itk_reader.h"
 #include "volume/orient.h"
 #include "volume/segmentation.h"
 
@@ -129,9 +129,13 @@ LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
     throw Error("{}: no such file or folder", where);
   }
   if (is_dicom(path)) {
+    if (options.frame != 0) {
+      throw Error("{}: --frame picks a volume of a 4D file; for DICOM give --series", where);
+    }
     return load_dicom(open_study(path), options);
   }
-  return {make_volume(read_image_file(path), Modality::kUnknown, options, where), {}};
+  return {make_volume(read_image_file(path, options.frame), Modality::kUnknown, options, where),
+          {}};
 }
 
 }  // namespace

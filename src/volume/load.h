@@ -20,6 +20,7 @@ struct LoadOptions {
   /// DICOM series UID or 1-based number in the list of series and phases; empty: that of the file
   /// given, or the largest (of phases alike in size the first).
   std::string series;
+  int frame = 0;                   ///< volume of a 4D file, from 1; 0: the file must hold one
   Gaps gaps = Gaps::kInterpolate;  ///< what to do where a few slices of a series are missing
   std::optional<Rescale> hu;       ///< --hu scale,offset; empty: values as stored
   bool keep_table = false;         ///< leave what a CT shows beside the patient
@@ -42,8 +43,8 @@ struct LoadedVolume {
   std::vector<SeriesInfo> series;  ///< of DICOM, in the order in which LoadOptions::series counts
 };
 
-/// Reads a DICOM folder (or the series of one file of it), NIfTI, NRRD or MetaImage file (through
-/// ITK), converts LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries
+/// Reads a DICOM folder (or the series of one file of it), NIfTI, NRRD or MetaImage file,
+/// converts LPS to RAS, flips and permutes axes to run R, A, S, and resamples tilted gantries
 /// and uneven slice spacing to a regular grid (with a warning that says what was done). Throws
 /// Error for anything it cannot make sense of: truncated or corrupt files, no image in a folder,
 /// missing slices (more than a few, see Gaps), zero-size, NaN or constant data. Colour volumes

@@ -16,6 +16,7 @@ namespace clipgs {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 /// A small volume whose every voxel differs, turned a little away from the patient's axes.
 Volume small_volume() {
@@ -132,7 +133,7 @@ TEST(Load, EightBitIsTakenAsStoredUnlessToldOtherwise) {
   options.hu = Rescale{16, -1024};
   testing::internal::CaptureStderr();
   const Volume hu = load_volume(folder / "v.nrrd", options);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), Not(HasSubstr("--hu 16,-1024")));
   EXPECT_EQ(hu.modality, Modality::kCt);
   for (size_t i = 0; i < hu.voxels(); ++i) {
     EXPECT_EQ(hu.values[i], stored.values[i] * 16 - 1024);
@@ -187,15 +188,15 @@ TEST(LoadErrors, SayWhatIsWrong) {
   write_nrrd(folder / "constant.nrrd", short_3d + "sizes: 5 4 3\n", voxels);
   EXPECT_THAT(load_error(folder / "constant.nrrd"), HasSubstr("every voxel has the value 42"));
   write_nrrd(folder / "zero.nrrd", short_3d + "sizes: 5 0 3\n", "");
-  EXPECT_NE(load_error(folder / "zero.nrrd"), "");
+  EXPECT_THAT(load_error(folder / "zero.nrrd"), HasSubstr("sizes gives the size 0 along axis 2"));
   write_nrrd(folder / "flat.nrrd", short_3d + "sizes: 20 3 1\n", voxels);
   EXPECT_THAT(load_error(folder / "flat.nrrd"), HasSubstr("at least 2"));
   write_nrrd(folder / "plane.nrrd", "type: short\ndimension: 2\nsizes: 20 3\n", voxels);
   EXPECT_THAT(load_error(folder / "plane.nrrd"), HasSubstr("2D image"));
   write_nrrd(folder / "truncated.nrrd", short_3d + "sizes: 5 4 3\n", voxels.substr(0, 70));
-  EXPECT_THAT(load_error(folder / "truncated.nrrd"), HasSubstr("corrupt"));
+  EXPECT_THAT(load_error(folder / "truncated.nrrd"), HasSubstr("50 of the 120 bytes"));
   write_nrrd(folder / "huge.nrrd", short_3d + "sizes: 2000 1000 1000\n", voxels);
-  EXPECT_THAT(load_error(folder / "huge.nrrd"), HasSubstr("more than the file can hold"));
+  EXPECT_THAT(load_error(folder / "huge.nrrd"), HasSubstr("3999999880 of the 4000000000 bytes"));
   write_nrrd(folder / "giant.nrrd", short_3d + "sizes: 200000 100000 100000\n", voxels);
   EXPECT_THAT(load_error(folder / "giant.nrrd"), HasSubstr("2^31"));
   write_nrrd(folder / "sheared.nrrd",

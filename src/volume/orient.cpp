@@ -32,23 +32,29 @@ struct AxisMap {
   std::array<int, 3> sign{1, 1, 1};
 };
 
+/// Of the 24 ways to name and turn the axes that leave a right-handed grid (a file may store a
+/// mirrored one: the voxels are then put in another order, the patient stays as it is), the
+/// closest.
 AxisMap closest_axes(const glm::dmat3& ras) {
+  constexpr int kSigns = 8;
   AxisMap best;
-  double best_score = -1;
+  double best_score = -3;
   std::array<int, 3> order{0, 1, 2};
   do {
-    double score = 0;
-    for (int world = 0; world < 3; ++world) {
-      score += std::abs(ras[order[world]][world]);
-    }
-    if (score > best_score + 1e-9) {
-      best_score = score;
-      best.axis = order;
+    for (int signs = 0; signs < kSigns; ++signs) {
+      const std::array<int, 3> sign{signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1};
+      double score = 0;
+      glm::dmat3 turned;
+      for (int world = 0; world < 3; ++world) {
+        turned[world] = ras[order[world]] * static_cast<double>(sign[world]);
+        score += turned[world][world];
+      }
+      if (glm::determinant(turned) > 0 && score > best_score + 1e-9) {
+        best_score = score;
+        best = {order, sign};
+      }
     }
   } while (std::ranges::next_permutation(order).found);
-  for (int world = 0; world < 3; ++world) {
-    best.sign[world] = ras[best.axis[world]][world] < 0 ? -1 : 1;
-  }
   return best;
 }
 
@@ -118,9 +124,6 @@ Volume oriented(const StoredImage& stored, const std::string& where) {
     if (map.sign[i] < 0) {
       origin += ras[from] * stored.spacing[from] * static_cast<double>(stored.dims[from] - 1);
     }
-  }
-  if (glm::determinant(direction) < 0) {
-    throw Error("{}: its axes mirror the patient; give it a right-handed orientation", where);
   }
   volume.origin = Vec3(origin);
   volume.direction = Mat3(glm::mat3_cast(glm::normalize(glm::quat_cast(direction))));

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "volume/itk_reader.h"
+#include "volume/image_file.h"
 #include "volume/orient.h"
 
 namespace clipgs {

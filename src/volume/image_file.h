@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "volume/stored_image.h"
+
+namespace clipgs {
+
+/// Reads a NIfTI (.nii, .nii.gz, .hdr with .img), NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd)
+/// file. Every number of the header is checked first, and that every byte of voxels is there.
+/// `frame` counts the volumes of a 4D file from 1; 0: the file must hold one. Warns of what the
+/// header leaves open. Throws Error.
+StoredImage read_image_file(const std::filesystem::path& path, int frame = 0);
+
+}  // namespace clipgs

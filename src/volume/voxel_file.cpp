@@ -1,0 +1,286 @@
+#include "volume/voxel_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "core/error.h"
+#include "volume/inflater.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using Encoding = VoxelSource::Encoding;
+
+/// Collects the voxels of one frame out of the bytes of all.
+class Frame {
+ public:
+  Frame(const ImageHeader& header, int frame) : header_(header) {
+    begin_ = header.frame_bytes() * static_cast<std::uint64_t>(frame);
+    const size_t voxels = static_cast<size_t>(header.dims.x) * header.dims.y * header.dims.z;
+    image_.dims = header.dims;
+    image_.spacing = header.spacing;
+    image_.direction = header.direction;
+    image_.origin = header.origin;
+    image_.eight_bit = size_of(header.type) == 1 && header.slope == 1 && header.intercept == 0 &&
+                       header.channels == 1;
+    if (header.channels == 1) {
+      image_.values.reserve(voxels);
+    } else {
+      image_.rgb.reserve(3 * voxels);
+    }
+  }
+
+  std::uint64_t begin() const { return begin_; }
+  std::uint64_t end() const { return begin_ + header_.frame_bytes(); }
+
+  /// Takes what belongs to the frame; `at` is the place of the first of `bytes` among all frames.
+  void take(std::span<const std::uint8_t> bytes, std::uint64_t at) {
+    const std::uint64_t first = std::max(at, begin());
+    const std::uint64_t last = std::min(at + bytes.size(), end());
+    if (first >= last) {
+      return;
+    }
+    const auto mine = bytes.subspan(first - at, last - first);
+    if (header_.channels == 1) {
+      piece_.clear();
+      append_scalars(mine, header_.type, header_.big_endian, header_.slope, header_.intercept,
+                     piece_);
+      image_.values.insert(image_.values.end(), piece_.begin(), piece_.end());
+      return;
+    }
+    const auto channels = static_cast<size_t>(header_.channels);
+    for (size_t i = 0; i + channels <= mine.size(); i += channels) {
+      image_.rgb.insert(image_.rgb.end(), {mine[i], mine[i + 1], mine[i + 2]});
+    }
+  }
+
+  /// A number of a text.
+  void take_number(double number, std::uint64_t at) {
+    const std::uint64_t first = begin_ / size_of(header_.type);
+    const std::uint64_t last = end() / size_of(header_.type);
+    if (at < first || at >= last) {
+      return;
+    }
+    if (header_.channels == 1) {
+      image_.values.push_back(static_cast<float>(number * header_.slope + header_.intercept));
+    } else if ((at - first) % static_cast<std::uint64_t>(header_.channels) < 3) {
+      image_.rgb.push_back(static_cast<std::uint8_t>(number));
+    }
+  }
+
+  StoredImage image() && { return std::move(image_); }
+
+ private:
+  const ImageHeader& header_;
+  std::uint64_t begin_ = 0;
+  StoredImage image_;
+  std::vector<float> piece_;
+};
+
+[[noreturn]] void throw_missing(const std::string& where, std::uint64_t missing,
+                                std::uint64_t expected) {
+  throw Error(
+      "{}: truncated: {} of the {} bytes of voxels that its header promises are missing; copy or "
+      "download it again",
+      where, missing, expected);
+}
+
+/// One file of voxels.
+struct Part {
+  fs::path path;
+  std::uint64_t begin = 0;  // place of its first byte among the voxels of all frames
+  std::uint64_t bytes = 0;  // of voxels, unpacked
+};
+
+/// Leaves the stream after `source.lines` lines and `source.offset` bytes; returns that place.
+std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source, std::uint64_t file_bytes) {
+  file.seekg(static_cast<std::streamoff>(std::min(source.offset, file_bytes)));
+  std::uint64_t lines = 0;
+  std::uint64_t at = source.offset;
+  for (char c = 0; lines < source.lines && file.get(c); ++at) {
+    lines += c == '\n' ? 1 : 0;
+  }
+  file.clear();
+  return std::min(at, file_bytes);
+}
+
+void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::uint64_t file_bytes,
+              const VoxelSource& source, Frame& frame) {
+  const std::uint64_t start = source.at_end
+                                  ? file_bytes - std::min(part.bytes, file_bytes)
+                                  : std::min(from + source.unpacked_offset, file_bytes);
+  const std::uint64_t there = file_bytes - start;
+  if (there < part.bytes) {
+    throw_missing(part.path.string(), part.bytes - there, part.bytes);
+  }
+  constexpr std::uint64_t kPiece = 1 << 20;
+  std::vector<std::uint8_t> piece(kPiece);
+  std::uint64_t at = std::max(part.begin, frame.begin());
+  const std::uint64_t end = std::min(part.begin + part.bytes, frame.end());
+  file.seekg(static_cast<std::streamoff>(start + at - std::min(at, part.begin)));
+  while (at < end) {
+    const std::uint64_t count = std::min(kPiece, end - at);
+    if (!file.read(reinterpret_cast<char*>(piece.data()), static_cast<std::streamsize>(count))) {
+      throw Error("{}: cannot be read to its end", part.path.string());
+    }
+    frame.take(std::span(piece).first(count), at);
+    at += count;
+  }
+}
+
+[[noreturn]] void throw_bad_stream(Inflater::State state, const Part& part, std::uint64_t done) {
+  const std::string where = part.path.string();
+  switch (state) {
+    case Inflater::State::kDamaged:
+      throw Error(
+          "{}: damaged: its packed data cannot be unpacked after {} of {} bytes of voxels ({} "
+          "missing); copy or download it again",
+          where, done, part.bytes, part.bytes - done);
+    case Inflater::State::kMismatch:
+      throw Error(
+          "{}: damaged: its voxels do not match their checksum (CRC) or length; copy or download it "
+          "again",
+          where);
+    case Inflater::State::kCutOff:
+      if (done == part.bytes) {
+        throw Error(
+            "{}: truncated: the end of its packed data, with their checksum, is missing; copy or "
+            "download it again",
+            where);
+      }
+      break;
+    case Inflater::State::kGoing:
+    case Inflater::State::kWhole:
+      break;
+  }
+  throw_missing(where, part.bytes - done, part.bytes);
+}
+
+/// Whether that many bytes can come out of that many packed ones at all: a header that promises
+/// more is corrupt, and must not make us wait or allocate for it.
+bool can_hold(std::uint64_t packed, std::uint64_t unpacked) {
+  constexpr std::uint64_t kBestDeflate = 1032;
+  return unpacked / kBestDeflate <= packed;
+}
+
+/// Unpacks to the very end: only there are the CRC and the length.
+void read_packed(std::ifstream& file, const Part& part, std::uint64_t from,
+                 std::uint64_t file_bytes, const VoxelSource& source, Frame& frame) {
+  const std::string where = part.path.string();
+  if (!can_hold(file_bytes - from, part.bytes)) {
+    throw Error(
+        "{}: truncated or corrupt: its {} bytes cannot hold the {} bytes of voxels that its header "
+        "promises: at least {} are missing",
+        where, file_bytes - from, part.bytes, part.bytes - (file_bytes - from) * 1032);
+  }
+  constexpr size_t kPiece = size_t{1} << 20;
+  constexpr std::uint64_t kMostExtra = std::uint64_t{1} << 20;
+  file.seekg(static_cast<std::streamoff>(from));
+  Inflater inflater(file);
+  std::vector<std::uint8_t> piece(kPiece);
+  std::uint64_t skipped = 0;
+  std::uint64_t done = 0;
+  while (inflater.state() == Inflater::State::kGoing) {
+    std::uint64_t wanted = done < part.bytes ? part.bytes - done : kPiece;
+    if (skipped < source.unpacked_offset) {
+      wanted = source.unpacked_offset - skipped;
+    }
+    const size_t count =
+        inflater.read(std::span(piece).first(std::min<std::uint64_t>(kPiece, wanted)));
+    if (skipped < source.unpacked_offset) {
+      skipped += count;
+      if (!can_hold(file_bytes - from, skipped)) {
+        break;
+      }
+      continue;
+    }
+    if (done < part.bytes) {
+      frame.take(std::span(piece).first(count), part.begin + done);
+    }
+    done += count;
+    if (done > part.bytes + kMostExtra) {
+      throw Error("{}: corrupt: it unpacks to more than the {} bytes of voxels of its header", where,
+                  part.bytes);
+    }
+  }
+  if (inflater.state() != Inflater::State::kWhole || done < part.bytes) {
+    throw_bad_stream(inflater.state(), part, std::min(done, part.bytes));
+  }
+}
+
+/// The numbers of a text; `from`: where they begin.
+void read_text_numbers(std::ifstream& file, const Part& part, std::uint64_t from,
+                       const ImageHeader& header, Frame& frame) {
+  const std::string where = part.path.string();
+  const std::uint64_t wanted = part.bytes / size_of(header.type);
+  const std::uint64_t first = part.begin / size_of(header.type);
+  file.seekg(static_cast<std::streamoff>(from + header.source.unpacked_offset));
+  std::uint64_t count = 0;
+  std::string word;
+  while (count < wanted && file >> word) {
+    double number = 0;
+    word.erase(std::ranges::remove(word, ',').begin(), word.end());
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size()) {
+      throw Error("{}: corrupt: voxel {} of its text is no number", where, count);
+    }
+    const bool fits = header.channels == 1 || (number >= 0 && number <= 255);
+    if (!fits) {
+      throw Error("{}: corrupt: a colour of its text is {}, not 0 to 255", where, number);
+    }
+    frame.take_number(number, first + count);
+    ++count;
+  }
+  if (count < wanted) {
+    throw Error("{}: truncated: {} of the {} numbers that its header promises are missing", where,
+                wanted - count, wanted);
+  }
+}
+
+void read_part(const Part& part, const ImageHeader& header, Frame& frame) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(part.path, ignored)) {
+    throw Error("{}: no such file: {} bytes of voxels are missing", part.path.string(), part.bytes);
+  }
+  std::ifstream file(part.path, std::ios::binary);
+  if (!file) {
+    throw Error("{}: cannot be opened", part.path.string());
+  }
+  const std::uint64_t file_bytes = fs::file_size(part.path);
+  const std::uint64_t from = skip_header(file, header.source, file_bytes);
+  switch (header.source.encoding) {
+    case Encoding::kRaw:
+      return read_raw(file, part, from, file_bytes, header.source, frame);
+    case Encoding::kDeflate:
+      return read_packed(file, part, from, file_bytes, header.source, frame);
+    case Encoding::kText:
+      return read_text_numbers(file, part, from, header, frame);
+  }
+}
+
+}  // namespace
+
+StoredImage read_voxels(const ImageHeader& header, const fs::path& path, int frame_index) {
+  const std::vector<std::string>& names = header.source.files;
+  const std::uint64_t parts = std::max<size_t>(1, names.size());
+  const std::uint64_t bytes =
+      header.frame_bytes() * static_cast<std::uint64_t>(header.frames) / parts;
+  const size_t voxel_bytes = size_of(header.type) * static_cast<size_t>(header.channels);
+  if (bytes * parts != header.frame_bytes() * static_cast<std::uint64_t>(header.frames) ||
+      bytes % voxel_bytes != 0) {
+    throw Error("{}: its voxels cannot be shared out evenly to the {} files it names",
+                path.string(), parts);
+  }
+  Frame frame(header, frame_index);
+  for (std::uint64_t i = 0; i < parts; ++i) {
+    const fs::path file = names.empty() ? path : path.parent_path() / names[i];
+    read_part({file, i * bytes, bytes}, header, frame);
+  }
+  return std::move(frame).image();
+}
+
+}  // namespace clipgs
