@@ -43,31 +43,36 @@ const char* face_source_name(FaceSource source) {
   return source == FaceSource::kVolume ? kVolumeName : kSplatsName;
 }
 
-bool can_draw(const Case& contents, const Cut& cut) {
-  return !contents.model || cut.empty() ||
-         (cut.planes().size() == 1 &&
-          glm::dot(cut.planes()[0].normal, contents.model->normal) > kSameNormal);
+bool can_draw(const Case& contents, const Cut& cut, ClipOperator clip) {
+  if (contents.model) {
+    return cut.empty() || (cut.planes().size() == 1 &&
+                           glm::dot(cut.planes()[0].normal, contents.model->normal) > kSameNormal);
+  }
+  return clip != ClipOperator::kLayers ||
+         (!contents.scene.layers.empty() && switches_layers(contents.scene, cut));
 }
 
 Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options) {
-  if (!can_draw(contents, cut)) {
+  if (contents.model && !can_draw(contents, cut, options.clip)) {
     const Vec3& n = contents.model->normal;
     throw Error(
         "a neural model is cut by planes of normal {:g},{:g},{:g} alone; make a scene of it with "
         "clipgs bake to cut it at any angle",
         n.x, n.y, n.z);
   }
+  const bool by_layers = !contents.model && options.clip == ClipOperator::kLayers;
+  const LayerSwitch layers = by_layers ? switch_layers(contents.scene, cut) : LayerSwitch();
   const std::optional<Image> faces = faces_of(contents, camera, cut, options);
   const auto draw = options.reference ? render_reference : render;
   if (contents.model) {
     UniaxialState state;
     make_state(contents.scene.gaussians, *contents.model,
                cut.empty() ? std::nullopt : std::optional(cut.planes()[0].offset), state);
-    return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr, {});
+    return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr, {}, {});
   }
   return draw(contents.scene.gaussians, camera, cut, options.clip, faces ? &*faces : nullptr,
-              contents.scene.face_gain);
+              contents.scene.face_gain, layers);
 }
 
 Image make_thumbnail(const Case& contents) {

@@ -22,9 +22,10 @@ struct DrawOptions {
   bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
 };
 
-/// Whether a model can draw the cut: it is empty, or one plane that keeps the side that the model
-/// keeps. Scenes can draw any.
-bool can_draw(const Case& contents, const Cut& cut);
+/// Whether the case can be drawn with the cut. A model: it is empty, or one plane that keeps the
+/// side that the model keeps. Layers: the scene has some, and the cut switches them
+/// (switches_layers). Scenes can draw any by the other operators.
+bool can_draw(const Case& contents, const Cut& cut, ClipOperator clip);
 
 /// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1]. A model truncates and
 /// adjusts as it has learnt to, whatever the operator; throws Error for a cut that it cannot draw.

@@ -118,7 +118,10 @@ BakedScene Consolidator::finish(Scene uncut) {
       }
     }
     for (size_t n = begin; n < end; ++n) {
-      scene.layers[n] = layers_[kept[n]];
+      // A deep slab is not where its state cuts: layers are switched by where splats lie.
+      const float position = glm::dot(axis_, scene.gaussians.mean(n));
+      scene.layers[n] = slab_.depth > 0 ? static_cast<std::uint16_t>(states_.nearest_slab(position))
+                                        : layers_[kept[n]];
     }
   });
   count_sources(kept.size(), shared.sh_degree());

@@ -64,7 +64,7 @@ class Consolidator {
   /// The scene. All but Gaussians, states and layers come from `uncut`, whose Gaussians are all
   /// primitives of the model: their SH above order 0 are everybody's, and those that no state has
   /// shown, but that are visible in it, are taken from it; their layer is the state whose slab is
-  /// nearest. Primitives keep the model's order.
+  /// nearest. With deep slabs that is everybody's layer. Primitives keep the model's order.
   BakedScene finish(Scene uncut);
 
  private:

@@ -9,6 +9,8 @@
 #include "bake/test_model.h"
 #include "cli/process.h"
 #include "core/file.h"
+#include "core/image.h"
+#include "measure/metrics.h"
 #include "splat/scene_file.h"
 #include "train/model_file.h"
 
@@ -70,6 +72,39 @@ TEST_F(BakeCommand, MakesASceneThatKeepsItsLayersInACaseAndBack) {
     EXPECT_EQ(states["layers"], true) << name;
     EXPECT_NEAR(states["spacing_mm"].get<float>(), scene.states.spacing, 1e-4f) << name;
   }
+}
+
+TEST_F(BakeCommand, StatesAreDrawnByTheirLayers) {
+  ASSERT_EQ(run_clipgs({"bake", at("model.ply"), "-o", at("scene.ply"), "--states", "9"}).status,
+            0);
+  ASSERT_EQ(run_clipgs({"pack", at("scene.ply"), "-o", at("case.sog")}).status, 0);
+  const auto render = [&](const std::string& scene, const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"render", at(scene), "-o", at("x.png"), "--size", "96x96"};
+    words.insert(words.end(), options.begin(), options.end());
+    return run_clipgs(words);
+  };
+  for (const char* scene : {"scene.ply", "case.sog"}) {
+    ASSERT_EQ(render(scene, {"--state", "4"}).status, 0);
+    const Image exact = read_png(at("x.png"));
+    ASSERT_EQ(render(scene, {"--state", "4", "--clip", "layers", "--reference"}).status, 0);
+    const Image slow = read_png(at("x.png"));
+    ASSERT_EQ(render(scene, {"--state", "4", "--clip", "layers"}).status, 0);
+    const Image fast = read_png(at("x.png"));
+    EXPECT_GT(psnr(fast, slow), 50) << scene;
+    EXPECT_LT(psnr(fast, exact), 45) << scene;
+  }
+
+  const Finished oblique = render("case.sog", {"--plane", "1,0,1,0", "--clip", "layers"});
+  EXPECT_EQ(oblique.status, 1);
+  EXPECT_THAT(oblique.err, HasSubstr("one plane of normal"));
+  write_scene(at("plain.ply"), random_scene(50, 0, 1));
+  const Finished plain = render("plain.ply", {"--state", "4", "--clip", "layers"});
+  EXPECT_EQ(plain.status, 1);
+  EXPECT_THAT(plain.err, HasSubstr("plain.ply: has no layers"));
+  EXPECT_THAT(run_clipgs({"refine", at("scene.ply"), "--dataset", at("none"), "-o", at("y.ply"),
+                          "--clip", "layers"})
+                  .status,
+              2);
 }
 
 TEST_F(BakeCommand, StatesGoOutAndComeBack) {

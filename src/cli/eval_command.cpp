@@ -114,6 +114,11 @@ void run_eval(const EvalArguments& arguments) {
   check_outputs(arguments);
   const Dataset dataset = load_dataset(arguments.dataset);
   const std::vector<Case> cases = load_subjects(arguments, dataset);
+  if (std::ranges::find(options.clips, ClipOperator::kLayers) != options.clips.end() &&
+      std::ranges::all_of(cases, [](const Case& one) { return one.scene.layers.empty(); })) {
+    throw Error("{}: has no layers to clip by; clipgs bake makes them of a neural model",
+                arguments.scene);
+  }
   std::vector<Subject> subjects = {{fs::path(arguments.scene).stem().string(), cases.data()}};
   for (size_t i = 0; i < arguments.others.size(); ++i) {
     subjects.push_back({fs::path(arguments.others[i]).stem().string(), &cases[i + 1]});
@@ -155,9 +160,11 @@ void add_eval_command(CLI::App& app) {
   command->add_option("--json", arguments->json, "File to write the figures to");
   command->add_option("--report", arguments->report,
                       "HTML page to write: figures, and truth and ours side by side");
-  command->add_option("--clip", arguments->clips, "Clip operators: hard, soft, exact")
+  command
+      ->add_option("--clip", arguments->clips,
+                   "Clip operators: hard, soft, exact, layers (of cuts along the axis)")
       ->delimiter(',')
-      ->check(CLI::IsMember({"hard", "soft", "exact"}))
+      ->check(CLI::IsMember({"hard", "soft", "exact", "layers"}))
       ->capture_default_str();
   command
       ->add_option("--section", arguments->sections,

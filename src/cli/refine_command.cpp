@@ -70,6 +70,7 @@ void add_refine_command(CLI::App& app) {
                    "Degree of the colours' view dependence (default: the scene's)")
       ->check(CLI::Range(0, kMaxShDegree));
   command->add_option("--clip", arguments->clip, "Clip operator in the loop: hard, soft or exact")
+      ->check(CLI::IsMember({"hard", "soft", "exact"}))
       ->capture_default_str();
   command->add_flag("--no-section", arguments->no_section,
                     "Leave the dataset's section out: splats fill the cut faces");

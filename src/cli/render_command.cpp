@@ -84,6 +84,10 @@ void run_render(const RenderArguments& arguments) {
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
+  if (options.clip == ClipOperator::kLayers && !contents.model && contents.scene.layers.empty()) {
+    throw Error("{}: has no layers to clip by; clipgs bake makes them of a neural model",
+                arguments.scene);
+  }
   if (arguments.state) {
     cut = cut_of_state(*arguments.state, contents.scene, arguments.scene);
   }
@@ -135,7 +139,11 @@ void add_render_command(CLI::App& app) {
       ->excludes("--slab");
   add_animation_options(*command, arguments->animation);
   camera->excludes(view)->excludes("--turntable");
-  command->add_option("--clip", arguments->clip, "Clip operator: hard, soft or exact")
+  command
+      ->add_option(
+          "--clip", arguments->clip,
+          "Clip operator: hard, soft, exact, or layers (cuts along the scene's axis, --state, by "
+          "switching what clipgs bake made of states)")
       ->capture_default_str();
   command
       ->add_option("--section", arguments->section,
@@ -170,6 +178,7 @@ void add_render_command(CLI::App& app) {
       "Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o ct.png --view 0,80 --plane 0,0,-1,-40 --grey 1 --window "
       "bone --annotate\n"
+      "         clipgs render case.sog -o state.png --view 30,20 --state 120 --clip layers\n"
       "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40");
   command->callback([arguments] { run_render(*arguments); });
 }

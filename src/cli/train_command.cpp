@@ -74,6 +74,7 @@ void add_train_command(CLI::App& app) {
       ->check(CLI::Range(0, kMaxShDegree))
       ->capture_default_str();
   command->add_option("--clip", arguments->clip, "Clip operator in the loop: hard, soft or exact")
+      ->check(CLI::IsMember({"hard", "soft", "exact"}))
       ->capture_default_str();
   command->add_flag("--no-section", arguments->no_section,
                     "Leave the dataset's section out: splats fill the cut faces");

@@ -243,12 +243,14 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
   for (size_t i = 0; i < tests.size(); ++i) {
     const Frame& frame = dataset.frames[tests[i]];
     const Truth truth = load_truths(dataset, frame);
-    const bool model_draws = model != nullptr && can_draw(*model, frame.plane);
+    const bool model_draws =
+        model != nullptr && can_draw(*model, frame.plane, ClipOperator::kExact);
     const Truth of_model{model_draws ? draw_frame(*model, frame, {}) : Image(), std::nullopt,
                          truth.depth};
     for (const Drawing& drawing : drawings) {
       const Case& contents = *subjects[drawing.subject].contents;
-      if (!can_draw(contents, frame.plane) || (drawing.against_model && !model_draws)) {
+      if (!can_draw(contents, frame.plane, drawing.clip) ||
+          (drawing.against_model && !model_draws)) {
         continue;
       }
       const Image picture = draw_frame(contents, frame, drawing);
@@ -264,6 +266,10 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
         evaluation.rows.push_back(row);
       }
     }
+  }
+  if (evaluation.rows.empty()) {
+    throw Error("{}: has no test pictures that layers can draw: none is cut along the axis",
+                dataset.folder.string());
   }
   return evaluation;
 }

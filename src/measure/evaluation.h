@@ -97,13 +97,15 @@ Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawin
 
 /// Draws every test picture of the dataset in every way and compares it with the path-traced truth
 /// over black. A neural model among the subjects draws the frames that it can, in its own way, and
-/// the others are held against its pictures too, faces by splats, as ClipGS-VR's table has it.
+/// the others are held against its pictures too, faces by splats, as ClipGS-VR's table has it. By
+/// layers the frames are drawn that they can draw.
 /// Throws Error for a dataset without test pictures, pictures that are missing or of the wrong
 /// size, and a first subject without the section that is asked for.
 Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
                     const EvaluationOptions& options = {});
 
-/// What a row says of its pictures: "hard", "soft" or "exact", or "own" for a neural model …
+/// What a row says of its pictures: "hard", "soft", "exact" or "layers", or "own" for a neural
+/// model …
 const char* clip_text(const Evaluation& evaluation, const Drawing& drawing);
 /// … and "truth" or the model's name.
 std::string against_text(const Evaluation& evaluation, const Drawing& drawing);

@@ -19,10 +19,10 @@ namespace {
 constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; --ground: #f6f5f2; --card: #ffffff; --ink: #1d1f23;
   --quiet: #6a6e76; --line: #dddbd5; --exact: #1f6feb; --soft: #c2571a; --hard: #7a7f87;
-  --volume: #12833f; }
+  --layers: #8a3fb8; --volume: #12833f; }
 @media (prefers-color-scheme: dark) { :root { --ground: #111316; --card: #1a1d21; --ink: #e8e9eb;
   --quiet: #9aa0a8; --line: #30343a; --exact: #6ea8ff; --soft: #f0934e; --hard: #a3a9b2;
-  --volume: #4cc77a; } }
+  --layers: #c58aea; --volume: #4cc77a; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--ground); color: var(--ink);
   font: 16px/1.55 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; }
@@ -42,7 +42,7 @@ tbody + tbody tr:first-child td { border-top: 1px solid var(--line); }
 th:nth-child(-n+5), td:nth-child(-n+5) { text-align: left; }
 td.best { font-weight: 700; }
 .exact { color: var(--exact); } .soft { color: var(--soft); } .hard { color: var(--hard); }
-.volume { color: var(--volume); } .other { color: var(--quiet); }
+.layers { color: var(--layers); } .volume { color: var(--volume); } .other { color: var(--quiet); }
 .plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(320px, 1fr)); gap: 1rem; }
 .plots > figure { background: var(--card); border: 1px solid var(--line); border-radius: 10px;
   padding: .8rem 1rem; }

@@ -151,13 +151,13 @@ float soft_share(const Projection& p, const Vec3& mean, std::span<const LitPlane
 
 /// What the planes leave of a Gaussian; false: nothing.
 bool cut(const Projection& p, const Vec3& mean, std::span<const LitPlane> planes,
-         const RasterOptions& options, Splat& splat, PlaneCut* more) {
+         const RasterOptions& options, bool per_pixel, Splat& splat, PlaneCut* more) {
   splat.clipped = 0;
   splat.z0 = splat.zx = splat.zy = 0;
   if (options.clip == ClipOperator::kSoft) {
     splat.opacity *= soft_share(p, mean, planes);
   }
-  if (options.clip != ClipOperator::kExact) {
+  if (!per_pixel) {
     return true;
   }
   const LitPlane* before = nullptr;  // the plane before, if it cuts the Gaussian
@@ -233,8 +233,15 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
       std::ranges::any_of(planes, [&](const LitPlane& p) { return p.signed_distance(mean) < 0; })) {
     return false;
   }
+  const bool by_layer = options.clip == ClipOperator::kLayers;
+  const LayerPart part = by_layer ? options.layers.part(i) : LayerPart::kCut;
+  if (part == LayerPart::kOff) {
+    return false;
+  }
+  const bool per_pixel =
+      options.clip == ClipOperator::kExact || (by_layer && part == LayerPart::kCut);
   const Projection p = project_geometry(gaussians, i, camera, t);
-  if (!cut(p, mean, planes, options, splat, more) || splat.opacity < options.alpha_min) {
+  if (!cut(p, mean, planes, options, per_pixel, splat, more) || splat.opacity < options.alpha_min) {
     return false;
   }
   splat.x = camera.fx * t.x / t.z + camera.cx;

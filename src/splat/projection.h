@@ -7,6 +7,7 @@
 #include "core/cut.h"
 #include "splat/face_gain.h"
 #include "splat/gaussians.h"
+#include "splat/layer_switch.h"
 #include "splat/render.h"
 
 namespace clipgs {
@@ -20,6 +21,7 @@ struct RasterOptions {
   float transmittance_min = 1e-4f;  ///< a pixel darker than this is finished
   float clip_sigma = 3.0f;          ///< exact: Gaussians further from the plane are not cut
   FaceGain face_gain;               ///< of the Gaussians that are drawn
+  LayerSwitch layers;               ///< the same
 };
 
 /// A plane, and the gain of the splats at its face.

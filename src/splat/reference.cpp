@@ -134,6 +134,12 @@ class ReferenceScene {
     out.planes.clear();
     std::vector<double> shares;
     std::vector<const Plane*> planes;
+    const bool by_layer = options.clip == ClipOperator::kLayers;
+    if (by_layer && options.layers.part(i) == LayerPart::kOff) {
+      return false;
+    }
+    const bool per_pixel = options.clip == ClipOperator::kExact ||
+                           (by_layer && options.layers.part(i) == LayerPart::kCut);
     const DVec3 direction = glm::normalize(mean - position);
     DVec3 gain(1);
     DVec3 face(0);
@@ -152,7 +158,7 @@ class ReferenceScene {
       if (options.clip == ClipOperator::kHard && distance < 0) {
         return false;
       }
-      if (options.clip == ClipOperator::kExact) {
+      if (per_pixel) {
         if (distance < -options.clip_sigma * s_n) {
           return false;
         }

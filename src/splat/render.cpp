@@ -18,9 +18,9 @@ struct NamedOperator {
 };
 
 // In the order of the enumeration.
-constexpr std::array kOperators = {NamedOperator{ClipOperator::kHard, "hard"},
-                                   NamedOperator{ClipOperator::kSoft, "soft"},
-                                   NamedOperator{ClipOperator::kExact, "exact"}};
+constexpr std::array kOperators = {
+    NamedOperator{ClipOperator::kHard, "hard"}, NamedOperator{ClipOperator::kSoft, "soft"},
+    NamedOperator{ClipOperator::kExact, "exact"}, NamedOperator{ClipOperator::kLayers, "layers"}};
 
 /// Premultiplied → straight alpha.
 template <typename T>
@@ -45,7 +45,7 @@ ClipOperator parse_clip_operator(const std::string& name) {
       return known.clip;
     }
   }
-  throw Error("clip operator \"{}\" does not exist; choose hard, soft or exact", name);
+  throw Error("clip operator \"{}\" does not exist; choose hard, soft, exact or layers", name);
 }
 
 const char* clip_operator_name(ClipOperator clip) {
@@ -53,20 +53,23 @@ const char* clip_operator_name(ClipOperator clip) {
 }
 
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front, const FaceGain& gain) {
+             const Image* front, const FaceGain& gain, const LayerSwitch& layers) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
+  options.layers = layers;
   const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
 }
 
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
-                       ClipOperator clip, const Image* front, const FaceGain& gain) {
+                       ClipOperator clip, const Image* front, const FaceGain& gain,
+                       const LayerSwitch& layers) {
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
+  options.layers = layers;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image = reference_render(parameters, gaussians, camera, cut, options);
   for (size_t i = 0; front != nullptr && i < image.size(); i += 4) {

@@ -44,6 +44,13 @@ struct PlaneStates {
   int nearest_slab(float position) const {
     return nearest(keeps_below ? position + 0.5f * spacing : position - 0.5f * spacing);
   }
+  /// The state whose slab a plane at `position` goes through: its own state's for the plane of a
+  /// state. Below 0 or from `count` on where the plane is beyond all slabs.
+  int slab_at(float position) const {
+    constexpr float kSlack = 1e-3f;  // steps, for what rounding makes of a state's own plane
+    const float k = (position - first) / spacing;
+    return static_cast<int>(keeps_below ? std::ceil(k - kSlack) : std::floor(k + kSlack));
+  }
   /// The plane of a uniaxial cut at `position`, mm along `axis`.
   Plane plane(const Vec3& axis, float position) const {
     const Plane above{axis, position};

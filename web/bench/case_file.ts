@@ -11,6 +11,11 @@ export async function readCaseInfo(file: string): Promise<CaseInfo> {
   return parseCaseInfo(parseSogMeta(await readZip(readFileSync(file))).clipgs);
 }
 
+/** Whether its splats have layers. */
+export async function caseHasLayers(file: string): Promise<boolean> {
+  return parseSogMeta(await readZip(readFileSync(file))).layers !== null;
+}
+
 /** Writes a case's Gaussians as other programs read them. */
 export function exportSplats(file: string, ply: string): void {
   execFileSync(kProgram, ["--quiet", "export", file, "-o", ply]);

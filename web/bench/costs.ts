@@ -77,6 +77,7 @@ function makeScene(count: number): PackedScene {
     sh0Codebook: new Float32Array(256),
     shN: null,
     faces: null,
+    layers: null,
   };
 }
 

@@ -3,7 +3,8 @@
 // Every viewer draws the case's Gaussians in the same view, in turns in one browser: with the camera turning around
 // them, and with a plane that moves. clipgs cuts Gaussians where the plane goes through them; Spark and PlayCanvas,
 // each by what its documentation offers, remove those whose centre is beyond it; GaussianSplats3D has no planes and
-// draws all of them in an order that need not change. No faces are drawn from a volume.
+// draws all of them in an order that need not change. No faces are drawn from a volume. Of a case with layers the plane
+// goes from state to state as well, and clipgs draws those by their layers, too.
 
 import { copyFileSync, createReadStream, existsSync } from "node:fs";
 import { createServer, type Server } from "node:http";
@@ -15,10 +16,12 @@ import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 
 import type { CaseInfo } from "../src/model/case_info";
 import { kWorldFromPatient, projectBox, type Triple } from "../src/model/geometry";
+import { stateCut } from "../src/model/states";
 import { applyView, kFieldOfView, viewFrom } from "../src/model/view";
 import { makeSceneCamera, setSceneCamera } from "../src/render/scene_camera";
+import type { ClipOperator } from "../src/worker/protocol";
 import { Session } from "../test/browser/session";
-import { exportSplats, readCaseInfo } from "./case_file";
+import { caseHasLayers, exportSplats, readCaseInfo } from "./case_file";
 import { childrenCpuMs } from "./cpu_time";
 import { median, table } from "./measure";
 
@@ -29,6 +32,7 @@ const { positionals, values } = parseArgs({
     frames: { type: "string", default: "12" }, // of a movement
     rounds: { type: "string", default: "5" },
     shots: { type: "string" }, // a folder for what each of them shows
+    alone: { type: "boolean", default: false }, // clipgs by itself
   },
 });
 const [file = ""] = positionals;
@@ -112,7 +116,7 @@ async function clipgsPage(session: Session): Promise<Page> {
   return page;
 }
 
-function clipgs(page: Page, clip: "exact" | "hard"): Contender {
+function clipgs(page: Page, clip: ClipOperator): Contender {
   const time = async (movement: Moment[]) => {
     await page.evaluate((operator) => window.clipgs.setClip(operator), clip);
     return timeFrames(page, movement);
@@ -192,7 +196,14 @@ async function halfOffset(page: Page, normal: Triple, [first, last]: [number, nu
   return low;
 }
 
-async function makeMovements({ bounds }: CaseInfo, page: Page): Promise<Record<string, Moment[]>> {
+/** The plane of a state. */
+function planeOfState({ states }: CaseInfo, state: number): Cut {
+  const { normal, offset } = stateCut(states, state);
+  return { normal: normal.toArray(), offset };
+}
+
+async function makeMovements(info: CaseInfo, page: Page): Promise<Record<string, Moment[]>> {
+  const { bounds, states } = info;
   const axis = new Vector3(1, 0.3, 0.5).normalize();
   const normal = axis.toArray();
   const [first, last] = projectBox(bounds, axis);
@@ -204,6 +215,12 @@ async function makeMovements({ bounds }: CaseInfo, page: Page): Promise<Record<s
     "turning, uncut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: null })),
     "turning, half cut": movement((s) => ({ azimuth: kAzimuth + 20 * s, plane: half })),
     "plane moving": movement((s) => ({ azimuth: kAzimuth, plane: at(0.8 - 0.7 * s) })),
+    ...((await caseHasLayers(file)) && {
+      "from state to state": movement((s) => ({
+        azimuth: kAzimuth,
+        plane: planeOfState(info, Math.round((0.2 + 0.7 * s) * (states.count - 1))),
+      })),
+    }),
   };
 }
 
@@ -229,6 +246,12 @@ function serveFiles(): Promise<Server> {
 async function openAll(session: Session, info: CaseInfo, server: Server): Promise<Contender[]> {
   const page = await clipgsPage(session);
   const contenders = [clipgs(page, "exact"), clipgs(page, "hard")];
+  if (await caseHasLayers(file)) {
+    contenders.push(clipgs(page, "layers"));
+  }
+  if (values.alone) {
+    return contenders;
+  }
   const splats = join(session.folder, "splats.ply");
   exportSplats(file, splats);
   const { port } = server.address() as AddressInfo;

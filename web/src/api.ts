@@ -7,7 +7,7 @@ export type { Layers };
 
 /** R, A, S. */
 export type Triple = [number, number, number];
-export type ClipOperator = "hard" | "soft" | "exact";
+export type ClipOperator = "hard" | "soft" | "exact" | "layers";
 /** What cut faces are drawn from. */
 export type FaceSource = "volume" | "splats";
 /** How the plane moves: along the case's axis from state to state, or freely. */
@@ -89,6 +89,7 @@ export interface ClipgsApi {
   setState(state: number): boolean;
   /** Of the case. */
   readonly states: ApiStates | null;
+  /** `layers`: of a case with layers, cut along its axis; anything else is cut exactly then. */
   setClip(clip: ClipOperator): void;
   /** What cut faces are drawn from; a case without a section volume draws them by its splats. */
   setSection(section: FaceSource): void;

@@ -465,6 +465,7 @@ export class App {
       "1": () => this.viewer.setClip("hard"),
       "2": () => this.viewer.setClip("soft"),
       "3": () => this.viewer.setClip("exact"),
+      "4": () => this.viewer.hasLayers && this.viewer.setClip("layers"),
       ...(input ? {} : { arrowup: () => this.actions.step(step), arrowdown: () => this.actions.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];

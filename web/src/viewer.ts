@@ -302,6 +302,17 @@ export class Viewer {
     return isState ? nearestState(info.states, cut, info.sphere.center) : null;
   }
 
+  /** Whether the case has layers to clip by. */
+  get hasLayers(): boolean {
+    return this.#case?.hasLayers ?? false;
+  }
+
+  /** Whether layers are to be clipped by, but cannot: the case has none, or the cut is not along its axis. */
+  get missesLayers(): boolean {
+    const { cuts, clip } = this.state;
+    return cuts.length > 0 && clip === "layers" && this.#case?.layersAt(planesOf(cuts)) === null;
+  }
+
   setMode(mode: Mode): void {
     this.state.mode = mode;
     this.setCuts(this.state.cuts, this.state.active);

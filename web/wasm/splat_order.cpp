@@ -1,7 +1,7 @@
 // Which splats to draw and in what order, far to near. Compiled to WebAssembly and run in a worker.
 //
-// Keeps of each Gaussian what culling and sorting need, as a structure of arrays (44 bytes): the
-// mean, the covariance, the opacity and how far it can be seen. The decoding is that of
+// Keeps of each Gaussian what culling and sorting need, as a structure of arrays (48 bytes): the
+// mean, the covariance, the opacity, its layer and how far it can be seen. The decoding is that of
 // shaders/packed.glsl, the projection's limits those of shaders/gaussian.glsl.
 
 #include <algorithm>
@@ -20,7 +20,7 @@ constexpr float kBlurDeviation = 0.31622777f;  // √0.1 px
 constexpr std::uint32_t kBuckets = 1U << 16;
 constexpr int kMaxPlanes = 6;
 
-enum Clip : std::uint32_t { kNone = 0, kHard = 1, kSoft = 2, kExact = 3 };
+enum Clip : std::uint32_t { kNone = 0, kHard = 1, kSoft = 2, kExact = 3, kLayers = 4 };
 
 /// How to decode the packed scene; written by the caller before `unpack`.
 struct Decoding {
@@ -39,6 +39,8 @@ struct View {
   float near;
   float least_pixels;  // splats that reach no farther are left out
   float plane_count;
+  float slab;                   // by layers: those are off …
+  float layer_sign;             // … where layer_sign·(layer − slab) > 0
   float planes[kMaxPlanes][4];  // each keeps plane·x − plane[3] >= 0
 };
 
@@ -52,6 +54,7 @@ struct Scene {
   float* opacity = nullptr;
   float* reach = nullptr;          // √(2 ln(255 α)): sigmas that are visible; negative: none
   float* size = nullptr;           // largest standard deviation
+  std::int32_t* layers = nullptr;  // written by the caller; looked at by kLayers alone
   float* depth = nullptr;          // scratch: camera z, or negative where culled
   std::uint32_t* kept = nullptr;   // scratch
   std::uint32_t* order = nullptr;  // the result
@@ -64,7 +67,7 @@ Clip clip = kNone;
 Scene scene;
 std::uint32_t histogram[kBuckets];
 
-constexpr int kArrays = 15;  // of 4 bytes each, as `reserve` lays them out
+constexpr int kArrays = 16;  // of 4 bytes each, as `reserve` lays them out
 
 void release() {
   std::free(scene.packed);
@@ -174,6 +177,15 @@ void cull_removed(const float* plane) {
   }
 }
 
+/// Writes the depth −1 for the splats whose layer is off.
+void cull_layers() {
+  const auto slab = static_cast<std::int32_t>(view.slab);
+  const auto sign = static_cast<std::int32_t>(view.layer_sign);
+  for (std::uint32_t i = 0; i < scene.count; ++i) {
+    scene.depth[i] = sign * (scene.layers[i] - slab) <= 0 ? scene.depth[i] : -1.0f;
+  }
+}
+
 }  // namespace
 
 extern "C" {
@@ -203,6 +215,7 @@ EXPORT(reserve) int reserve(std::uint32_t count) {
   scene.opacity = take();
   scene.reach = take();
   scene.size = take();
+  scene.layers = reinterpret_cast<std::int32_t*>(take());
   scene.depth = take();
   scene.kept = reinterpret_cast<std::uint32_t*>(take());
   scene.order = reinterpret_cast<std::uint32_t*>(take());
@@ -210,6 +223,7 @@ EXPORT(reserve) int reserve(std::uint32_t count) {
 }
 
 EXPORT(packed_scene) std::uint32_t* packed_scene() { return scene.packed; }
+EXPORT(scene_layers) std::int32_t* scene_layers() { return scene.layers; }
 EXPORT(decoding_floats) Decoding* decoding_floats() { return &decoding; }
 EXPORT(view_floats) View* view_floats() { return &view; }
 EXPORT(draw_order) std::uint32_t* draw_order() { return scene.order; }
@@ -224,11 +238,15 @@ EXPORT(unpack) void unpack() {
 }
 
 /// Writes the indices of the splats that `view_floats` may show, cut by operator `clip_operator`
-/// (0 none, 1 hard, 2 soft, 3 exact), far to near, to `draw_order`; returns how many.
+/// (0 none, 1 hard, 2 soft, 3 exact, 4 layers), far to near, to `draw_order`; returns how many.
 EXPORT(cull_and_sort) std::uint32_t cull_and_sort(std::uint32_t clip_operator) {
   clip = static_cast<Clip>(clip_operator);
   cull_unseen();
-  for (int i = 0; clip != kNone && i < static_cast<int>(view.plane_count); ++i) {
+  if (clip == kLayers) {
+    cull_layers();
+  }
+  const bool by_planes = clip != kNone && clip != kLayers;
+  for (int i = 0; by_planes && i < static_cast<int>(view.plane_count); ++i) {
     cull_removed(view.planes[i]);
   }
   float nearest = INFINITY;

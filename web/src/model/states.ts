@@ -53,6 +53,33 @@ export function stateCut(states: PlaneStates, state: number): Cut {
   return { normal: states.axis.clone().multiplyScalar(sign), offset, thickness: null };
 }
 
+/** The layers of a case at a cut (LayerSwitch of src/splat/layer_switch.h). */
+export interface LayerSwitch {
+  slab: number; // the layer whose slab the plane goes through: its splats are cut
+  sign: 1 | -1; // layers are off where sign·(layer − slab) > 0; the others are whole
+}
+
+/** A normal along the axis lies within a part of a degree of it. */
+const kSameNormal = 0.99999;
+/** Steps, for what rounding makes of a state's own plane. */
+const kSlack = 1e-3;
+
+/** How `planes` switch layers; null: they do not, for they are not one plane across the axis that keeps what states keep. */
+export function switchLayers(
+  { axis, first, spacing, keeps }: PlaneStates,
+  planes: readonly Plane[],
+): LayerSwitch | null {
+  const [plane] = planes;
+  const below = keeps === "below";
+  const sign = below ? 1 : -1;
+  if (!plane || planes.length > 1 || -sign * plane.normal.dot(axis) <= kSameNormal) {
+    return null;
+  }
+  const steps = (-sign * plane.offset - first) / spacing;
+  const slab = below ? Math.ceil(steps - kSlack) : Math.floor(steps + kSlack);
+  return { slab: slab + 0, sign }; // no −0
+}
+
 /** The state whose plane is nearest to the point of `plane` that is nearest to `middle`. */
 export function nearestState(states: PlaneStates, plane: Plane, middle: Vector3): number {
   const position = projectOnto(plane, middle).dot(states.axis);

@@ -55,8 +55,8 @@ function padded<T extends Uint8Array | Uint16Array | Uint32Array>(data: T, lengt
 }
 
 /**
- * The textures of a scene. A splat has 24 bytes: 20 of its own and its colour as seen now; 2 more with face colours, and
- * 4 in the order of drawing.
+ * The textures of a scene. A splat has 24 bytes: 20 of its own and its colour as seen now; 2 more with face colours, 2
+ * with layers, and 4 in the order of drawing.
  */
 export class GpuScene {
   readonly count: number;
@@ -71,6 +71,8 @@ export class GpuScene {
   readonly hasFaceColors: boolean;
   readonly faceLabels: DataTexture;
   readonly facePalette: DataTexture;
+  readonly hasLayers: boolean;
+  readonly layers: DataTexture;
   readonly scaleCodebook: Float32Array;
   readonly sh0Codebook: DataTexture;
   readonly shNCodebook: DataTexture;
@@ -128,6 +130,15 @@ export class GpuScene {
       HalfFloatType,
       "RGBA16F",
     );
+    this.hasLayers = scene.layers !== null;
+    this.layers = dataTexture(
+      scene.layers ? padded(scene.layers, this.capacity) : new Uint16Array(1),
+      scene.layers ? kWidth : 1,
+      scene.layers ? height : 1,
+      RedIntegerFormat,
+      UnsignedShortType,
+      "R16UI",
+    );
     this.scaleCodebook = scene.scaleCodebook;
     this.sh0Codebook = codebook(scene.sh0Codebook);
     this.shNCodebook = codebook(scene.shN?.codebook ?? new Float32Array(1));
@@ -156,6 +167,7 @@ export class GpuScene {
       this.centroids,
       this.faceLabels,
       this.facePalette,
+      this.layers,
       this.sh0Codebook,
       this.shNCodebook,
       this.order,

@@ -6,6 +6,7 @@ import type { FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
+import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Section } from "../sog/section";
 import type { CaseClient } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
@@ -53,6 +54,8 @@ export class OpenCase {
   noSection: string | null;
   /** The windows that its values are usually seen through; none for photographs and without a section. */
   windows: ReadonlyMap<string, Window> = new Map();
+  /** Whether its splats have layers, which can be clipped by. */
+  readonly hasLayers: boolean;
   readonly #client: CaseClient;
   readonly #ticket: number;
   readonly #view = new Float32Array(kViewFloats); // that the worker is told
@@ -67,6 +70,7 @@ export class OpenCase {
     this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
+    this.hasLayers = scene.hasLayers;
     this.awaitsSection = loaded.hasSection;
     this.noSection = loaded.hasSection ? null : "This case has no section volume: its splats draw the faces.";
     this.#client = client;
@@ -98,8 +102,14 @@ export class OpenCase {
     leastPixels = 0,
   ): Promise<SortResult | null> {
     const { mesh } = this;
-    mesh.setClip(this.#planes(cuts), clip);
-    writeSortView(this.#view, mesh.sceneCamera(camera, width, height), mesh.planes, leastPixels);
+    this.#setClip(this.#planes(cuts), clip);
+    writeSortView(
+      this.#view,
+      mesh.sceneCamera(camera, width, height),
+      mesh.planes,
+      leastPixels,
+      mesh.layerSwitch,
+    );
     const { count, order, milliseconds } = await this.#client.sort(
       this.#ticket,
       this.#view,
@@ -120,7 +130,7 @@ export class OpenCase {
   ): Subject {
     const { mesh, faces, info } = this;
     const planes = this.#planes(cuts);
-    mesh.setClip(planes, clip);
+    this.#setClip(planes, clip);
     mesh.visible = true;
     if (!faces || section === "splats" || !layers.faces) {
       return { mesh, faces: null };
@@ -134,6 +144,15 @@ export class OpenCase {
     faces.setStyle(grey, window);
     faces.rays = rays;
     return { mesh, faces };
+  }
+
+  /** How planes switch the splats' layers; null: they do not. */
+  layersAt(planes: readonly Plane[]): LayerSwitch | null {
+    return this.hasLayers ? switchLayers(this.info.states, planes) : null;
+  }
+
+  #setClip(planes: readonly Plane[], clip: ClipOperator): void {
+    this.mesh.setClip(planes, clip, clip === "layers" ? this.layersAt(planes) : null);
   }
 
   #planes(cuts: readonly Cut[]): Plane[] {

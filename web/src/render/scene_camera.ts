@@ -1,5 +1,7 @@
 import { Matrix3, type Matrix4, type PerspectiveCamera, Vector2, Vector3, type Vector4 } from "three";
 
+import type { LayerSwitch } from "../model/states";
+
 /** A camera as a scene's own space sees it: `Camera` of shaders/gaussian.glsl. */
 export interface SceneCamera {
   rotation: Matrix3; // scene → camera; x right, y down, z forward
@@ -61,7 +63,7 @@ export function setSceneCamera(
 }
 
 /**
- * Writes `camera` and `planes` (scene space) as the worker's sorting wants them; splats that reach no farther than
+ * Writes `camera`, `planes` and what `layers` are on (scene space) as the worker's sorting wants them; splats that reach no farther than
  * `leastPixels` are left out.
  */
 export function writeSortView(
@@ -69,6 +71,7 @@ export function writeSortView(
   camera: SceneCamera,
   planes: readonly Vector4[],
   leastPixels = 0,
+  layers: LayerSwitch | null = null,
 ): void {
   const r = camera.rotation.elements; // column by column
   out.set([r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]], 0);
@@ -81,5 +84,7 @@ export function writeSortView(
   out[17] = camera.near;
   out[18] = leastPixels;
   out[19] = planes.length;
-  planes.forEach((plane, i) => plane.toArray(out, 20 + 4 * i));
+  out[20] = layers?.slab ?? 0;
+  out[21] = layers?.sign ?? 1;
+  planes.forEach((plane, i) => plane.toArray(out, 22 + 4 * i));
 }

@@ -18,6 +18,7 @@ import {
 import { areOpposite, kMaxPlanes } from "../model/cut";
 import { type FaceGain, gainAt } from "../model/face_gain";
 import type { Plane } from "../model/geometry";
+import type { LayerSwitch } from "../model/states";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
 import { type GpuScene, kWidthBits } from "./gpu_scene";
@@ -86,6 +87,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
   clip: number = kClipOperators.none;
+  /** How `planes` switch layers, where those are clipped by. */
+  layerSwitch: LayerSwitch | null = null;
   /** Splats in the current order. */
   drawn = 0;
 
@@ -112,6 +115,9 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uPlaneCount: { value: 0 },
           uSlabs: { value: 0 },
           uClip: { value: 0 },
+          uLayers: { value: scene.layers },
+          uSlab: { value: 0 },
+          uLayerSign: { value: 1 },
           uExtent: { value: kAnyExtent },
         },
         transparent: true,
@@ -153,9 +159,14 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.onBeforeRender = (renderer, _scene, viewer) => this.#update(renderer, viewer as PerspectiveCamera);
   }
 
-  /** Cuts with `planes` (RAS mm, as planesOf() gives them), of which all together keep what is kept. */
-  setClip(planes: readonly Plane[], operator: ClipOperator): void {
-    this.clip = planes.length > 0 ? kClipOperators[operator] : kClipOperators.none;
+  /**
+   * Cuts with `planes` (RAS mm, as planesOf() gives them), of which all together keep what is kept. `layers`: how they
+   * switch those; null: they are cut exactly if by layers.
+   */
+  setClip(planes: readonly Plane[], operator: ClipOperator, layers: LayerSwitch | null): void {
+    const possible = operator === "layers" && !layers ? "exact" : operator;
+    this.clip = planes.length > 0 ? kClipOperators[possible] : kClipOperators.none;
+    this.layerSwitch = layers;
     const toScene = this.#sceneToPatient.clone().transpose();
     const { uniforms, defines } = this.material;
     // n·(M x) − c = (Mᵀ(n, −c))·(x, 1), scaled so that the normal is a unit vector in scene space.
@@ -173,6 +184,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       (this.#colorPass.uniforms["uGains"]!.value as Vector3[])[i]!.copy(gainAt(this.#faceGain, normal));
     });
     uniforms["uPlaneCount"]!.value = planes.length;
+    uniforms["uSlab"]!.value = layers?.slab ?? 0;
+    uniforms["uLayerSign"]!.value = layers?.sign ?? 1;
     uniforms["uSlabs"]!.value = planes.reduce(
       (bits, plane, i) => (i > 0 && areOpposite(planes[i - 1]!, plane) ? bits | (1 << i) : bits),
       0,

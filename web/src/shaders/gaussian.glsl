@@ -1,5 +1,5 @@
 // The mathematics of splatting one Gaussian, as docs/method.md writes it down: decoding, EWA projection
-// and the three clip operators. Functions of their arguments only, so that any GLSL program can include
+// and the clip operators. Functions of their arguments only, so that any GLSL program can include
 // this text. Its C++ twin is src/splat/projection.cpp with src/splat/clip.h.
 //
 // Scene space is that of the case file. Camera axes are x right, y down, z forward; image coordinates
@@ -25,6 +25,7 @@ const int kClipNone = 0;
 const int kClipHard = 1;
 const int kClipSoft = 2;
 const int kClipExact = 3;
+const int kClipLayers = 4;  // of a splat by its layer: whole, by kClipExact, or not at all
 
 struct Gaussian {
   vec3 mean;

@@ -19,6 +19,9 @@ uniform vec4 uPlanes[kPlanes];
 uniform int uPlaneCount;
 uniform int uSlabs;
 uniform int uClip;
+uniform usampler2D uLayers;  // of every splat
+uniform int uSlab;           // the layer that the plane cuts …
+uniform int uLayerSign;      // … beyond which, where sign·(layer − slab) > 0, layers are off
 uniform float uExtent;  // sigmas that are drawn at most
 
 out vec2 vPosition;  // pixel offset in sigma along the splat's axes
@@ -43,7 +46,15 @@ void main() {
   }
   ivec2 texel = texelOf(texelFetch(uOrder, texelOf(index), 0).r);
   Gaussian g = unpackGaussian(texelFetch(uScene, texel, 0), uPackedScene);
-  Splat s = project(g, uCamera, uPlanes, uPlaneCount, uSlabs, uClip);
+  int clip = uClip;
+  if (uClip == kClipLayers) {
+    int beyond = uLayerSign * (int(texelFetch(uLayers, texel, 0).r) - uSlab);
+    if (beyond > 0) {
+      return;
+    }
+    clip = beyond == 0 ? kClipExact : kClipNone;
+  }
+  Splat s = project(g, uCamera, uPlanes, uPlaneCount, uSlabs, clip);
   if (!s.visible) {
     return;
   }

@@ -1,3 +1,4 @@
+import { JsonReader } from "./json_reader";
 import { CaseError } from "./zip";
 
 /** Splats that a case may hold: its textures stay within what every WebGL 2 device can make. */
@@ -17,6 +18,12 @@ interface PaletteMeta {
   files: string[];
 }
 
+/** The layers of splats, each one of `count` states. */
+interface LayersMeta {
+  count: number;
+  file: string;
+}
+
 /** What meta.json says, checked: every list has its length, every number is finite, every file is there. */
 export interface SogMeta {
   count: number;
@@ -26,6 +33,7 @@ export interface SogMeta {
   sh0: { codebook: number[]; files: string[] };
   shN: PaletteMeta | null;
   faces: PaletteMeta | null;
+  layers: LayersMeta | null;
   /** The block that clipgs adds, as it stands: see case_info.ts. */
   clipgs: unknown;
 }
@@ -51,6 +59,7 @@ export interface SogImages {
   sh0: Texels;
   shN: PaletteImages | null;
   faces: PaletteImages | null;
+  layers: Texels | null;
 }
 
 /**
@@ -68,6 +77,8 @@ export interface PackedScene {
   shN: { coefficients: number; codebook: Float32Array; centroids: Texels } | null;
   /** Face colours: a palette entry of every splat, and kFaceCoefficients RGBA texels an entry, kPaletteRow entries a row. */
   faces: { labels: Uint16Array; palette: { width: number; height: number; rgba: Float32Array } } | null;
+  /** The state that each splat comes from. */
+  layers: Uint16Array | null;
 }
 
 type Json = Record<string, unknown>;
@@ -132,6 +143,19 @@ function paletteMeta(
   };
 }
 
+/** Of the `clipgs` block, whose states may have layers. */
+function layersMeta(block: unknown, archive: ReadonlyMap<string, unknown>): LayersMeta | null {
+  if (!isObject(block) || !isObject(block["states"]) || block["states"]["file"] === undefined) {
+    return null;
+  }
+  const states = new JsonReader(block["states"], "clipgs.states");
+  const file = states.text("file");
+  if (!archive.has(file)) {
+    throw new CaseError(`${file} is missing from the case; build or copy it again`);
+  }
+  return { count: states.integer("count", 1, 65536), file };
+}
+
 /** Checks meta.json of an archive. Throws CaseError. */
 export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta {
   const text = archive.get("meta.json");
@@ -171,6 +195,7 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
     sh0: { codebook: numbers(sh0, "codebook", kCodebookSize, "sh0"), files: files(sh0, 1, "sh0", archive) },
     shN: paletteMeta(meta, "shN", [1, 3], (bands) => kShCoefficients[bands as 1 | 2 | 3], archive),
     faces: paletteMeta(meta, kFaceKey, [1, 1], () => kFaceCoefficients, archive),
+    layers: layersMeta(meta["clipgs"], archive),
     clipgs: meta["clipgs"],
   };
 }
@@ -230,6 +255,7 @@ export function packScene(meta: SogMeta, images: SogImages): PackedScene {
           }
         : null,
     faces: packFaces(meta, images),
+    layers: packLayers(meta, images),
   };
 }
 
@@ -257,6 +283,25 @@ function packLabels(
       throw new CaseError(`${meta.files[1]!}: splat ${i} names palette entry ${label} of ${meta.entries}`);
     }
     result[i] = label;
+  }
+  return result;
+}
+
+/** The layer of every splat, checked to be a state; null without layers. */
+function packLayers({ count, layers: meta }: SogMeta, { layers: image }: SogImages): Uint16Array | null {
+  if (!meta || !image) {
+    return null;
+  }
+  requireTexels(image, count, meta.file);
+  const result = new Uint16Array(count);
+  for (let i = 0; i < count; ++i) {
+    const layer = image.rgba[4 * i]! | (image.rgba[4 * i + 1]! << 8);
+    if (layer >= meta.count) {
+      throw new CaseError(
+        `${meta.file}: splat ${i} is of layer ${layer} of ${meta.count}; build the case again`,
+      );
+    }
+    result[i] = layer;
   }
   return result;
 }

@@ -21,7 +21,7 @@ const kHelp: [string, string][] = [
   ["L", "measure from the point under the pointer to the next one"],
   ["H", "show or hide the handle"],
   ["O", "show or hide the body: cut faces alone"],
-  ["1  2  3", "hard, soft, exact cut"],
+  ["1  2  3  4", "hard, soft, exact cut, by layers"],
   ["R", "reset"],
   ["Ctrl + Z, Ctrl + Shift + Z", "undo and redo what was done to the cut"],
   ["D", "save a picture of what is seen (PNG)"],

@@ -10,6 +10,7 @@ const kOperators: Record<ClipOperator, string> = {
   hard: "A splat is drawn whole or not at all, by its centre",
   soft: "A splat fades by how far its centre is from the plane",
   exact: "Every pixel integrates its splat up to the plane",
+  layers: "Along the axis: what was baked of other states is shown or not, only at the plane pixels are cut",
 };
 
 const kModeHints: Record<Mode, string> = {
@@ -175,10 +176,10 @@ export class PlanePanel {
   update(): void {
     this.#undo.disabled = !this.#actions.canUndo;
     this.#redo.disabled = !this.#actions.canRedo;
-    const { state, info, cut } = this.#viewer;
+    const { state, info, cut, hasLayers, missesLayers } = this.#viewer;
     const { mode, cuts, active, clip, handle } = state;
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([mode, cuts, active, clip, handle, info?.bounds, info?.states]);
+    const shown = JSON.stringify([mode, cuts, active, clip, handle, info?.bounds, info?.states, hasLayers]);
     if (shown === this.#shown) {
       return;
     }
@@ -198,7 +199,8 @@ export class PlanePanel {
     for (const [name, button] of this.#operators) {
       button.setAttribute("aria-pressed", String(name === clip));
     }
-    this.#hint.textContent = kOperators[clip];
+    this.#operators.get("layers")!.hidden = !hasLayers;
+    this.#hint.textContent = missesLayers ? this.#noLayersText : kOperators[clip];
     this.#slider.disabled = !cut;
     this.#updatePosition();
     this.#flip.disabled = this.#uniaxial;
@@ -210,6 +212,12 @@ export class PlanePanel {
     this.#thicknessRow.hidden = cut === null || cut.thickness === null;
     this.#thickness.value = String(cut?.thickness ?? kThickness);
     this.#thicknessReadout.textContent = `${(cut?.thickness ?? 0).toFixed(1)} mm`;
+  }
+
+  get #noLayersText(): string {
+    return this.#viewer.hasLayers
+      ? "Layers are for planes along the case's axis: this cut is exact"
+      : "This case has no layers: the cut is exact";
   }
 
   get #uniaxial(): boolean {

@@ -60,7 +60,7 @@ async function decodeImages(
     const [centroids, labels] = await Promise.all(meta ? meta.files.map(decode) : []);
     return centroids && labels ? { centroids, labels } : null;
   };
-  const [meansLow, meansHigh, scales, quats, sh0, shN, faces] = await Promise.all([
+  const [meansLow, meansHigh, scales, quats, sh0, shN, faces, layers] = await Promise.all([
     decode(meta.means.files[0]!),
     decode(meta.means.files[1]!),
     decode(meta.scales.files[0]!),
@@ -68,8 +68,9 @@ async function decodeImages(
     decode(meta.sh0.files[0]!),
     palette(meta.shN),
     palette(meta.faces),
+    meta.layers ? decode(meta.layers.file) : null,
   ]);
-  return { meansLow, meansHigh, scales, quats, sh0, shN, faces };
+  return { meansLow, meansHigh, scales, quats, sh0, shN, faces, layers };
 }
 
 /** Throws CaseError once another case was asked for. */
@@ -109,6 +110,9 @@ async function load(ticket: number, url: string): Promise<void> {
     }
     if (scene.faces) {
       transfer.push(scene.faces.labels.buffer, scene.faces.palette.rgba.buffer);
+    }
+    if (scene.layers) {
+      transfer.push(scene.layers.buffer);
     }
     const { clipgs } = meta;
     reply(

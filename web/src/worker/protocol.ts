@@ -12,12 +12,12 @@ export interface LoadedCase {
   bytes: number;
 }
 
-/** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. */
-export const kClipOperators = { none: 0, hard: 1, soft: 2, exact: 3 } as const;
+/** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. By layers, what they cannot draw is cut exactly. */
+export const kClipOperators = { none: 0, hard: 1, soft: 2, exact: 3, layers: 4 } as const;
 export type ClipOperator = Exclude<keyof typeof kClipOperators, "none">;
 
 /** What culling and sorting look at, in scene space: the floats of `View` in wasm/splat_order.cpp. */
-export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 4 * kMaxPlanes;
+export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 2 + 4 * kMaxPlanes;
 
 /** To the worker. */
 export type Request =

@@ -7,6 +7,7 @@ interface Exports {
   _initialize(): void;
   reserve(count: number): number;
   packed_scene(): number;
+  scene_layers(): number;
   decoding_floats(): number;
   view_floats(): number;
   draw_order(): number;
@@ -34,6 +35,9 @@ export class SplatOrder {
     decoding.set(scene.meanMin, 0);
     decoding.set(scene.meanMax, 3);
     decoding.set(scene.scaleCodebook, 6);
+    if (scene.layers) {
+      new Int32Array(wasm.memory.buffer, wasm.scene_layers(), scene.count).set(scene.layers);
+    }
     wasm.unpack();
   }
 

@@ -7,7 +7,7 @@ import { clipgs, missing } from "./program";
 
 declare module "vitest" {
   interface ProvidedContext {
-    /** A folder with the phantom's scene.ply, and phantom.sog, solid.sog and photo.sog in `cases`. */
+    /** A folder with the phantom's scene.ply, and phantom.sog, solid.sog, layered.sog and photo.sog in `cases`. */
     made: string;
   }
 }
@@ -22,6 +22,7 @@ export default async function makeCases({ provide }: TestProject): Promise<(() =
   mkdirSync(cases);
   await makePhantomCase(made, join(cases, "phantom.sog"));
   await makeSolidCase(made, join(cases, "solid.sog"));
+  await makeLayeredCase(made, join(cases, "layered.sog"));
   await makePhotoCase(join(made, "photo"), join(cases, "photo.sog"));
   provide("made", made);
   return () => rmSync(made, { recursive: true });
@@ -66,6 +67,15 @@ async function makeSolidCase(work: string, out: string): Promise<void> {
   const options = "--no-section --steps 300 --budget 20000 --sh-degree 1".split(" ");
   await clipgs("train", join(work, "dataset"), "-o", scene, ...options);
   await clipgs("pack", scene, "-o", out, "--title", "Solid phantom");
+}
+
+/** A case of the same pictures with layers: the states of a neural model. */
+async function makeLayeredCase(work: string, out: string): Promise<void> {
+  const [model, scene] = [join(work, "neural.ply"), join(work, "layered.ply")];
+  const options = "--model clipgs --no-section --steps 150 --budget 15000 --sh-degree 1".split(" ");
+  await clipgs("train", join(work, "dataset"), "-o", model, ...options);
+  await clipgs("bake", model, "-o", scene);
+  await clipgs("pack", scene, "-o", out, "--title", "Layered phantom");
 }
 
 /** A case of colour photographs: a ball with stripes of three colours, and a hole in it, on black. */

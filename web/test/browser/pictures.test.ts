@@ -5,7 +5,7 @@ import { coverage, pagePicture, psnr } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { missing } from "./program";
 import { Session } from "./session";
-import { choose, facesOf, rendered, type Shot, show } from "./shot";
+import { choose, facesOf, rendered, renderedAndPrinted, type Shot, show } from "./shot";
 
 const kMinAlike = 50; // dB of pictures that are drawn alike, pixel by pixel
 
@@ -107,6 +107,31 @@ describe.skipIf(missing !== undefined)(`pictures${missing ? ` (${missing} is mis
       expect(alpha).toBeGreaterThan(kMinAlike);
     });
   }
+
+  it("draws states by layers as clipgs render does, and other cuts exactly", async () => {
+    await choose(page, "layered");
+    const none: Shot = { name: "layered", view: [25, 30, 1], plane: null, clip: "layers", section: "splats" };
+    for (const state of [60, 110, 150]) {
+      const options = ["--state", String(state)];
+      const { picture: truth } = await renderedAndPrinted(page, session, none, "210x154", options);
+      await show(page, none);
+      await page.evaluate((k) => window.clipgs.setState(k), state);
+      const got = await pagePicture(page, truth.width, truth.height);
+      expect(coverage(truth)).toBeGreaterThan(0.03);
+      expect(psnr(got, truth).color, `state ${state}`).toBeGreaterThan(kMinAlike);
+      expect(psnr(got, truth).alpha, `state ${state}`).toBeGreaterThan(kMinAlike);
+      await page.evaluate(() => window.clipgs.setClip("exact"));
+      const exact = await pagePicture(page, truth.width, truth.height);
+      expect(psnr(exact, truth).color, `state ${state}`).toBeLessThan(kMinAlike - 5);
+    }
+    const pictures = [];
+    for (const clip of ["layers", "exact"] as const) {
+      await show(page, { ...none, plane: [0.2, -1, -0.1, 0], clip });
+      pictures.push(await pagePicture(page, 160, 160));
+    }
+    expect(pictures[0]!.data).toEqual(pictures[1]!.data);
+    await choose(page, "phantom");
+  });
 
   it("cuts more or less as the plane moves", async () => {
     const at = async (offset: number) => {

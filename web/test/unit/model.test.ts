@@ -132,7 +132,7 @@ describe("links", () => {
   });
 
   it("hold a state of the uniaxial mode in place of planes", () => {
-    const text = "#view=1,2,1&state=57&clip=exact";
+    const text = "#view=1,2,1&state=57&clip=layers";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#state=off"))).toBe("#state=off");
     expect(parseLink("#plane=0,0,1,5&state=0")).toEqual({ state: 0 });

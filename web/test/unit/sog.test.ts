@@ -22,6 +22,10 @@ describe("parseSogMeta", () => {
     expect(parseSogMeta(changed("shN", undefined)).shN).toBeNull();
     expect(meta.faces?.coefficients).toBe(4);
     expect(parseSogMeta(changed("clipgs_faces", undefined)).faces).toBeNull();
+    expect(meta.layers).toEqual({ count: 200, file: "layers.webp" });
+    for (const absent of ["clipgs", "clipgs.states", "clipgs.states.file"]) {
+      expect(parseSogMeta(changed(absent, undefined)).layers).toBeNull();
+    }
   });
 
   it.each([
@@ -42,6 +46,9 @@ describe("parseSogMeta", () => {
     ["shN.count", 65537, /shN\.count/],
     ["clipgs_faces.bands", 2, /clipgs_faces\.bands/],
     ["clipgs_faces.files", [], /clipgs_faces\.files/],
+    ["clipgs.states.file", 1, /states\.file/],
+    ["clipgs.states.file", "nowhere.webp", /nowhere\.webp is missing/],
+    ["clipgs.states.count", 0, /states\.count/],
   ])("refuses %s = %j", (path, value, message) => {
     expect(() => parseSogMeta(changed(path, value))).toThrow(CaseError);
     expect(() => parseSogMeta(changed(path, value))).toThrow(message);
@@ -76,6 +83,7 @@ describe("packScene", () => {
     expect([...scene.faces!.labels]).toEqual(
       Array.from({ length: 20 }, (_, i) => images.faces!.labels.rgba[4 * i]),
     );
+    expect([...scene.layers!]).toEqual(Array.from({ length: 20 }, (_, i) => images.layers!.rgba[4 * i]));
     const code = images.faces!.centroids.rgba[0]!;
     expect(scene.faces!.palette.rgba[0]).toBeCloseTo(code / 255 - 0.5, 6);
     expect(scene.scaleCodebook[0]).toBeCloseTo(Math.exp(-7), 8);
@@ -102,5 +110,8 @@ describe("packScene", () => {
     const face = makeImages(meta);
     face.faces!.labels.rgba[4 * 6] = 2;
     expect(() => packScene(meta, face)).toThrow(/splat 6 .* of 2/);
+    const layer = makeImages(meta);
+    layer.layers!.rgba[4 * 8] = 200;
+    expect(() => packScene(meta, layer)).toThrow(/splat 8 is of layer 200 of 200/);
   });
 });

@@ -68,12 +68,13 @@ export function makeMeta(count: number): Record<string, unknown> {
       codebook: codebook(-0.5, 0.5),
       files: ["clipgs_faces_centroids.webp", "clipgs_faces_labels.webp"],
     },
+    clipgs: { states: { count: 200, first: -0.2, spacing: 0.002, keeps: "below", file: "layers.webp" } },
   };
 }
 
 export function makeArchive(meta: unknown): Map<string, Uint8Array> {
   const names = ["means_l", "means_u", "scales", "quats", "sh0", "shN_centroids", "shN_labels"];
-  names.push("clipgs_faces_centroids", "clipgs_faces_labels");
+  names.push("clipgs_faces_centroids", "clipgs_faces_labels", "layers");
   const archive = new Map(names.map((name) => [`${name}.webp`, new Uint8Array(4)]));
   archive.set("meta.json", new TextEncoder().encode(typeof meta === "string" ? meta : JSON.stringify(meta)));
   return archive;
@@ -119,5 +120,6 @@ export function makeImages(meta: SogMeta, seed = 1): SogImages {
     sh0: texels(width, height, byte),
     shN: { centroids: texels(192, 1, byte), labels: labels(3) },
     faces: { centroids: texels(256, 1, byte), labels: labels(2) },
+    layers: meta.layers && labels(meta.layers.count),
   };
 }

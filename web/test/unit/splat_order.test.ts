@@ -3,6 +3,7 @@ import { resolve } from "node:path";
 import { Matrix4, PerspectiveCamera, Vector3, Vector4 } from "three";
 import { beforeAll, describe, expect, it } from "vitest";
 
+import type { LayerSwitch } from "../../src/model/states";
 import {
   makeSceneCamera,
   type SceneCamera,
@@ -98,9 +99,15 @@ describe("the WASM module", () => {
     order.load(scene);
   });
 
-  function sorted(camera: SceneCamera, planes: Vector4[], clip: number, leastPixels = 0): number[] {
+  function sorted(
+    camera: SceneCamera,
+    planes: Vector4[],
+    clip: number,
+    leastPixels = 0,
+    layers: LayerSwitch | null = null,
+  ): number[] {
     const view = new Float32Array(kViewFloats);
-    writeSortView(view, camera, planes, leastPixels);
+    writeSortView(view, camera, planes, leastPixels, layers);
     const indices = new Uint32Array(kCount);
     return [...indices.subarray(0, order.sort(view, clip, indices))];
   }
@@ -141,6 +148,19 @@ describe("the WASM module", () => {
       expect(got.length).toBeLessThan(1.5 * visible.length + 20);
     });
   }
+
+  it("leaves out the splats whose layers are off, and no others", () => {
+    const all = sorted(cameras.whole, [plane], kClipOperators.none);
+    for (const sign of [1, -1] as const) {
+      for (const slab of [-3, 0, 77, 199, 240]) {
+        const got = sorted(cameras.whole, [plane], kClipOperators.layers, 0, { slab, sign });
+        const on = all.filter((i) => sign * (scene.layers![i]! - slab) <= 0);
+        expect(new Set(got)).toEqual(new Set(on));
+        expect(got.length).toBe(on.length);
+      }
+    }
+    expect(sorted(cameras.whole, [plane], kClipOperators.exact).length).toBeLessThan(all.length);
+  });
 
   it("gives nothing when everything is cut away or behind", () => {
     expect(sorted(cameras.whole, [new Vector4(0, 0, 1, 5)], kClipOperators.exact)).toEqual([]);

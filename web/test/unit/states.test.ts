@@ -10,6 +10,7 @@ import {
   stateCut,
   statePosition,
   stateText,
+  switchLayers,
 } from "../../src/model/states";
 import { JsonReader } from "../../src/sog/json_reader";
 
@@ -74,6 +75,35 @@ describe("states", () => {
     expect(nearestState(states, through(-300), middle)).toBe(0);
     expect(nearestState(states, through(300), middle)).toBe(49);
     expect(nearestState(states, planeThrough(new Vector3(1, 0, 0), new Vector3()), middle)).toBe(13);
+  });
+
+  // LayerSwitch of src/splat/layer_switch_test.cpp holds the program to the same.
+  it("switch layers at planes along the axis that keep what they keep, and at no others", () => {
+    const axis = new Vector3(0.36, -0.48, 0.8);
+    for (const keeps of ["below", "above"] as const) {
+      const states: PlaneStates = { axis, count: 200, first: -31.7, spacing: 0.31, keeps };
+      const sign = keeps === "below" ? 1 : -1;
+      for (let state = 0; state < states.count; ++state) {
+        const cut = stateCut(states, state);
+        const moved = (steps: number) => ({ ...cut, offset: cut.offset + steps * states.spacing });
+        expect(switchLayers(states, [cut])).toEqual({ slab: state, sign });
+        expect(switchLayers(states, [moved(0.5)])?.slab, "into what is kept").toBe(state);
+        expect(switchLayers(states, [moved(1.1)])?.slab).toBe(state - sign);
+        expect(switchLayers(states, [moved(-0.1)])?.slab).toBe(state + sign);
+      }
+      const { normal, offset } = stateCut(states, 20);
+      const back = { normal: normal.clone().negate(), offset: -offset };
+      const oblique = {
+        normal: normal
+          .clone()
+          .add(new Vector3(0.02, 0, 0))
+          .normalize(),
+        offset,
+      };
+      for (const planes of [[], [back], [oblique], [{ normal, offset }, oblique]]) {
+        expect(switchLayers(states, planes)).toBeNull();
+      }
+    }
   });
 
   it("are said with their numbers", () => {

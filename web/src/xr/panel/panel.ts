@@ -53,6 +53,8 @@ const kCountMs = 500;
 /** What is met first, where a hand points at several things. */
 const kOrder = 2;
 
+const kOperators = { hard: "Hard", soft: "Soft", exact: "Exact" } as const;
+
 const kTabs = {
   cut: "Cut",
   faces: "Faces",
@@ -303,6 +305,7 @@ export class Panel {
 
   #cut(): (Container | Text)[] {
     const [viewer, actions] = [this.#viewer, this.#actions];
+    const clip = this.#live(() => viewer.state.clip);
     const { grip } = this.#host.stage;
     const free = this.#live(() => !actions.isUniaxial);
     const isCut = this.#live(() => viewer.cut !== null);
@@ -377,11 +380,16 @@ export class Panel {
         () => !actions.isUniaxial,
       ),
       tab(
-        choice<ClipOperator>(
-          { hard: "Hard", soft: "Soft", exact: "Exact" },
-          this.#live(() => viewer.state.clip),
-          (clip) => viewer.setClip(clip),
+        choice<ClipOperator>({ ...kOperators, layers: "Layers" }, clip, (one) => viewer.setClip(one)),
+        () => viewer.hasLayers,
+      ),
+      tab(
+        choice<keyof typeof kOperators>(
+          kOperators,
+          computed(() => (clip.value === "layers" ? "exact" : clip.value)),
+          (one) => viewer.setClip(one),
         ),
+        () => !viewer.hasLayers,
       ),
     ];
   }
