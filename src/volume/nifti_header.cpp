@@ -28,7 +28,7 @@ struct Fields {
   int units = 0;
   int qform_code = 0;
   int sform_code = 0;
-  glm::dvec3 quaternion{0};             // b, c, d
+  glm::dvec3 quaternion{0};  // b, c, d
   glm::dvec3 qoffset{0};
   std::array<glm::dvec4, 3> srow{};
   std::string_view magic;
@@ -250,8 +250,8 @@ double unit_of(const Fields& fields, ImageHeader& image, const std::string& wher
     default:
       break;
   }
-  image.warnings.push_back(fmt::format("{}: its xyzt_units name no unit of length ({}); taken as mm",
-                                       where, fields.units & 7));
+  image.warnings.push_back(fmt::format(
+      "{}: its xyzt_units name no unit of length ({}); taken as mm", where, fields.units & 7));
   return 1;
 }
 
@@ -297,18 +297,19 @@ Placement qform(const Fields& fields, const glm::dvec3& size, const std::string&
   Placement form;
   for (int i = 0; i < 3; ++i) {
     finite(fields.quaternion[i], fmt::format("quatern_{}", "bcd"[i]), where);
-    form.origin[i] =
-        finite(fields.qoffset[i], fmt::format("qoffset_{}", kAxisNames[i]), where);
+    form.origin[i] = finite(fields.qoffset[i], fmt::format("qoffset_{}", kAxisNames[i]), where);
   }
   const double sum = glm::dot(fields.quaternion, fields.quaternion);
   constexpr double kRounding = 1e-3;
   if (sum > 1 + kRounding) {
     throw Error(
-        "{}: its quatern_b, quatern_c and quatern_d are no rotation, their squares add up to {:.6g}",
+        "{}: its quatern_b, quatern_c and quatern_d are no rotation, their squares add up to "
+        "{:.6g}",
         where, sum);
   }
   const glm::dvec3& q = fields.quaternion;
-  const glm::dquat turn = glm::normalize(glm::dquat(std::sqrt(std::max(0.0, 1 - sum)), q.x, q.y, q.z));
+  const glm::dquat turn =
+      glm::normalize(glm::dquat(std::sqrt(std::max(0.0, 1 - sum)), q.x, q.y, q.z));
   form.steps = glm::mat3_cast(turn);
   for (int axis = 0; axis < 3; ++axis) {
     form.steps[axis] *= size[axis];
@@ -325,7 +326,8 @@ double distance(const Placement& a, const Placement& b, const IVec3& dims) {
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 index(corner % 2 * (dims.x - 1), corner / 2 % 2 * (dims.y - 1),
                            corner / 4 * (dims.z - 1));
-    largest = std::max(largest, glm::length(a.steps * index + a.origin - b.steps * index - b.origin));
+    largest =
+        std::max(largest, glm::length(a.steps * index + a.origin - b.steps * index - b.origin));
   }
   return largest;
 }
@@ -354,13 +356,19 @@ void require_code(int code, const char* field, const std::string& where) {
 }
 
 const GeometryFields kSformFields{{"srow_*[0]", "srow_*[1]", "srow_*[2]"}, "srow_*", "srow_*[3]"};
-const GeometryFields kPixdimFields{{"pixdim[1]", "pixdim[2]", "pixdim[3]"}, "quatern_*", "qoffset_*"};
+const GeometryFields kPixdimFields{
+    {"pixdim[1]", "pixdim[2]", "pixdim[3]"}, "quatern_*", "qoffset_*"};
 
+/// Whether the form is of some sense but for its axes, which are not perpendicular.
 bool sheared(const Placement& form) {
-  const glm::dmat3& steps = form.steps;
-  const bool usable = glm::length(steps[0]) > 0 && glm::length(steps[1]) > 0 &&
-                      glm::length(steps[2]) > 0 && glm::determinant(steps) != 0;
-  return usable && !perpendicular(steps);
+  constexpr double kLongest = 1e6;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = glm::length(form.steps[axis]);
+    if (length == 0 || length > kLongest) {
+      return false;
+    }
+  }
+  return glm::determinant(form.steps) != 0 && !perpendicular(form.steps);
 }
 
 /// Which form holds, by the standard, and what is to be said of the other one.
@@ -402,11 +410,11 @@ void place(const Fields& fields, ImageHeader& image, const std::string& where) {
   if (fields.qform_code > 0) {
     return take(qform(fields, voxel_size(fields, image, where), where), kPixdimFields);
   }
-  image.warnings.push_back(
-      fmt::format("{}: says nothing of the patient's orientation (sform_code and qform_code are 0): "
-                  "its axes are taken to run to the right, front and top; left and right may be "
-                  "the other way round",
-                  where));
+  image.warnings.push_back(fmt::format(
+      "{}: says nothing of the patient's orientation (sform_code and qform_code are 0): "
+      "its axes are taken to run to the right, front and top; left and right may be "
+      "the other way round",
+      where));
   Placement form;
   const glm::dvec3 size = voxel_size(fields, image, where);
   for (int axis = 0; axis < 3; ++axis) {

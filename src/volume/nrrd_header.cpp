@@ -262,7 +262,10 @@ Axes find_axes(const Fields& fields, const Steps& directions, std::size_t count,
   const size_t first = spatial(0) ? 0 : 1;
   for (size_t axis = first; axis < first + 3; ++axis) {
     if (axis >= count || !spatial(axis)) {
-      throw Error("{}: a {}D image of another kind; a 3D volume is needed", where, count);
+      throw Error(
+          "{}: its space directions or kinds do not give three axes of space in a row; a 3D volume "
+          "is needed",
+          where);
     }
   }
   return {first, count};
@@ -279,12 +282,12 @@ glm::dvec3 to_lps(const Fields& fields, ImageHeader& image, const std::string& w
     return {1, -1, 1};
   }
   if (space.find("time") != std::string::npos) {
-    throw Error("{}: its space \"{}\" has four axes; store it with three", where,
-                printable(space));
+    throw Error("{}: its space \"{}\" has four axes; store it with three", where, printable(space));
   }
   if (space != "left-posterior-superior" && space != "lps") {
     image.warnings.push_back(fmt::format(
-        "{}: says nothing of the patient's orientation (no \"space\" of left, right, ...): its axes "
+        "{}: says nothing of the patient's orientation (no \"space\" of left, right, ...): its "
+        "axes "
         "are taken to run to the left, back and top; left and right may be the other way round",
         where));
   }
@@ -366,7 +369,8 @@ void place(const Fields& fields, const Steps& directions, const Axes& axes, Imag
     for (int axis = 0; axis < 3; ++axis) {
       steps[axis] *= unit[static_cast<size_t>(axis)];
     }
-    set_geometry(image, steps, origin, {{"spacings[0]", "spacings[1]", "spacings[2]"}, "spacings", "space origin"},
+    set_geometry(image, steps, origin,
+                 {{"spacings[0]", "spacings[1]", "spacings[2]"}, "spacings", "space origin"},
                  where);
     return;
   }
