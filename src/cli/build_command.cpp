@@ -263,8 +263,9 @@ void run_build(const BuildArguments& arguments) {
   const fs::path work = work_folder(arguments);
   say_step(1, fmt::format("{}: work is kept in {}", arguments.volume, work.string()));
   if (!fs::exists(arguments.volume)) {
-    throw Error("{}: does not exist; give a DICOM folder or a NIfTI, NRRD or MetaImage file",
-                arguments.volume);
+    throw Error(
+        "{}: does not exist; give a DICOM folder or .zip, or a NIfTI, NRRD or MetaImage file",
+        arguments.volume);
   }
   const nlohmann::json claim = claim_of(arguments, quality);
   check_work_folder(work, claim);
@@ -283,7 +284,9 @@ void add_build_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("build", "From a volume to a case: pictures, training, packing");
   const auto arguments = std::make_shared<BuildArguments>();
-  command->add_option("volume", arguments->volume, "DICOM folder, NIfTI, NRRD or MetaImage file")
+  command
+      ->add_option("volume", arguments->volume,
+                   "DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
       ->required();
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
   add_look_options(*command, arguments->look);

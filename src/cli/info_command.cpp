@@ -133,7 +133,8 @@ void add_info_command(CLI::App& app) {
   command->footer("Example: clipgs info ct-folder/ --json");
   command
       ->add_option("FILE", options->path,
-                   "Volume (DICOM folder, NIfTI, NRRD, MetaImage), dataset folder, case (.sog), "
+                   "Volume (DICOM folder, file or .zip, NIfTI, NRRD, MetaImage), dataset folder, "
+                   "case (.sog), "
                    "scene or model (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");

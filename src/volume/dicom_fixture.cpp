@@ -55,7 +55,7 @@ void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice) {
   text(0x0028, 0x1052, gdcm::VR::DS, fmt::format("{}", slice.intercept));
   text(0x0028, 0x1053, gdcm::VR::DS, fmt::format("{}", slice.slope));
   for (const FixtureSlice::Text& extra : slice.texts) {
-    text(extra.group, extra.element, gdcm::VR::DS, extra.value);
+    text(extra.group, extra.element, extra.integer ? gdcm::VR::IS : gdcm::VR::DS, extra.value);
   }
   insert(data, {0x0028, 0x0002}, 1);  // samples per pixel
   insert(data, {0x0028, 0x0010}, slice.rows);

@@ -26,8 +26,9 @@ struct FixtureSlice {
     std::uint16_t group = 0;
     std::uint16_t element = 0;
     std::string value;
+    bool integer = false;  ///< an integer string, not a decimal one
   };
-  std::vector<Text> texts;  ///< further elements, of decimal strings
+  std::vector<Text> texts;  ///< further elements
 };
 
 /// A function that linear resampling keeps: HU at an LPS position.

@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "volume/dicom_phases.h"
+#include "volume/nameless_file.h"
 #include "volume/stack_plan.h"
 
 namespace clipgs {
@@ -193,6 +194,25 @@ void read_regular(const DicomStack& stack, std::vector<float>& values) {
   }
 }
 
+/// The library reads files only.
+StoredImage read_frames(const DicomSource& source) {
+  if (source.lies_open()) {
+    return read_multi_frame(source.path);
+  }
+  NamelessFile copy;
+  copy.append(source.read());
+  try {
+    return read_multi_frame(copy.path());
+  } catch (const Error& e) {
+    std::string text = e.what();
+    const std::string unnamed = copy.path().string();
+    if (text.starts_with(unnamed)) {
+      text.replace(0, unnamed.size(), source.name());
+    }
+    throw Error("{}", text);
+  }
+}
+
 void require_whole(const DicomStack& stack, const std::string& where) {
   const DicomHeader& first = stack.slices.front();
   if (stack.slices.size() < 2 || first.columns < 2 || first.rows < 2) {
@@ -256,7 +276,7 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
 
 StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where) {
   if (stack.slices.front().frames > 1) {
-    return read_multi_frame(stack.slices.front().source.path);
+    return read_frames(stack.slices.front().source);
   }
   DicomStack whole = stack;
   drop_repeats(whole.slices, where);

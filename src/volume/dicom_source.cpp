@@ -2,18 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <fmt/format.h>
 #include <fstream>
+#include <sstream>
+#include <string_view>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "volume/dicom_archive.h"
+#include "volume/inflater.h"
 
 namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kPreamble = 128;
+using Bytes = std::vector<std::uint8_t>;
 
 template <typename Iterator>
 std::vector<fs::path> files_of(const fs::path& folder) {
@@ -32,24 +36,104 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
+/// As much as kDicomHead, less if the file is shorter.
+Bytes head_of(const fs::path& path) {
+  Bytes head(kDicomHead);
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return head;
+}
+
+/// A gzip file's content. Its stated size is not believed: memory grows with what comes out.
+Bytes unpacked(const Bytes& packed, const std::string& name) {
+  std::istringstream stream(std::string(packed.begin(), packed.end()));
+  Inflater inflater(stream);
+  Bytes bytes;
+  while (inflater.state() == Inflater::State::kGoing) {
+    constexpr size_t kPiece = size_t{1} << 20;
+    const size_t done = bytes.size();
+    if (done > most_unpacked(packed.size())) {
+      throw Error(
+          "{}: unpacks to more than DICOM does ({} MiB and no end); unpack it if you trust it",
+          name, done >> 20);
+    }
+    bytes.resize(done + kPiece);
+    bytes.resize(done + inflater.read(std::span(bytes).subspan(done)));
+  }
+  if (inflater.state() != Inflater::State::kWhole) {
+    throw Error("{}: truncated or corrupt: gzip gets {} bytes out of it and then {}", name,
+                bytes.size(),
+                inflater.state() == Inflater::State::kCutOff     ? "the file ends"
+                : inflater.state() == Inflater::State::kMismatch ? "its checksum is wrong"
+                                                                 : "what makes no sense");
+  }
+  return bytes;
+}
+
 }  // namespace
 
-std::vector<std::uint8_t> DicomSource::read() const { return read_file(path); }
-
-bool is_dicom_file(const fs::path& path) {
-  std::array<char, kPreamble + 4> head{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), head.size());
-  return file && std::memcmp(&head[kPreamble], "DICM", 4) == 0;
+std::string DicomSource::name() const {
+  return archive == nullptr
+             ? path.string()
+             : fmt::format("{} (its file {})", path.string(), archive->number_of(member));
 }
+
+fs::path DicomSource::folder() const {
+  return archive == nullptr ? path.parent_path() : path / archive->folder_of(member);
+}
+
+bool DicomSource::lies_open() const { return archive == nullptr && !begins_gzip(head_of(path)); }
+
+Bytes DicomSource::read() const {
+  Bytes bytes = archive == nullptr ? read_file(path) : archive->read(member, name());
+  return begins_gzip(bytes) ? unpacked(bytes, name()) : bytes;
+}
+
+bool begins_dicom(std::span<const std::uint8_t> head) {
+  constexpr size_t kPreamble = 128;
+  constexpr std::string_view kMagic = "DICM";
+  std::array<std::uint8_t, kPreamble + kMagic.size()> begin{};
+  if (begins_gzip(head)) {
+    std::istringstream stream(std::string(head.begin(), head.end()));
+    if (Inflater(stream).read(begin) < begin.size()) {
+      return false;
+    }
+  } else if (head.size() < begin.size()) {
+    return false;
+  } else {
+    std::ranges::copy(head.first(begin.size()), begin.begin());
+  }
+  return std::ranges::equal(std::span(begin).subspan(kPreamble), kMagic);
+}
+
+bool is_dicom_file(const fs::path& path) { return begins_dicom(head_of(path)); }
 
 std::vector<DicomSource> dicom_files_in(const fs::path& folder, bool below) {
   std::vector<DicomSource> sources;
-  for (fs::path& file : below ? files_of<fs::recursive_directory_iterator>(folder)
-                              : files_of<fs::directory_iterator>(folder)) {
-    if (is_dicom_file(file)) {
-      sources.push_back({std::move(file)});
+  for (const fs::path& file : below ? files_of<fs::recursive_directory_iterator>(folder)
+                                    : files_of<fs::directory_iterator>(folder)) {
+    if (file.filename() != "DICOMDIR" && is_dicom_file(file)) {
+      sources.push_back({file, nullptr, 0});
     }
+  }
+  return sources;
+}
+
+bool is_zip_file(const fs::path& path) {
+  const Bytes head = head_of(path);
+  const auto begins = [&](std::string_view magic) {
+    return head.size() >= magic.size() &&
+           std::ranges::equal(std::span(head).first(magic.size()), magic);
+  };
+  return begins("PK\3\4") || begins("PK\5\6");
+}
+
+std::vector<DicomSource> dicom_files_in_zip(const fs::path& path) {
+  const auto archive = std::make_shared<const DicomArchive>(path);
+  std::vector<DicomSource> sources;
+  for (size_t i = 0; i < archive->size(); ++i) {
+    sources.push_back({path, archive, i});
   }
   return sources;
 }

@@ -21,14 +21,15 @@ DicomStudy study_of(DicomScan scan, std::string where) {
     throw Error("{}", study.unreadable.front().error);
   }
   throw Error(
-      "{}: no DICOM image with a position in this folder; give the folder of a CT or MR series, or "
-      "a .nii(.gz), .nrrd or .mha file",
+      "{}: no DICOM image with a position in it; give the folder or .zip of a CT or MR series, or "
+      "a "
+      ".nii(.gz), .nrrd or .mha file",
       study.where);
 }
 
 /// One file of a series stands for the series, as far as it lies in the file's own folder.
 DicomStudy study_around(const fs::path& file) {
-  const std::optional<DicomHeader> header = read_dicom_header({fs::absolute(file)});
+  const std::optional<DicomHeader> header = read_dicom_header({fs::absolute(file), nullptr, 0});
   if (!header) {
     throw Error("{}: a DICOM file without an image", file.string());
   }
@@ -101,8 +102,7 @@ void account_for_unreadable(const DicomStudy& study, const DicomStack& stack) {
   for (const UnreadableDicom& file : study.unreadable) {
     if (file.series_uid.empty() ? beside_a_slice(file.source.folder())
                                 : file.series_uid == stack.uid) {
-      throw Error("{}; copy it again, or take it out of the folder to go on without it",
-                  file.error);
+      throw Error("{}; copy it again, or take it away to go on without it", file.error);
     }
   }
   if (!study.unreadable.empty()) {
@@ -115,15 +115,18 @@ void account_for_unreadable(const DicomStudy& study, const DicomStack& stack) {
 
 bool is_dicom(const fs::path& path) {
   std::error_code ignored;
-  return fs::is_directory(path, ignored) || is_dicom_file(path);
+  return fs::is_directory(path, ignored) || is_dicom_file(path) || is_zip_file(path);
 }
 
 DicomStudy open_study(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) {
-    return study_around(path);
+  if (fs::is_directory(path, ignored)) {
+    return study_of(scan_dicom(dicom_files_in(path, true)), path.string());
   }
-  return study_of(scan_dicom(dicom_files_in(path, true)), path.string());
+  if (is_zip_file(path)) {
+    return study_of(scan_dicom(dicom_files_in_zip(path)), path.string());
+  }
+  return study_around(path);
 }
 
 size_t choose_stack(const DicomStudy& study, const std::string& series) {

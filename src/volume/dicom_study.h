@@ -9,7 +9,7 @@
 
 namespace clipgs {
 
-/// All that there is to choose from where a DICOM folder, or one file of it, was given.
+/// All that there is to choose from where a DICOM folder, a ZIP of it, or one file was given.
 struct DicomStudy {
   std::string where;                        ///< what messages call it
   std::vector<DicomStack> stacks;           ///< at least one, the largest first
@@ -17,11 +17,11 @@ struct DicomStudy {
   std::optional<size_t> given;              ///< the stack that the file given belongs to
 };
 
-/// True for folders and DICOM files.
+/// True for folders, ZIPs and DICOM files.
 bool is_dicom(const std::filesystem::path& path);
 
-/// Looks through a folder and its subfolders; of one file, through its own folder for its own
-/// series. Throws Error if there is no image with a position, or the file given cannot be read.
+/// Looks through a folder and its subfolders, or a ZIP; of one file, through its own folder for its
+/// own series. Throws Error if there is no image with a position, or the file given cannot be read.
 DicomStudy open_study(const std::filesystem::path& path);
 
 /// The index of the stack with this number (from 1) or series UID (of several phases the first,

@@ -73,7 +73,7 @@ TEST(DicomStudy, ADamagedSliceOfTheSeriesIsAnError) {
     cut(folder / "i14", length);
     for (const fs::path& path : {folder.path(), folder / "i7"}) {
       EXPECT_THAT(error_of([&] { load_volume(path); }),
-                  testing::AllOf(HasSubstr("i14: truncated"), HasSubstr("take it out")));
+                  testing::AllOf(HasSubstr("i14: truncated"), HasSubstr("take it away")));
     }
   }
   EXPECT_THAT(error_of([&] { load_volume(folder / "i14"); }), HasSubstr("i14: truncated"));
