@@ -320,6 +320,65 @@ INSTANTIATE_TEST_SUITE_P(Operators, ClipTest,
                            return std::string(clip_operator_name(test.param));
                          });
 
+/// Φ by the error function: what the approximations are held to.
+double phi(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+constexpr double kPhiError = 1.5e-4;  // that method.md §3 claims
+
+TEST(ExactClip, PhiOfEveryRendererIsThatOfTheErrorFunction) {
+  // One large Gaussian, and planes across it that are seen from the side and aslant: what they
+  // leave of its α is Φ(z), at standardised distances z from pixel to pixel.
+  Gaussians one(1, 0);
+  const Vec3 deviations(9, 4, 6);
+  for (int a = 0; a < 3; ++a) {
+    one.plane(Gaussians::kLogScale + a)[0] = std::log(deviations[a]);
+  }
+  one.plane(Gaussians::kRotation)[0] = 1;
+  const Camera camera = frame_sphere({{0, 0, 0}, 30}, View{20, 10, 1}, 96, 96);
+  RasterOptions options;
+  options.alpha_min = 1e-6f;
+  options.clip_sigma = 8;
+  const auto check = [&](const Plane& plane, const auto& picture, const auto& uncut, double error,
+                         Vec2& range) {
+    Splat splat;
+    const LitPlane lit{plane, Vec3(1)};
+    ASSERT_TRUE(project(one, 0, camera, std::span(&lit, 1), options, splat, nullptr));
+    ASSERT_EQ(splat.clipped, 1U);
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
+        const size_t at = (static_cast<size_t>(y) * camera.width + x) * 4 + 3;
+        if (uncut[at] < 0.05) {
+          continue;
+        }
+        const double z = splat.z0 + splat.zx * (x + 0.5 - splat.x) + splat.zy * (y + 0.5 - splat.y);
+        ASSERT_NEAR(picture[at] / uncut[at], phi(z), error) << "z " << z;
+        range = {std::min(range.x, static_cast<float>(z)),
+                 std::max(range.y, static_cast<float>(z))};
+      }
+    }
+  };
+  const std::vector<double> p = as_doubles(one);
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    Vec2 range(0);
+    for (const Vec3& normal : {Vec3(0.3f, 0.5f, -0.8f), Vec3(1, 0, 0), Vec3(0.2f, -1, 0.4f)}) {
+      for (const float offset : {-4.0f, 0.0f, 3.0f}) {
+        const Plane plane{glm::normalize(normal), offset};
+        const Image uncut = Rasterizer().forward(one, camera, std::nullopt, options);
+        check(plane, Rasterizer().forward(one, camera, plane, options).data, uncut.data,
+              kPhiError + 1e-5, range);
+        if (target == hwy::SupportedAndGeneratedTargets().front()) {
+          check(plane, reference_render(p, one, camera, plane, options),
+                reference_render(p, one, camera, std::nullopt, options), kPhiError + 1e-5, range);
+        }
+      }
+    }
+    EXPECT_LT(range.x, -4);
+    EXPECT_GT(range.y, 4);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
 TEST(ExactClip, EqualsTheHalfSpaceIntegralAlongTheRay) {
   // One large Gaussian seen from far away, where the affine projection is nearly the perspective
   // one, and large on the screen, where the blur is negligible: integrate its density along each
