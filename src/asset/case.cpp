@@ -40,9 +40,10 @@ struct OpenCase {
   json block;  // "clipgs" of meta
 };
 
-OpenCase open_case(std::span<const std::uint8_t> bytes, const std::string& name) {
+/// Of the files of a ZIP, or at least its meta.json.
+OpenCase open_case(std::map<std::string, Bytes> files, const std::string& name) {
   OpenCase result;
-  result.files = read_zip(bytes, name);
+  result.files = std::move(files);
   const auto meta = result.files.find(kMetaFile);
   if (meta == result.files.end() || meta->second.size() > kMaxMeta) {
     throw Error("{}: has no usable {}; is it a case?", name, kMetaFile);
@@ -86,6 +87,33 @@ size_t size_of(const CodedSection& section) {
 }
 
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
+
+/// Everything but its size and its thumbnail. `sizes`: of the case's files.
+CaseInfo info_of(const OpenCase& opened, const std::map<std::string, size_t>& sizes,
+                 const std::string& name) {
+  CaseInfo info;
+  scene_from_json(opened.block, name + ": clipgs", info.scene);
+  const SogSummary summary = sog_summary(opened.meta, name);
+  info.splats = summary.count;
+  info.sh_degree = summary.sh_degree;
+  info.has_face_colors = summary.face_colors;
+  info.has_layers = has_layers(opened.block);
+  if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
+    info.section = section_info(*section, sizes, section_name(name));
+  }
+  const auto generator = opened.block.find("generator");
+  if (generator != opened.block.end() && generator->is_string()) {
+    info.generator = generator->get<std::string>();
+  }
+  return info;
+}
+
+/// Name of the thumbnail's file, or nothing.
+std::string thumbnail_file(const OpenCase& opened) {
+  const auto thumbnail = opened.block.find("thumbnail");
+  const bool named = thumbnail != opened.block.end() && thumbnail->is_string();
+  return named ? thumbnail->get<std::string>() : std::string();
+}
 
 }  // namespace
 
@@ -145,7 +173,7 @@ void write_case(const std::filesystem::path& path, const Case& contents, const I
 }
 
 Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
-  const OpenCase opened = open_case(bytes, name);
+  const OpenCase opened = open_case(read_zip(bytes, name), name);
   Case result;
   const Similarity world = scene_from_json(opened.block, name + ": clipgs", result.scene);
   result.scene.gaussians = transform(decode_sog(opened.meta, opened.files, name), world);
@@ -184,34 +212,38 @@ Case load_case(const std::filesystem::path& path) {
 }
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name) {
-  OpenCase opened = open_case(bytes, name);
-  CaseInfo info;
-  scene_from_json(opened.block, name + ": clipgs", info.scene);
+  OpenCase opened = open_case(read_zip(bytes, name), name);
+  std::map<std::string, size_t> sizes;
+  for (const auto& [file, content] : opened.files) {
+    sizes.emplace(file, content.size());
+  }
+  CaseInfo info = info_of(opened, sizes, name);
   info.bytes = bytes.size();
-  const SogSummary summary = sog_summary(opened.meta, name);
-  info.splats = summary.count;
-  info.sh_degree = summary.sh_degree;
-  info.has_face_colors = summary.face_colors;
-  info.has_layers = has_layers(opened.block);
-  if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
-    info.section = section_info(*section, opened.files, section_name(name));
-  }
-  const auto generator = opened.block.find("generator");
-  if (generator != opened.block.end() && generator->is_string()) {
-    info.generator = generator->get<std::string>();
-  }
-  const auto thumbnail = opened.block.find("thumbnail");
-  if (thumbnail != opened.block.end() && thumbnail->is_string()) {
-    const auto file = opened.files.find(thumbnail->get<std::string>());
-    if (file != opened.files.end()) {
-      info.thumbnail = std::move(file->second);
-    }
+  if (const auto file = opened.files.find(thumbnail_file(opened)); file != opened.files.end()) {
+    info.thumbnail = std::move(file->second);
   }
   return info;
 }
 
 CaseInfo read_case_info(const std::filesystem::path& path) {
   return read_case_info(read_file(path, kMaxCase), path.string());
+}
+
+CaseInfo read_case_summary(const ByteSource& source, const std::string& name) {
+  if (source.size > kMaxCase) {
+    throw Error(
+        "{}: is {} bytes long, more than the {} that a case may have; is it the right file?", name,
+        source.size, kMaxCase);
+  }
+  const std::map<std::string, size_t> sizes = list_zip(source, name);
+  const OpenCase opened = open_case(read_zip(source, name, {kMetaFile}), name);
+  CaseInfo info = info_of(opened, sizes, name);
+  info.bytes = source.size;
+  const std::string thumbnail = thumbnail_file(opened);
+  if (sizes.contains(thumbnail)) {
+    info.thumbnail = std::move(read_zip(source, name, {thumbnail}).at(thumbnail));
+  }
+  return info;
 }
 
 }  // namespace clipgs

@@ -66,4 +66,9 @@ Case load_case(const std::filesystem::path& path);
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name);
 CaseInfo read_case_info(const std::filesystem::path& path);
 
+/// The same from the directory of the ZIP, meta.json and the thumbnail alone, as for an index of
+/// many cases: what is broken elsewhere in the file is not noticed, and a file of any size takes
+/// little memory.
+CaseInfo read_case_summary(const ByteSource& source, const std::string& name);
+
 }  // namespace clipgs

@@ -158,6 +158,17 @@ TEST(Case, InfoTellsWithoutDecoding) {
   const Texels picture = decode_webp(info.thumbnail, 32, 24, "thumbnail");
   EXPECT_NEAR(picture.rgba[4 * 31], 255, 24);
   EXPECT_NEAR(picture.rgba[4 * 23 * 32 + 1], 255, 24);
+  const ByteSource source{bytes.size(), [&](std::uint64_t offset, std::span<std::uint8_t> out) {
+                            std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset),
+                                        out.size(), out.begin());
+                            return out.size();
+                          }};
+  const CaseInfo summary = read_case_summary(source, "test.sog");
+  EXPECT_EQ(summary.splats, info.splats);
+  EXPECT_EQ(summary.bytes, info.bytes);
+  EXPECT_EQ(summary.scene.title, info.scene.title);
+  EXPECT_EQ(summary.generator, info.generator);
+  EXPECT_EQ(summary.thumbnail, info.thumbnail);
 }
 
 TEST(Case, ThumbnailShowsTheScene) {

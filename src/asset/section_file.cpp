@@ -223,7 +223,9 @@ void require_version(const JsonReader& reader, const std::string& name) {
   }
 }
 
-const Bytes& find_image(const JsonReader& reader, const std::map<std::string, Bytes>& files) {
+/// Of the section's image what `files` has of each file: its content, its size.
+template <typename What>
+const What& find_image(const JsonReader& reader, const std::map<std::string, What>& files) {
   const auto image = files.find(reader.text("file"));
   if (image == files.end()) {
     reader.fail("file");
@@ -329,11 +331,11 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   return section;
 }
 
-SectionInfo section_info(const json& object, const std::map<std::string, Bytes>& files,
+SectionInfo section_info(const json& object, const std::map<std::string, size_t>& sizes,
                          const std::string& name) {
   const JsonReader reader(object, name);
   require_version(reader, name);
-  return {read_dims(reader), find_image(reader, files).size()};
+  return {read_dims(reader), find_image(reader, sizes)};
 }
 
 std::filesystem::path section_path(std::filesystem::path scene) {

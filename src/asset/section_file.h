@@ -31,8 +31,8 @@ struct SectionInfo {
   size_t bytes = 0;  ///< of its image
 };
 
-/// The same without decoding. Throws Error.
-SectionInfo section_info(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
+/// The same without decoding. `sizes`: of the case's files, in bytes, by name. Throws Error.
+SectionInfo section_info(const nlohmann::json& object, const std::map<std::string, size_t>& sizes,
                          const std::string& name);
 
 /// Where the section of a scene lies: NAME.section.zip beside NAME.ply.

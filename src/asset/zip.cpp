@@ -1,7 +1,11 @@
 #include "asset/zip.h"
 
+#include <algorithm>
 #include <archive.h>
 #include <archive_entry.h>
+#include <array>
+#include <cerrno>
+#include <cstdio>
 #include <limits>
 #include <memory>
 #include <zlib.h>
@@ -20,6 +24,10 @@ constexpr std::uint16_t kUtf8Names = 1U << 11;      // general purpose flag
 constexpr std::uint16_t kDosDate = (1U << 5) | 1U;  // 1980-01-01, the format's zero
 constexpr size_t kMaxEntries = 256;
 constexpr size_t kMaxTotal = size_t{1} << 30;
+/// Of a ZIP that is read in parts: of the entries that are wanted, and of the whole file, where
+/// directories of millions of entries would be read for long and into much memory.
+constexpr size_t kMaxWanted = size_t{4} << 20;
+constexpr size_t kMaxRead = size_t{12} << 20;
 
 void put16(Bytes& out, std::uint16_t value) {
   out.push_back(static_cast<std::uint8_t>(value));
@@ -57,8 +65,8 @@ using ArchiveReader = std::unique_ptr<archive, ArchiveCloser>;
 }
 
 /// The current entry's content. Sizes stated in the archive are not believed: memory grows with
-/// what really comes out.
-Bytes read_entry(archive* a, const std::string& name, size_t room) {
+/// what really comes out, up to `room`, of `limit` for all entries.
+Bytes read_entry(archive* a, const std::string& name, size_t room, size_t limit) {
   Bytes content;
   const void* block = nullptr;
   size_t size = 0;
@@ -72,11 +80,113 @@ Bytes read_entry(archive* a, const std::string& name, size_t room) {
       fail_reading(name, a);
     }
     if (size > room - content.size()) {
-      throw Error("{}: holds more than {} MiB; no case is that large", name, kMaxTotal >> 20);
+      throw Error("{}: holds more than {} MiB; no case is that large", name, limit >> 20);
     }
     const auto* bytes = static_cast<const std::uint8_t*>(block);
     content.insert(content.end(), bytes, bytes + size);
   }
+}
+
+/// Calls `visit` with the name of each entry, none of them twice, while its content can be read.
+template <typename Visit>
+void for_each_entry(archive* a, const std::string& name, Visit visit) {
+  std::set<std::string> names;
+  archive_entry* entry = nullptr;
+  for (;;) {
+    const int status = archive_read_next_header(a, &entry);
+    if (status == ARCHIVE_EOF) {
+      return;
+    }
+    if (status != ARCHIVE_OK) {
+      fail_reading(name, a);
+    }
+    const char* path = archive_entry_pathname(entry);
+    if (path == nullptr || names.size() >= kMaxEntries) {
+      throw Error("{}: holds more than {} files, or one without a name; is it a case?", name,
+                  kMaxEntries);
+    }
+    if (!names.emplace(path).second) {
+      throw Error("{}: holds \"{}\" twice; the file is corrupt", name, path);
+    }
+    visit(std::string(path), entry);
+  }
+}
+
+/// The seekable reader alone: it goes by the central directory, as browsers do.
+ArchiveReader make_reader(const std::string& name) {
+  ArchiveReader reader(archive_read_new());
+  if (!reader || archive_read_support_format_zip_seekable(reader.get()) != ARCHIVE_OK) {
+    fail_reading(name, reader.get());
+  }
+  return reader;
+}
+
+/// What the library's callbacks are given: where it reads, and how much it still may.
+struct PartReader {
+  const ByteSource& source;
+  std::uint64_t position = 0;
+  size_t room = kMaxRead;
+  std::array<std::uint8_t, size_t{16} << 10> buffer{};
+};
+
+la_ssize_t read_part(archive* a, void* data, const void** block) {
+  auto& reader = *static_cast<PartReader*>(data);
+  *block = reader.buffer.data();
+  if (reader.position >= reader.source.size) {
+    return 0;
+  }
+  const size_t size =
+      std::min<std::uint64_t>(reader.buffer.size(), reader.source.size - reader.position);
+  if (size > reader.room) {
+    archive_set_error(a, EFBIG, "its directory is too large");
+    return ARCHIVE_FATAL;
+  }
+  const size_t n = reader.source.read(reader.position, std::span(reader.buffer).first(size));
+  if (n != size) {
+    archive_set_error(a, EIO, "it cannot be read");
+    return ARCHIVE_FATAL;
+  }
+  reader.position += n;
+  reader.room -= n;
+  return static_cast<la_ssize_t>(n);
+}
+
+la_int64_t seek_part(archive* /*a*/, void* data, la_int64_t offset, int whence) {
+  auto& reader = *static_cast<PartReader*>(data);
+  const auto size = static_cast<la_int64_t>(reader.source.size);
+  const auto position = static_cast<la_int64_t>(reader.position);
+  const la_int64_t from = whence == SEEK_END ? size : whence == SEEK_CUR ? position : 0;
+  if (offset < -from || offset > size - from) {
+    return ARCHIVE_FATAL;
+  }
+  reader.position = static_cast<std::uint64_t>(from + offset);
+  return from + offset;
+}
+
+la_int64_t skip_part(archive* /*a*/, void* data, la_int64_t request) {
+  auto& reader = *static_cast<PartReader*>(data);
+  const auto skipped =
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(std::max<la_int64_t>(0, request)),
+                              reader.source.size - reader.position);
+  reader.position += skipped;
+  return static_cast<la_int64_t>(skipped);
+}
+
+/// for_each_entry of a ZIP that is read in parts.
+template <typename Visit>
+void for_each_entry(const ByteSource& source, const std::string& name, Visit visit) {
+  PartReader parts{source};
+  const ArchiveReader reader = make_reader(name);
+  archive* a = reader.get();
+  if (archive_read_set_read_callback(a, read_part) != ARCHIVE_OK ||
+      archive_read_set_seek_callback(a, seek_part) != ARCHIVE_OK ||
+      archive_read_set_skip_callback(a, skip_part) != ARCHIVE_OK ||
+      archive_read_set_callback_data(a, &parts) != ARCHIVE_OK ||
+      archive_read_open1(a) != ARCHIVE_OK) {
+    fail_reading(name, a);
+  }
+  for_each_entry(a, name,
+                 [&](const std::string& path, archive_entry* entry) { visit(path, a, entry); });
 }
 
 }  // namespace
@@ -123,35 +233,41 @@ Bytes write_zip(const std::vector<ZipEntry>& entries) {
 
 std::map<std::string, Bytes> read_zip(std::span<const std::uint8_t> bytes,
                                       const std::string& name) {
-  const ArchiveReader reader(archive_read_new());
+  const ArchiveReader reader = make_reader(name);
   archive* a = reader.get();
-  // The seekable reader alone: it goes by the central directory, as browsers do.
-  if (a == nullptr || archive_read_support_format_zip_seekable(a) != ARCHIVE_OK ||
-      archive_read_open_memory(a, bytes.data(), bytes.size()) != ARCHIVE_OK) {
+  if (archive_read_open_memory(a, bytes.data(), bytes.size()) != ARCHIVE_OK) {
     fail_reading(name, a);
   }
   std::map<std::string, Bytes> entries;
   size_t room = kMaxTotal;
-  archive_entry* entry = nullptr;
-  for (;;) {
-    const int status = archive_read_next_header(a, &entry);
-    if (status == ARCHIVE_EOF) {
-      return entries;
-    }
-    if (status != ARCHIVE_OK) {
-      fail_reading(name, a);
-    }
-    const char* path = archive_entry_pathname(entry);
-    if (path == nullptr || entries.size() >= kMaxEntries) {
-      throw Error("{}: holds more than {} files, or one without a name; is it a case?", name,
-                  kMaxEntries);
-    }
-    Bytes content = read_entry(a, name, room);
+  for_each_entry(a, name, [&](const std::string& path, archive_entry* /*entry*/) {
+    Bytes content = read_entry(a, name, room, kMaxTotal);
     room -= content.size();
-    if (!entries.emplace(path, std::move(content)).second) {
-      throw Error("{}: holds \"{}\" twice; the file is corrupt", name, path);
+    entries.emplace(path, std::move(content));
+  });
+  return entries;
+}
+
+std::map<std::string, size_t> list_zip(const ByteSource& source, const std::string& name) {
+  std::map<std::string, size_t> sizes;
+  for_each_entry(source, name, [&](const std::string& path, archive* /*a*/, archive_entry* entry) {
+    sizes.emplace(path, static_cast<size_t>(std::max<la_int64_t>(0, archive_entry_size(entry))));
+  });
+  return sizes;
+}
+
+std::map<std::string, Bytes> read_zip(const ByteSource& source, const std::string& name,
+                                      const std::set<std::string>& wanted) {
+  std::map<std::string, Bytes> entries;
+  size_t room = kMaxWanted;
+  for_each_entry(source, name, [&](const std::string& path, archive* a, archive_entry* /*entry*/) {
+    if (wanted.contains(path)) {
+      Bytes content = read_entry(a, name, room, kMaxWanted);
+      room -= content.size();
+      entries.emplace(path, std::move(content));
     }
-  }
+  });
+  return entries;
 }
 
 size_t total_bytes(std::span<const ZipEntry> files) {

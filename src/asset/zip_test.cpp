@@ -102,6 +102,84 @@ TEST(Zip, RefusesTheSameNameTwice) {
               ThrowsMessage<Error>(HasSubstr("twice")));
 }
 
+/// Counts what is read of a ZIP in memory in memory.
+struct CountedZip {
+  explicit CountedZip(Bytes zip) : bytes(std::move(zip)) {
+    source.size = bytes.size();
+    source.read = [this](std::uint64_t offset, std::span<std::uint8_t> out) {
+      read += out.size();
+      std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
+      return out.size();
+    };
+  }
+  CountedZip(const CountedZip&) = delete;
+  CountedZip& operator=(const CountedZip&) = delete;
+
+  Bytes bytes;
+  ByteSource source;
+  size_t read = 0;
+};
+
+TEST(Zip, ReadsInPartsWhatIsWantedAndNoMore) {
+  const std::vector<ZipEntry> entries = {{"large", Bytes(10'000'000, 7)}, {"a", {1, 2, 3}}};
+  CountedZip zip(write_zip(entries));
+  EXPECT_EQ(list_zip(zip.source, "test.sog"),
+            (std::map<std::string, size_t>{{"a", 3}, {"large", 10'000'000}}));
+  const auto read = read_zip(zip.source, "test.sog", {"a", "absent"});
+  EXPECT_EQ(read, (std::map<std::string, Bytes>{{"a", {1, 2, 3}}}));
+  EXPECT_LT(zip.read, 500'000U);
+  EXPECT_THAT([&] { read_zip(zip.source, "test.sog", {"large"}); },
+              ThrowsMessage<Error>(HasSubstr("more than 4 MiB")));
+}
+
+TEST(Zip, ReadsInPartsWhatReadingTheWholeGives) {
+  const Bytes bytes = write_zip(two_entries());
+  const CountedZip zip(bytes);
+  std::set<std::string> all;
+  for (const auto& [name, size] : list_zip(zip.source, "test.sog")) {
+    all.insert(name);
+  }
+  EXPECT_EQ(read_zip(zip.source, "test.sog", all), read_zip(bytes, "test.sog"));
+}
+
+TEST(Zip, RefusesInPartsEveryTruncationAndAWrongChecksum) {
+  Bytes bytes = write_zip({{"a", {1, 2, 3}}, {"b", {4}}});
+  for (size_t size = 0; size < bytes.size(); ++size) {
+    const CountedZip zip(Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)));
+    EXPECT_THAT([&] { list_zip(zip.source, "test.sog"); },
+                ThrowsMessage<Error>(HasSubstr("test.sog")))
+        << size;
+  }
+  bytes[30 + 1 + 1] ^= 1;  // local header, name, second byte
+  const CountedZip zip(bytes);
+  EXPECT_THAT([&] { read_zip(zip.source, "test.sog", {"a"}); },
+              ThrowsMessage<Error>(HasSubstr("truncated or corrupt")));
+}
+
+TEST(Zip, ADirectoryWithoutEndIsNotReadToItsEnd) {
+  const Bytes one = write_zip({{"a", {1, 2, 3}}});
+  const size_t directory = 30 + 1 + 3;
+  const size_t length = 46 + 1;
+  constexpr size_t kCount = 400'000;  // entries: 19 MB
+  Bytes bytes(one.begin(), one.begin() + directory);
+  bytes.reserve(bytes.size() + kCount * length + 22);
+  for (size_t i = 0; i < kCount; ++i) {
+    bytes.insert(bytes.end(), one.begin() + directory, one.begin() + directory + length);
+  }
+  Bytes end(one.begin() + directory + length, one.end());
+  const auto put = [&](size_t at, std::uint32_t value) {
+    for (size_t i = 0; i < 4; ++i) {
+      end[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
+    }
+  };
+  put(12, static_cast<std::uint32_t>(kCount * length));
+  bytes.insert(bytes.end(), end.begin(), end.end());
+  CountedZip zip(std::move(bytes));
+  EXPECT_THAT([&] { list_zip(zip.source, "test.sog"); },
+              ThrowsMessage<Error>(HasSubstr("test.sog")));
+  EXPECT_LE(zip.read, size_t{12} << 20);
+}
+
 TEST(Zip, RefusesTooManyEntries) {
   const std::vector<ZipEntry> entries(300, ZipEntry{"a", {}});
   EXPECT_THROW(write_zip(entries), Error);
