@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -8,13 +9,13 @@
 #include <nlohmann/json.hpp>
 #include <pthread.h>
 #include <string>
+#include <sys/resource.h>
 #include <thread>
 #include <vector>
 
 #include "cli/commands.h"
 #include "core/error.h"
 #include "serve/certificate.h"
-#include "serve/http.h"
 #include "serve/qr.h"
 #include "serve/server.h"
 #include "serve/viewer_bundle.h"
@@ -80,7 +81,7 @@ void announce(const Server& server, const ServeArguments& arguments) {
     warn("this program was built without its viewer: only /api and /cases are there");
   }
   const auto& identity = arguments.server.identity;
-  if (!is_loopback(arguments.server.host) && !identity) {
+  if (!server.is_local() && !identity) {
     warn("everyone in the network can open these cases, and the connection is not encrypted");
   }
   if (arguments.json) {
@@ -110,7 +111,19 @@ Identity identity_for(const std::string& host) {
   return load_identity(state_folder(), hosts);
 }
 
+/// Room for every connection and the case that it is given; where the system does not allow it,
+/// there are fewer connections.
+void allow_open_files(const ConnectionLimits& limits) {
+  constexpr rlim_t kOthers = 64;
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) == 0) {
+    files.rlim_cur = std::min(files.rlim_max, std::max(files.rlim_cur, 2 * limits.all + kOthers));
+    ::setrlimit(RLIMIT_NOFILE, &files);
+  }
+}
+
 void run_serve(ServeArguments arguments) {
+  allow_open_files(arguments.server.limits);
   if (arguments.headset) {
     arguments.server.identity = identity_for(arguments.server.host);
   }

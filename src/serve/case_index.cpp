@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -16,15 +17,28 @@ namespace {
 
 constexpr const char* kExtension = ".sog";
 
-std::shared_ptr<const CaseEntry> read_entry(const fs::path& path, const FileState& state) {
+/// Without its path: browsers read it.
+[[noreturn]] void fail_folder(const std::error_code& error) {
+  throw Error(
+      "the folder of the cases cannot be read ({}); put it back, or end clipgs serve and "
+      "give it another",
+      error.message());
+}
+
+std::shared_ptr<const CaseEntry> read_entry(const std::string& name, const fs::path& path,
+                                            const fs::path& folder, const FileState& state) {
   auto entry = std::make_shared<CaseEntry>();
-  entry->name = path.stem().string();
-  entry->path = path;
+  entry->name = name;
   entry->version = state.version;
-  entry->bytes = state.size;
   try {
+    const OpenFile file(path, folder);
+    entry->version = file.state().version;
+    entry->bytes = file.state().size;
     // Errors name the file, not where it lies: browsers read them.
-    entry->info = read_case_info(read_file(path), path.filename().string());
+    entry->info = read_case_summary(
+        {file.state().size,
+         [&](std::uint64_t offset, std::span<std::uint8_t> out) { return file.read(offset, out); }},
+        path.filename().string());
   } catch (const Error& error) {
     entry->error = error.what();
   }
@@ -47,39 +61,83 @@ CaseIndex::CaseIndex(fs::path folder) : folder_(std::move(folder)) {
     throw Error("{}: cannot be read ({}); check its permissions", folder_.string(),
                 error.message());
   }
+  // Wherever the program goes, it is the same one.
+  folder_ = fs::absolute(folder_);
 }
 
 CaseEntries CaseIndex::list() {
-  const std::scoped_lock lock(mutex_);
+  const fs::path folder = real_folder();
   std::map<std::string, std::shared_ptr<const CaseEntry>> now;
   std::error_code error;
-  for (auto it = fs::directory_iterator(folder_, error); !error && it != fs::directory_iterator();
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
        it.increment(error)) {
-    const fs::path& path = it->path();
-    const std::optional<FileState> state = file_state(path);
-    if (path.extension() != kExtension || !state) {
+    if (it->path().extension() != kExtension) {
       continue;
     }
-    const auto known = entries_.find(path.stem().string());
-    const bool same = known != entries_.end() && known->second->version == state->version;
-    now[path.stem().string()] = same ? known->second : read_entry(path, *state);
+    const std::string name = it->path().stem().string();
+    if (auto entry = look_at(name, folder)) {
+      now.emplace(name, std::move(entry));
+    }
   }
-  entries_ = std::move(now);
+  if (error) {
+    fail_folder(error);
+  }
   CaseEntries result;
-  result.reserve(entries_.size());
-  for (const auto& [name, entry] : entries_) {
+  result.reserve(now.size());
+  for (const auto& [name, entry] : now) {
     result.push_back(entry);
   }
+  const std::scoped_lock lock(mutex_);
+  entries_ = std::move(now);
   return result;
 }
 
 std::shared_ptr<const CaseEntry> CaseIndex::find(const std::string& name) {
-  for (const auto& entry : list()) {
-    if (entry->name == name) {
-      return entry;
+  const fs::path folder = real_folder();
+  // One file of the folder itself, by a name that `list` would give it.
+  if (name.find('/') != std::string::npos || name.find('\0') != std::string::npos ||
+      fs::path(name + kExtension).extension() != kExtension) {
+    return nullptr;
+  }
+  auto entry = look_at(name, folder);
+  const std::scoped_lock lock(mutex_);
+  if (entry) {
+    entries_[name] = entry;
+  } else {
+    entries_.erase(name);
+  }
+  return entry;
+}
+
+std::shared_ptr<const OpenFile> CaseIndex::open(const CaseEntry& entry) const {
+  const fs::path folder = real_folder();
+  return std::make_shared<OpenFile>(folder / (entry.name + kExtension), folder);
+}
+
+fs::path CaseIndex::real_folder() const {
+  std::error_code error;
+  fs::path folder = fs::canonical(folder_, error);
+  if (error) {
+    fail_folder(error);
+  }
+  return folder;
+}
+
+std::shared_ptr<const CaseEntry> CaseIndex::look_at(const std::string& name,
+                                                    const fs::path& folder) {
+  const fs::path path = folder / (name + kExtension);
+  const std::optional<FileState> state = file_state(path);
+  if (!state) {
+    return nullptr;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto known = entries_.find(name);
+    if (known != entries_.end() && known->second->version == state->version) {
+      return known->second;
     }
   }
-  return nullptr;
+  return read_entry(name, path, folder, *state);
 }
 
 nlohmann::json case_index_json(const CaseEntries& entries) {

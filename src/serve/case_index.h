@@ -10,36 +10,47 @@
 #include <vector>
 
 #include "asset/case.h"
+#include "serve/open_file.h"
 
 namespace clipgs {
 
 /// One *.sog of the folder, at the moment it was looked at.
 struct CaseEntry {
-  std::string name;  ///< the file's name without .sog; what addresses call the case
-  std::filesystem::path path;
-  std::string version;  ///< changes whenever the file does
-  std::uintmax_t bytes = 0;
-  CaseInfo info;      ///< empty where error is not
-  std::string error;  ///< one line saying why this is no case, or empty
+  std::string name;          ///< the file's name without .sog; what addresses call the case
+  std::string version;       ///< changes whenever the file does
+  std::uintmax_t bytes = 0;  ///< 0 of what may not be read
+  CaseInfo info;             ///< empty where error is not
+  std::string error;         ///< one line saying why this is no case, or empty
 };
 
 using CaseEntries = std::vector<std::shared_ptr<const CaseEntry>>;
 
 /// The cases of one folder, by name. Files that come, change or go are seen at the next call; one
-/// that did not change is not read again. Safe to use from several threads.
+/// that did not change is not read again, and of the others only what read_case_summary() wants.
+/// Links are followed within the folder alone. Safe to use from several threads, which do not wait
+/// for each other while files are read.
 class CaseIndex {
  public:
   /// Throws Error if `folder` is not a folder that can be read.
   explicit CaseIndex(std::filesystem::path folder);
 
-  /// Every *.sog directly in the folder, sorted by name; broken ones with their error.
+  /// Every *.sog directly in the folder, sorted by name; broken ones with their error. Throws Error
+  /// if the folder is no longer there.
   CaseEntries list();
   /// The case of that name, or null. Only what `list` gives can be found, whatever `name` holds.
+  /// Throws Error if the folder is no longer there.
   std::shared_ptr<const CaseEntry> find(const std::string& name);
+  /// The file of that case. Throws Error if it is gone, or leads out of the folder by now.
+  std::shared_ptr<const OpenFile> open(const CaseEntry& entry) const;
 
  private:
+  std::filesystem::path real_folder() const;
+  /// The entry of that name if its file is still the same, read anew if not; null if it is none.
+  std::shared_ptr<const CaseEntry> look_at(const std::string& name,
+                                           const std::filesystem::path& folder);
+
   std::filesystem::path folder_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< of entries_; held for no longer than a look into them
   std::map<std::string, std::shared_ptr<const CaseEntry>> entries_;
 };
 

@@ -32,7 +32,10 @@ constexpr long kWeek = 7L * 24 * 3600;
 constexpr long kHour = 3600;  // clocks differ
 /// None that is mistaken for another one.
 constexpr std::string_view kLetters = "abcdefghijkmnpqrstuvwxyz23456789";
-constexpr size_t kTokenLength = 8;
+static_assert(kLetters.size() == 32, "5 bits a letter");
+constexpr size_t kTokenLetters = 26;
+constexpr size_t kGroup = 5;
+constexpr size_t kGroups = kTokenLetters / kGroup;  // the last one has a letter more
 
 template <auto Free>
 struct Freer {
@@ -88,18 +91,30 @@ KeyPtr parse_key(const Certificate& certificate) {
   return KeyPtr(PEM_read_bio_PrivateKey(text.get(), nullptr, nullptr, nullptr));
 }
 
-std::string make_token() {
-  std::array<unsigned char, kTokenLength> bytes{};
-  require(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1);
+std::string in_groups(const std::string& letters) {
   std::string token;
-  for (const unsigned char byte : bytes) {
-    token += kLetters[byte % kLetters.size()];
+  for (size_t i = 0; i < letters.size(); ++i) {
+    const bool begins = i > 0 && i % kGroup == 0 && i / kGroup < kGroups;
+    token += begins ? "-" : "";
+    token += letters[i];
   }
   return token;
 }
 
+std::string make_token() {
+  std::array<unsigned char, kTokenLetters> bytes{};
+  require(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1);
+  std::string letters;
+  for (const unsigned char byte : bytes) {
+    letters += kLetters[byte % kLetters.size()];
+  }
+  return in_groups(letters);
+}
+
 bool is_token(const std::string& text) {
-  return text.size() == kTokenLength && text.find_first_not_of(kLetters) == std::string::npos;
+  const std::string letters = plain_token(text);
+  return letters.size() == kTokenLetters && in_groups(letters) == text &&
+         letters.find_first_not_of(kLetters) == std::string::npos;
 }
 
 /// What a file holds, or nothing.
@@ -120,6 +135,16 @@ void write_secret(const fs::path& path, const std::string& text) {
 }
 
 }  // namespace
+
+std::string plain_token(std::string_view text) {
+  std::string letters;
+  for (const char c : text) {
+    if (c != '-') {
+      letters += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+  }
+  return letters;
+}
 
 Certificate make_certificate(const std::vector<std::string>& hosts) {
   const KeyPtr key(EVP_EC_gen("P-256"));

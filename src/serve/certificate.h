@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 struct ssl_ctx_st;
@@ -30,11 +31,16 @@ std::string fingerprint(const Certificate& certificate);
 /// What is kept for the next time, so that a headset knows the server again.
 struct Identity {
   Certificate certificate;
-  std::string token;  ///< the secret part of the address: 8 letters and digits, 40 bits
+  /// The secret part of the address: 26 letters and digits, 130 bits, in groups for those who type
+  /// them: "k3v9q-txw7h-…".
+  std::string token;
 };
 
+/// A token as people may type it, in capitals or without its strokes, in the form that is compared.
+std::string plain_token(std::string_view text);
+
 /// The identity in `folder`, readable by its owner alone; made where there is none, and its
-/// certificate made anew where it is no longer good. Throws Error.
+/// certificate made anew where it is no longer good, as is a token of another form. Throws Error.
 Identity load_identity(const std::filesystem::path& folder, const std::vector<std::string>& hosts);
 
 /// IPv4 addresses of this machine in its networks, without the loopback's.

@@ -36,7 +36,7 @@ TEST(Certificate, IsForItsHostsAlone) {
 
 TEST_F(IdentityTest, IsKeptAndReadByItsOwnerAlone) {
   const Identity first = load_identity(folder_, {"127.0.0.1"});
-  EXPECT_THAT(first.token, ::testing::MatchesRegex("[a-z2-9]{8}"));
+  EXPECT_THAT(first.token, ::testing::MatchesRegex("([a-km-np-z2-9]{5}-){4}[a-km-np-z2-9]{6}"));
   const Identity again = load_identity(folder_, {"127.0.0.1"});
   EXPECT_EQ(again.token, first.token);
   EXPECT_EQ(fingerprint(again.certificate), fingerprint(first.certificate));
@@ -44,6 +44,16 @@ TEST_F(IdentityTest, IsKeptAndReadByItsOwnerAlone) {
     EXPECT_EQ(file.status().permissions(), fs::perms::owner_read | fs::perms::owner_write)
         << file.path();
   }
+}
+
+TEST_F(IdentityTest, AShortTokenOfOlderVersionsIsReplaced) {
+  const Identity first = load_identity(folder_, {"127.0.0.1"});
+  write_text(folder_ / "token", "k3v9qtxw");
+  const Identity again = load_identity(folder_, {"127.0.0.1"});
+  EXPECT_EQ(again.token.size(), first.token.size());
+  EXPECT_EQ(plain_token(again.token).size(), 26U) << "130 bits";
+  EXPECT_EQ(fingerprint(again.certificate), fingerprint(first.certificate));
+  EXPECT_EQ(load_identity(folder_, {"127.0.0.1"}).token, again.token);
 }
 
 TEST_F(IdentityTest, IsMadeAnewWhereItIsOfNoUse) {

@@ -1,77 +1,88 @@
 #include "serve/http.h"
 
 #include <algorithm>
+#include <arpa/inet.h>
 #include <array>
-#include <cerrno>
-#include <fcntl.h>
+#include <charconv>
+#include <cstring>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <map>
+#include <netinet/in.h>
 
 namespace clipgs {
 
 namespace {
-
-std::optional<FileState> state_of(const struct stat& status) {
-  if (!S_ISREG(status.st_mode)) {
-    return std::nullopt;
-  }
-  FileState state;
-  state.size = static_cast<std::uintmax_t>(status.st_size);
-  state.version = fmt::format("{:x}-{:x}-{:x}{:08x}", status.st_size, status.st_ino,
-                              status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
-  return state;
-}
 
 bool is_unreserved(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '.' || c == '_' || c == '~';
 }
 
-}  // namespace
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) {
+    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return result;
+}
 
-std::optional<FileState> file_state(const std::filesystem::path& path) {
-  struct stat status{};
-  if (::stat(path.c_str(), &status) != 0) {
+/// Takes the first element, without the blanks around it, off a list in a header.
+std::string_view next_of_list(std::string_view& list, char separator) {
+  const size_t end = std::min(list.find(separator), list.size());
+  std::string_view one = list.substr(0, end);
+  list.remove_prefix(std::min(end + 1, list.size()));
+  constexpr std::string_view kBlanks = " \t";
+  one.remove_prefix(std::min(one.find_first_not_of(kBlanks), one.size()));
+  return one.substr(0, one.find_last_not_of(kBlanks) + 1);
+}
+
+/// A whole number without a sign; nothing if it is none, or too large.
+std::optional<ssize_t> number(std::string_view text) {
+  ssize_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || text.starts_with('-')) {
     return std::nullopt;
   }
-  return state_of(status);
+  return value;
 }
 
-OpenFile::OpenFile(const std::filesystem::path& path) {
-  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  struct stat status{};
-  if (fd_ < 0 || ::fstat(fd_, &status) != 0) {
-    return;
-  }
-  if (const std::optional<FileState> state = state_of(status)) {
-    state_ = *state;
-  } else {
-    ::close(fd_);
-    fd_ = -1;
-  }
-}
-
-OpenFile::~OpenFile() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-}
-
-size_t OpenFile::read(std::uintmax_t offset, char* out, size_t size) const {
-  size_t done = 0;
-  while (done < size) {
-    const ssize_t n = ::pread(fd_, out + done, size - done, static_cast<off_t>(offset + done));
-    if (n < 0 && errno == EINTR) {
-      continue;
+/// Of an encoding's parameters, "q=0.5": 1 if it is not said, 0 if it is not understood.
+float quality(std::string_view parameters) {
+  while (!parameters.empty()) {
+    const std::string one = lower_case(next_of_list(parameters, ';'));
+    if (one.starts_with("q=")) {
+      float value = 0;
+      const char* const end = one.data() + one.size();
+      const auto read = std::from_chars(one.data() + 2, end, value, std::chars_format::fixed);
+      return read.ec == std::errc() && read.ptr == end && value >= 0 && value <= 1 ? value : 0;
     }
-    if (n <= 0) {
-      break;
-    }
-    done += static_cast<size_t>(n);
   }
-  return done;
+  return 1;
 }
+
+/// Whether `rest` is what may follow a host: nothing, or a colon and a port.
+bool is_port(std::string_view rest) {
+  constexpr int kMaxPort = 65535;
+  if (rest.empty() || rest == ":") {
+    return true;
+  }
+  const std::optional<ssize_t> port = number(rest.substr(1));
+  return rest.front() == ':' && port && *port <= kMaxPort;
+}
+
+bool is_loopback(const in_addr& address) {
+  constexpr std::uint32_t kNetwork = 127;
+  return ntohl(address.s_addr) >> 24 == kNetwork;
+}
+
+int hex_digit(char c) {
+  const char lower = c >= 'A' && c <= 'F' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower >= '0' && lower <= '9'   ? lower - '0'
+         : lower >= 'a' && lower <= 'f' ? lower - 'a' + 10
+                                        : -1;
+}
+
+}  // namespace
 
 std::string percent_encode(std::string_view text) {
   std::string result;
@@ -81,6 +92,24 @@ std::string percent_encode(std::string_view text) {
     } else {
       result += fmt::format("%{:02X}", static_cast<unsigned char>(c));
     }
+  }
+  return result;
+}
+
+std::optional<std::string> percent_decode(std::string_view text) {
+  std::string result;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      result += text[i];
+      continue;
+    }
+    const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
+    const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+    if (high < 0 || low < 0) {
+      return std::nullopt;
+    }
+    result += static_cast<char>(high * 16 + low);
+    i += 2;
   }
   return result;
 }
@@ -103,15 +132,7 @@ const char* content_type(std::string_view path) {
 
 bool etag_matches(std::string_view header, std::string_view etag) {
   while (!header.empty()) {
-    const size_t comma = std::min(header.find(','), header.size());
-    std::string_view one = header.substr(0, comma);
-    header.remove_prefix(std::min(comma + 1, header.size()));
-    while (!one.empty() && one.front() == ' ') {
-      one.remove_prefix(1);
-    }
-    while (!one.empty() && one.back() == ' ') {
-      one.remove_suffix(1);
-    }
+    std::string_view one = next_of_list(header, ',');
     if (one.starts_with("W/")) {
       one.remove_prefix(2);
     }
@@ -120,6 +141,67 @@ bool etag_matches(std::string_view header, std::string_view etag) {
     }
   }
   return false;
+}
+
+const char* encoding_name(Encoding encoding) {
+  switch (encoding) {
+    case Encoding::kBrotli:
+      return "br";
+    case Encoding::kGzip:
+      return "gzip";
+    case Encoding::kIdentity:
+      break;
+  }
+  return "identity";
+}
+
+Encoding choose_encoding(std::string_view header, const std::vector<Encoding>& offered) {
+  std::map<std::string, float> weights;
+  while (!header.empty()) {
+    std::string_view parameters = next_of_list(header, ',');
+    const std::string name = lower_case(next_of_list(parameters, ';'));
+    weights[name == "x-gzip" ? "gzip" : name] = quality(parameters);
+  }
+  const auto weight = [&](Encoding encoding) {
+    const auto named = weights.find(encoding_name(encoding));
+    const auto any = weights.find("*");
+    // Nobody who asks for an encoding would rather have none, unless it is said.
+    constexpr float kUnsaid = 1e-6f;
+    const float otherwise = encoding == Encoding::kIdentity ? kUnsaid : 0;
+    return named != weights.end() ? named->second : any != weights.end() ? any->second : otherwise;
+  };
+  Encoding best = Encoding::kIdentity;
+  float most = 0;
+  for (const Encoding one : {Encoding::kBrotli, Encoding::kGzip, Encoding::kIdentity}) {
+    const bool there = one == Encoding::kIdentity || std::ranges::count(offered, one) > 0;
+    if (there && weight(one) > most) {
+      best = one;
+      most = weight(one);
+    }
+  }
+  return best;
+}
+
+std::vector<ByteRange> parse_ranges(std::string_view header) {
+  constexpr std::string_view kUnit = "bytes=";
+  if (!lower_case(header.substr(0, kUnit.size())).starts_with(kUnit)) {
+    return {};
+  }
+  header.remove_prefix(kUnit.size());
+  std::vector<ByteRange> ranges;
+  while (!header.empty()) {
+    std::string_view last = next_of_list(header, ',');
+    const bool dash = last.find('-') != std::string_view::npos;
+    const std::string_view first = next_of_list(last, '-');
+    const std::optional<ssize_t> begin = first.empty() ? -1 : number(first);
+    const std::optional<ssize_t> end = last.empty() ? -1 : number(last);
+    if (!dash || !begin || !end || (first.empty() && last.empty()) ||
+        (*begin >= 0 && *end >= 0 && *begin > *end)) {
+      return {};
+    }
+    ranges.emplace_back(*begin, *end);
+  }
+  return ranges;
 }
 
 std::optional<ByteRange> satisfiable_range(const std::vector<ByteRange>& ranges,
@@ -144,16 +226,55 @@ std::optional<ByteRange> satisfiable_range(const std::vector<ByteRange>& ranges,
   return ByteRange{first, last};
 }
 
-std::string_view host_name(std::string_view header) {
-  if (header.starts_with('[')) {
-    const size_t close = header.find(']');
-    return close == std::string_view::npos ? header : header.substr(1, close - 1);
+std::string_view cookie(std::string_view header, std::string_view name) {
+  while (!header.empty()) {
+    const std::string_view one = next_of_list(header, ';');
+    if (one.starts_with(name) && one.substr(name.size()).starts_with('=')) {
+      return one.substr(name.size() + 1);
+    }
   }
-  return header.substr(0, header.find(':'));
+  return {};
 }
 
-bool is_loopback(std::string_view host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+std::optional<std::string> host_name(std::string_view header) {
+  const bool v6 = header.starts_with('[');
+  const size_t end = v6 ? header.find(']') : header.find(':');
+  if (v6 && end == std::string_view::npos) {
+    return std::nullopt;
+  }
+  std::string host = lower_case(v6 ? header.substr(1, end - 1) : header.substr(0, end));
+  const std::string_view rest =
+      v6 ? header.substr(end + 1) : header.substr(std::min(end, header.size()));
+  if (!is_port(rest)) {
+    return std::nullopt;
+  }
+  if (v6) {
+    in6_addr address{};
+    return inet_pton(AF_INET6, host.c_str(), &address) == 1 ? std::optional(host) : std::nullopt;
+  }
+  if (host.ends_with('.')) {
+    host.pop_back();
+  }
+  if (host.empty() || !std::ranges::all_of(host, is_unreserved)) {
+    return std::nullopt;
+  }
+  return host;
+}
+
+bool is_loopback(const std::string& host) {
+  in_addr v4{};
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) {
+    return is_loopback(v4);
+  }
+  in6_addr v6{};
+  if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) {
+    if (!IN6_IS_ADDR_V4MAPPED(&v6)) {
+      return IN6_IS_ADDR_LOOPBACK(&v6);
+    }
+    std::memcpy(&v4, &v6.s6_addr[12], sizeof(v4));
+    return is_loopback(v4);
+  }
+  return host == "localhost";
 }
 
 }  // namespace clipgs

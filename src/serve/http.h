@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,36 +10,10 @@
 
 namespace clipgs {
 
-/// Size of a regular file and a text that changes whenever its contents do.
-struct FileState {
-  std::uintmax_t size = 0;
-  std::string version;
-};
-
-/// Nothing if `path` is not a regular file that can be looked at.
-std::optional<FileState> file_state(const std::filesystem::path& path);
-
-/// A file open for reading. What it holds stays the same when another is put in its place.
-class OpenFile {
- public:
-  /// Check with `is_open`.
-  explicit OpenFile(const std::filesystem::path& path);
-  ~OpenFile();
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  bool is_open() const { return fd_ >= 0; }
-  const FileState& state() const { return state_; }
-  /// Reads up to `size` bytes from `offset`; fewer at the end or on an error.
-  size_t read(std::uintmax_t offset, char* out, size_t size) const;
-
- private:
-  int fd_ = -1;
-  FileState state_;
-};
-
 /// All but unreserved characters as %XX (RFC 3986).
 std::string percent_encode(std::string_view text);
+/// The reverse; nothing where a % is not followed by two hexadecimal digits.
+std::optional<std::string> percent_decode(std::string_view text);
 
 /// MIME type by the ending of a file's name.
 const char* content_type(std::string_view path);
@@ -48,18 +21,36 @@ const char* content_type(std::string_view path);
 /// Whether an If-None-Match header names `etag` (quoted), or says *.
 bool etag_matches(std::string_view header, std::string_view etag);
 
+/// How a file is sent, in the order of preference.
+enum class Encoding { kBrotli, kGzip, kIdentity };
+/// "br", "gzip", "identity".
+const char* encoding_name(Encoding encoding);
+/// What an Accept-Encoding header (RFC 9110, 12.5.3) likes best of what there is: of `offered` and
+/// identity, which it gets in any case where nothing else is accepted.
+Encoding choose_encoding(std::string_view header, const std::vector<Encoding>& offered);
+
 /// First and last byte, −1 where the header leaves one out: "bytes=5-", "bytes=-5".
 using ByteRange = std::pair<ssize_t, ssize_t>;
+
+/// The ranges of a Range header; none if it is malformed or in other units, which are to be
+/// ignored (RFC 9110, 14.2).
+std::vector<ByteRange> parse_ranges(std::string_view header);
 
 /// The one range that is asked of `size` bytes, with both ends inside; nothing if no byte of it
 /// exists, or if there are several (nobody needs them of a case).
 std::optional<ByteRange> satisfiable_range(const std::vector<ByteRange>& ranges,
                                            std::uintmax_t size);
 
-/// The host of a Host header, without the port: "localhost:8080", "[::1]:8080".
-std::string_view host_name(std::string_view header);
+/// Value of the cookie `name` in a Cookie header, or nothing.
+std::string_view cookie(std::string_view header, std::string_view name);
 
-/// Whether `host` can only be reached from this machine.
-bool is_loopback(std::string_view host);
+/// The host of a Host header, HOST[:PORT] (RFC 9112, 3.2): in lower case, IPv6 addresses without
+/// brackets, names without the dot of the root at their end. Nothing if it is not one, as with
+/// letters behind an address, with a user's name, or a port that cannot be.
+std::optional<std::string> host_name(std::string_view header);
+
+/// Whether `host`, as host_name() gives it, can only be reached from this machine: localhost,
+/// which browsers never look up elsewhere, or a loopback address in its usual form.
+bool is_loopback(const std::string& host);
 
 }  // namespace clipgs

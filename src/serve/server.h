@@ -6,6 +6,7 @@
 #include <string>
 
 #include "serve/certificate.h"
+#include "serve/connections.h"
 
 namespace clipgs {
 
@@ -14,8 +15,9 @@ struct ServerOptions {
   std::string host = "127.0.0.1";  ///< address to listen on
   int port = 8080;                 ///< 0: any free one
   /// Encrypts (TLS 1.2 or newer), and answers only those who came by the address with the token in
-  /// it once: "https://192.168.1.20:8080/k3v9qtxw". Browsers then keep it in a cookie.
+  /// it once: "https://192.168.1.20:8080/k3v9q-txw7h-…". Browsers then keep it in a cookie.
   std::optional<Identity> identity;
+  ConnectionLimits limits = {};
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
@@ -26,7 +28,8 @@ struct ServerOptions {
 ///   /cases/NAME/thumbnail   its picture
 ///
 /// Listening on a loopback address, it answers only requests that call it by one, so that a web
-/// page elsewhere cannot reach the cases through a name of its own (DNS rebinding).
+/// page elsewhere cannot reach the cases through a name of its own (DNS rebinding). No connection
+/// has a thread, however slow it is; ConnectionLimits ends those that stop.
 class Server {
  public:
   /// Takes the port; from here on connections wait to be answered. Throws Error if the port is
@@ -37,6 +40,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   int port() const;
+  /// Whether only this machine can reach it.
+  bool is_local() const;
   /// "http://127.0.0.1:8080/", with the token where there is one.
   std::string url() const;
   /// The same at another of the machine's addresses.
@@ -45,7 +50,7 @@ class Server {
   size_t case_count() const;
   size_t broken_count() const;
 
-  /// Answers requests until `stop`. Throws Error if listening fails.
+  /// Answers requests until `stop`.
   void run();
   /// Ends `run`; from any thread.
   void stop();

@@ -8,9 +8,9 @@
 #include <thread>
 #include <unistd.h>
 
-#include "asset/case.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "serve/test_cases.h"
 #include "serve/viewer_bundle.h"
 
 namespace clipgs {
@@ -18,20 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Scene small_scene(const std::string& title) {
-  Scene scene;
-  scene.gaussians = Gaussians(20, 0);
-  for (size_t i = 0; i < scene.gaussians.size(); ++i) {
-    scene.gaussians.plane(Gaussians::kMean)[i] = static_cast<float>(i);
-    scene.gaussians.plane(Gaussians::kRotation)[i] = 1;
-  }
-  scene.sphere = {Vec3(10, 0, 0), 12};
-  scene.bounds = {Vec3(0, -1, -1), Vec3(20, 1, 1)};
-  scene.extent = {-1, 1};
-  scene.title = title;
-  scene.preset = "bone";
-  return scene;
-}
+using test::small_scene;
 
 /// A folder with two good cases, a truncated one and a file that is nobody's business, and a server
 /// that shows it.
@@ -186,9 +173,11 @@ TEST_F(ServerTest, GivesTheViewer) {
   EXPECT_EQ(page->status, 200);
   EXPECT_EQ(page->get_header_value("Content-Type"), "text/html; charset=utf-8");
   for (const ViewerFile& file : viewer_files()) {
-    const auto response = get("/" + std::string(file.path));
-    EXPECT_EQ(response->status, 200) << file.path;
-    EXPECT_EQ(response->body, file.bytes) << file.path;
+    for (const char* encodings : {"identity", "gzip", "br"}) {  // undone by the client
+      const auto response = get("/" + std::string(file.path), {{"Accept-Encoding", encodings}});
+      EXPECT_EQ(response->status, 200) << file.path << " " << encodings;
+      EXPECT_EQ(response->body, file.bytes) << file.path << " " << encodings;
+    }
   }
 }
 
@@ -202,7 +191,8 @@ TEST_F(ServerTest, EncryptsAndAnswersThoseAloneWhoKnowTheToken) {
   httplib::SSLClient client("127.0.0.1", server.port());
   client.set_ca_cert_path((folder_ / "authority.pem").c_str());
   client.enable_server_certificate_verification(true);
-  for (const char* path : {"/", "/api/cases", "/cases/head.sog", "/k3v9qtxw", "/assets"}) {
+  for (const char* path :
+       {"/", "/api/cases", "/cases/head.sog", "/k3v9q-txw7h-23456-abcde-fghijk", "/assets"}) {
     const auto refused = client.Get(path);
     ASSERT_TRUE(refused) << path << " " << httplib::to_string(refused.error());
     EXPECT_EQ(refused->status, 403) << path;

@@ -17,17 +17,20 @@ export function caseFile(name: string): string {
   return `cases/${encodeURIComponent(name)}.sog`;
 }
 
-/** Asks the server what cases there are. Throws CaseError. */
+/** Asks the server what cases there are. Throws CaseError, with the server's own words where it says why. */
 export async function fetchCases(): Promise<CaseSummary[]> {
+  let refusal: string | undefined;
   let index: { cases: Partial<CaseSummary>[] };
   try {
     const response = await fetch("api/cases");
     if (!response.ok) {
+      const said = response.headers.get("Content-Type")?.startsWith("text/plain");
+      refusal = said ? (await response.text()).trim() : undefined;
       throw new Error(String(response.status));
     }
     index = (await response.json()) as typeof index;
   } catch {
-    throw new CaseError("the server does not answer; is clipgs serve still running?");
+    throw new CaseError(refusal || "the server does not answer; is clipgs serve still running?");
   }
   return index.cases.map((one) => ({
     name: one.name ?? "",

@@ -1,4 +1,4 @@
-import { copyFileSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, renameSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
@@ -559,6 +559,20 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
     await expect(visitor.evaluate(() => window.clipgs.open("nobody"))).rejects.toThrow(/no such case/);
     expect(await alert.textContent()).toContain("nobody");
+    await visitor.close();
+  });
+
+  it("says that the folder of the cases is gone, until it is back", async () => {
+    const away = join(session.folder, "away");
+    renameSync(session.cases, away);
+    const visitor = await session.open("", errors);
+    const alert = visitor.getByRole("alert");
+    await alert.waitFor();
+    expect(await alert.textContent()).toContain("the folder of the cases cannot be read");
+    await expect(visitor.evaluate(() => window.clipgs.open("phantom"))).rejects.toThrow(/cannot be read/);
+    renameSync(away, session.cases);
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    expect(await alert.isVisible()).toBe(false);
     await visitor.close();
   });
 

@@ -1,0 +1,327 @@
+#include "serve/site.h"
+
+#include <algorithm>
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/http/write.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <openssl/crypto.h>
+#include <sstream>
+#include <utility>
+
+#include "core/error.h"
+#include "serve/certificate.h"
+#include "serve/http.h"
+#include "serve/viewer_bundle.h"
+
+namespace clipgs {
+
+namespace {
+
+namespace http = boost::beast::http;
+using http::field;
+using http::status;
+
+constexpr std::string_view kCookie = "__Host-clipgs";
+constexpr const char* kText = "text/plain; charset=utf-8";
+constexpr std::string_view kCasePrefix = "/cases/";
+constexpr std::string_view kCaseSuffix = ".sog";
+constexpr std::string_view kThumbnailSuffix = "/thumbnail";
+constexpr const char* kAlwaysAsk = "no-cache";  // kept, but checked by its ETag before use
+constexpr const char* kForEver = "public, max-age=31536000, immutable";
+constexpr std::chrono::milliseconds kDelay(2000);
+
+/// Isolation for SharedArrayBuffer, and nothing from elsewhere, nor for pages elsewhere: the page
+/// works without the internet.
+void set_common_headers(HttpHead& head) {
+  head.set("Cross-Origin-Opener-Policy", "same-origin");
+  head.set("Cross-Origin-Embedder-Policy", "require-corp");
+  head.set("Cross-Origin-Resource-Policy", "same-origin");
+  head.set("X-Content-Type-Options", "nosniff");
+  head.set("Referrer-Policy", "no-referrer");
+  head.set("Content-Security-Policy",
+           "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
+           "'unsafe-inline'; img-src 'self' blob: data:; connect-src 'self' data:; "
+           "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'");
+}
+
+std::string_view view_of(boost::beast::string_view text) { return {text.data(), text.size()}; }
+
+std::string_view header(const HttpRequest& request, field name) { return view_of(request[name]); }
+
+/// Bytes that live as long as the program, or as `owner`.
+ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr) {
+  return {bytes.size(),
+          [bytes, owner = std::move(owner)](std::uint64_t offset, std::span<std::uint8_t> out) {
+            const std::string_view rest = bytes.substr(std::min<size_t>(offset, bytes.size()));
+            const size_t size = std::min(rest.size(), out.size());
+            std::copy_n(rest.begin(), size, out.begin());
+            return size;
+          }};
+}
+
+void give_text(Answer& answer, status what, const char* type, std::string text) {
+  const auto owner = std::make_shared<const std::string>(std::move(text));
+  answer.head.result(what);
+  answer.head.set(field::content_type, type);
+  answer.head.set(field::cache_control, "no-store");
+  answer.body = source_of(*owner, owner);
+}
+
+void fail(Answer& answer, status what, const std::string& message) {
+  give_text(answer, what, kText, message + "\n");
+}
+
+/// Whether the browser already has what `etag` names; then it is told so.
+bool not_modified(const HttpRequest& request, Answer& answer, const std::string& etag) {
+  answer.head.set(field::etag, etag);
+  if (!etag_matches(header(request, field::if_none_match), etag)) {
+    return false;
+  }
+  answer.head.result(status::not_modified);
+  return true;
+}
+
+void give_case(const HttpRequest& request, Answer& answer, const CaseEntry& entry,
+               const std::shared_ptr<const OpenFile>& file) {
+  const FileState& state = file->state();
+  const std::string etag = '"' + state.version + '"';
+  answer.head.set(field::cache_control, kAlwaysAsk);
+  answer.head.set(field::accept_ranges, "bytes");
+  if (not_modified(request, answer, etag)) {
+    return;
+  }
+  std::uint64_t first = 0;
+  std::uint64_t size = state.size;
+  // If-Range: a range of another version is of no use, so the whole file is given.
+  const std::string_view version = header(request, field::if_range);
+  const std::vector<ByteRange> ranges = parse_ranges(header(request, field::range));
+  if (!ranges.empty() && (version.empty() || version == etag)) {
+    const std::optional<ByteRange> range = satisfiable_range(ranges, state.size);
+    if (!range) {
+      answer.head.set(field::content_range, fmt::format("bytes */{}", state.size));
+      fail(answer, status::range_not_satisfiable, entry.name + ".sog: has no such range of bytes");
+      return;
+    }
+    first = static_cast<std::uint64_t>(range->first);
+    size = static_cast<std::uint64_t>(range->second - range->first + 1);
+    answer.head.result(status::partial_content);
+    answer.head.set(field::content_range,
+                    fmt::format("bytes {}-{}/{}", range->first, range->second, state.size));
+  }
+  answer.head.set(field::content_type, "application/octet-stream");
+  answer.body = {size, [file, first](std::uint64_t offset, std::span<std::uint8_t> out) {
+                   return file->read(first + offset, out);
+                 }};
+}
+
+void give_thumbnail(const HttpRequest& request, Answer& answer,
+                    const std::shared_ptr<const CaseEntry>& entry, bool versioned) {
+  const Bytes& bytes = entry->info.thumbnail;
+  if (bytes.empty()) {
+    fail(answer, status::not_found, entry->name + ".sog: has no thumbnail");
+    return;
+  }
+  answer.head.set(field::cache_control, versioned ? kForEver : kAlwaysAsk);
+  if (!not_modified(request, answer, "\"t" + entry->version + '"')) {
+    answer.head.set(field::content_type, "image/webp");
+    answer.body = source_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, entry);
+  }
+}
+
+void give_viewer(const HttpRequest& request, Answer& answer, std::string_view path) {
+  const auto files = viewer_files();
+  if (files.empty()) {
+    fail(answer, status::not_found,
+         "this clipgs was built without its viewer; install nodejs, npm and clang-19 and build it "
+         "again");
+    return;
+  }
+  path = path == "/" ? "index.html" : path.substr(1);
+  const auto file = std::ranges::find(files, path, &ViewerFile::path);
+  if (file == files.end()) {
+    fail(answer, status::not_found, "there is no such page; the viewer is at /");
+    return;
+  }
+  std::vector<Encoding> offered;
+  if (!file->brotli.empty()) {
+    offered.push_back(Encoding::kBrotli);
+  }
+  if (!file->gzip.empty()) {
+    offered.push_back(Encoding::kGzip);
+  }
+  const Encoding encoding = choose_encoding(header(request, field::accept_encoding), offered);
+  const std::string_view bytes = encoding == Encoding::kBrotli ? file->brotli
+                                 : encoding == Encoding::kGzip ? file->gzip
+                                                               : file->bytes;
+  // The names of assets hold a hash of their contents; a new program has a new index.html.
+  const bool named_by_content = path.starts_with("assets/");
+  answer.head.set(field::cache_control, named_by_content ? kForEver : kAlwaysAsk);
+  if (!offered.empty()) {
+    answer.head.set(field::vary, "Accept-Encoding");
+  }
+  if (not_modified(request, answer,
+                   fmt::format("\"{}-{}\"", file->checksum, encoding_name(encoding)))) {
+    return;
+  }
+  answer.head.set(field::content_type, content_type(path));
+  if (encoding != Encoding::kIdentity) {
+    answer.head.set(field::content_encoding, encoding_name(encoding));
+  }
+  answer.body = source_of(bytes);
+}
+
+bool is_secret(std::string_view given, std::string_view secret) {
+  return given.size() == secret.size() &&
+         CRYPTO_memcmp(given.data(), secret.data(), secret.size()) == 0;
+}
+
+/// Whether a page may have been meant as the secret part of an address: what else is asked for by
+/// those who lack it has a dot or a stroke.
+bool may_be_token(std::string_view page) {
+  return !page.empty() && page.find_first_of("./") == std::string_view::npos;
+}
+
+}  // namespace
+
+std::string head_text(const HttpHead& head) {
+  std::ostringstream text;
+  text << head.base();
+  return text.str();
+}
+
+Site::Site(SiteOptions options) : options_(std::move(options)), index_(options_.folder) {}
+
+Answer Site::answer(const HttpRequest& request, const std::string& client) {
+  Answer answer;
+  answer.head.version(request.version());
+  set_common_headers(answer.head);
+  const std::string_view target = view_of(request.target());
+  const std::string_view query = target.substr(std::min(target.find('?'), target.size()));
+  const std::optional<std::string> path =
+      percent_decode(target.substr(0, target.size() - query.size()));
+  try {
+    if (!path || !path->starts_with('/')) {
+      fail(answer, status::bad_request, "this is no address of this server; the viewer is at /");
+    } else if (!is_called_rightly(request)) {
+      fail(answer, status::forbidden, "open this server by its own address, " + options_.url);
+    } else if (!options_.token.empty() && !may_enter(request, *path, client, answer)) {
+      // answered
+    } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
+      answer.head.set(field::allow, "GET, HEAD");
+      answer.last = true;  // a body may follow that nobody reads
+      fail(answer, status::method_not_allowed, "this server only gives; use GET");
+    } else if (path->starts_with(kCasePrefix)) {
+      give_of_case(request, std::string_view(*path).substr(kCasePrefix.size()),
+                   query.starts_with("?v="), answer);
+    } else if (*path == "/api/cases") {
+      give_text(answer, status::ok, "application/json",
+                case_index_json(index_.list())
+                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else {
+      give_viewer(request, answer, *path);
+    }
+  } catch (const Error& error) {
+    fail(answer, status::service_unavailable, error.what());
+  }
+  if (answer.head.result() != status::not_modified) {
+    answer.head.content_length(answer.body.size);
+  }
+  // A body is none of this server's business, so what follows it is not found.
+  answer.last = answer.last || !request.keep_alive() || request.chunked() ||
+                request.count(field::content_length) > 0;
+  answer.head.keep_alive(!answer.last);
+  if (request.method() == http::verb::head) {
+    answer.body = {};
+  }
+  return answer;
+}
+
+Answer Site::refuse(const boost::system::error_code& error) const {
+  Answer answer;
+  set_common_headers(answer.head);
+  const bool large = error == http::error::header_limit || error == http::error::buffer_overflow;
+  if (large) {
+    fail(answer, status::request_header_fields_too_large,
+         "the request's headers are too large; delete cookies of other pages of this host");
+  } else {
+    fail(answer, status::bad_request, "this is no request that a browser makes");
+  }
+  answer.head.content_length(answer.body.size);
+  answer.last = true;
+  answer.head.keep_alive(false);
+  return answer;
+}
+
+std::string Site::answer_bytes(std::string_view bytes) {
+  RequestParser parser;
+  boost::system::error_code error;
+  parser.put(boost::asio::buffer(bytes), error);
+  if (error == http::error::need_more) {
+    return {};
+  }
+  const Answer given = error && !parser.is_header_done() ? refuse(error) : answer(parser.get(), {});
+  std::string text = head_text(given.head);
+  std::string body(given.body.size, '\0');
+  if (!body.empty()) {
+    body.resize(given.body.read(0, {reinterpret_cast<std::uint8_t*>(body.data()), body.size()}));
+  }
+  return text + body;
+}
+
+bool Site::is_called_rightly(const HttpRequest& request) const {
+  if (request.count(field::host) > 1) {
+    return false;
+  }
+  const std::optional<std::string> name = host_name(header(request, field::host));
+  return !options_.local_name || (name && (is_loopback(*name) || *name == options_.local_name));
+}
+
+bool Site::may_enter(const HttpRequest& request, const std::string& path, const std::string& client,
+                     Answer& answer) {
+  const std::string_view kept = cookie(header(request, field::cookie), kCookie);
+  const std::string page = path.substr(1);
+  if (is_secret(kept, options_.token)) {
+    return true;
+  }
+  if (is_secret(plain_token(page), plain_token(options_.token))) {
+    answer.head.result(status::found);
+    answer.head.set(field::location, "/");
+    answer.head.set(field::cache_control, "no-store");
+    answer.head.set(
+        field::set_cookie,
+        fmt::format("{}={}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=31536000", kCookie,
+                    options_.token));
+    return false;
+  }
+  const bool tried = !kept.empty() || may_be_token(page);
+  if (tried && throttle_.is_one_too_many(client)) {
+    answer.delay = kDelay;
+    answer.last = true;
+    answer.head.set(field::retry_after, "6");
+    fail(answer, status::too_many_requests, "too many wrong addresses; wait a little");
+  } else {
+    fail(answer, status::forbidden,
+         "open the whole address that clipgs serve printed, with the letters at its end");
+  }
+  return false;
+}
+
+void Site::give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
+                        Answer& answer) {
+  const bool thumbnail = rest.ends_with(kThumbnailSuffix);
+  const std::string_view suffix = thumbnail ? kThumbnailSuffix : kCaseSuffix;
+  const std::string name(rest.substr(0, rest.size() - std::min(suffix.size(), rest.size())));
+  const auto entry = rest.ends_with(suffix) ? index_.find(name) : nullptr;
+  if (entry == nullptr) {
+    fail(answer, status::not_found, "there is no such case; choose another from the menu");
+  } else if (!entry->error.empty()) {
+    fail(answer, status::unprocessable_entity, entry->error);
+  } else if (thumbnail) {
+    give_thumbnail(request, answer, entry, versioned);
+  } else {
+    give_case(request, answer, *entry, index_.open(*entry));
+  }
+}
+
+}  // namespace clipgs
