@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_reader.h"
+#include "core/version.h"
 #include "splat/scene_file.h"
 #include "splat/similarity.h"
 #include "train/model_file.h"
@@ -124,7 +125,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   const Similarity world = scene_to_world();
   const Scene& scene = contents.scene;
   json block = scene_to_json(scene, world);
-  block["generator"] = "clipgs " CLIPGS_VERSION;
+  block["generator"] = fmt::format("clipgs {}", program_version());
   // Where the size of the case decides, splats have what the section leaves of it when it is kept
   // without loss; where that is too little for them, the section is kept less well.
   std::optional<CodedSection> section;

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "core/parallel.h"
+#include "core/version.h"
 #include "splat/scene_file.h"
 
 namespace clipgs {
@@ -527,7 +528,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
     *order = std::move(morton);
   }
   json meta = {{"version", kSogVersion},
-               {"asset", {{"generator", "clipgs " CLIPGS_VERSION}}},
+               {"asset", {{"generator", fmt::format("clipgs {}", program_version())}}},
                {"count", ordered.size()}};
   Writer writer{ordered, meta, {}};
   writer.add_means();

@@ -4,6 +4,9 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <string_view>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/error.h"
@@ -14,21 +17,41 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file descriptor that closes itself and, until `keep` is called, removes the file as well.
+/// What ends the name of a file that is being written; no other program's files end so.
+constexpr std::string_view kTemporaryMark = ".clipgs-";
+constexpr std::string_view kTemporaryEnd = ".part";
+
+/// The file that is written before it is renamed to `path`. It is locked as long as it is open, so
+/// that sweep_leftovers() knows it from those of killed processes. Closes itself and, until `keep`
+/// is called, removes the file as well.
 class TemporaryFile {
  public:
-  explicit TemporaryFile(fs::path path) : path_(std::move(path)) {
-    fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  explicit TemporaryFile(const fs::path& path) {
+    // A name is taken by what a killed process of this number left, or one of another machine.
+    constexpr int kMostNames = 1000;
+    for (int i = 0; i < kMostNames && fd_ < 0; ++i) {
+      path_ = path;
+      path_ += fmt::format("{}{}{}{}", kTemporaryMark, ::getpid(),
+                           i > 0 ? fmt::format("-{}", i) : "", kTemporaryEnd);
+      fd_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+      if (fd_ < 0 && errno != EEXIST) {
+        return;
+      }
+      if (fd_ >= 0 && swept_before_locked()) {
+        close();
+      }
+    }
   }
   ~TemporaryFile() {
-    close();
-    if (!kept_) {
+    if (fd_ >= 0 && !kept_) {
       ::unlink(path_.c_str());
     }
+    close();
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
+  const fs::path& path() const { return path_; }
   bool is_open() const { return fd_ >= 0; }
   bool write(const void* data, size_t size) const {
     const char* p = static_cast<const char*>(data);
@@ -45,18 +68,50 @@ class TemporaryFile {
     }
     return ::fsync(fd_) == 0;
   }
-  bool close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return fd < 0 || ::close(fd) == 0;
-  }
   void keep() { kept_ = true; }
 
  private:
+  /// Locks. A file system without locks has no sweeping either.
+  bool swept_before_locked() const {
+    struct stat status{};
+    return ::flock(fd_, LOCK_EX) == 0 && ::fstat(fd_, &status) == 0 && status.st_nlink == 0;
+  }
+  void close() {
+    if (fd_ >= 0) {
+      ::close(fd_);
+    }
+    fd_ = -1;
+  }
+
   fs::path path_;
   int fd_ = -1;
   bool kept_ = false;
 };
+
+bool is_temporary(const std::string& name) {
+  const size_t mark = name.rfind(kTemporaryMark);
+  if (mark == std::string::npos || !name.ends_with(kTemporaryEnd)) {
+    return false;
+  }
+  const size_t begin = mark + kTemporaryMark.size();
+  const size_t end = name.size() - kTemporaryEnd.size();
+  return begin < end && name.find_first_not_of("0123456789-", begin) >= end;
+}
+
+/// Removes a temporary unless a process holds it.
+void remove_if_left(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+  if (fd < 0) {
+    return;
+  }
+  struct stat held{};
+  struct stat named{};
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::fstat(fd, &held) == 0 &&
+      ::lstat(path.c_str(), &named) == 0 && held.st_ino == named.st_ino) {
+    ::unlink(path.c_str());
+  }
+  ::close(fd);
+}
 
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -74,6 +129,38 @@ void sync_folder(const fs::path& folder) {
 [[noreturn]] void fail_writing(const fs::path& path, int error) {
   throw Error("{}: cannot be written ({}); choose a folder you can write to, with free space",
               path.string(), std::strerror(error));
+}
+
+const char* kind_of(fs::file_type type) {
+  switch (type) {
+    case fs::file_type::directory:
+      return "a folder";
+    case fs::file_type::fifo:
+      return "a pipe";
+    case fs::file_type::socket:
+      return "a socket";
+    default:
+      return "a device";
+  }
+}
+
+/// Where the file of this name is, or would be: a symbolic link stays, and its target is written.
+/// Throws Error if something else than a file is there.
+fs::path file_to_replace(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw Error("{}: is {}, a file name was expected", path.string(), kind_of(status.type()));
+  }
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path target = path;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, error); ++i) {
+    target = folder_of(target) / fs::read_symlink(target, error);
+  }
+  if (error == std::errc::too_many_symbolic_link_levels || fs::is_symlink(target, error)) {
+    throw Error("{}: is a symbolic link that leads nowhere; remove it", path.string());
+  }
+  return target;
 }
 
 }  // namespace
@@ -107,17 +194,15 @@ std::string read_text(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, const void* data, size_t size) {
-  fs::path temporary = path;
-  temporary += ".part" + std::to_string(::getpid());
-  TemporaryFile file(temporary);
-  if (!file.is_open() || !file.write(data, size) || !file.close()) {
-    fail_writing(path, errno);
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
+  const fs::path target = file_to_replace(path);
+  TemporaryFile file(target);
+  // Renamed while it is open, and so locked: a sweep never takes what is about to be renamed.
+  if (!file.is_open() || !file.write(data, size) ||
+      ::rename(file.path().c_str(), target.c_str()) != 0) {
     fail_writing(path, errno);
   }
   file.keep();
-  sync_folder(folder_of(path));
+  sync_folder(folder_of(target));
 }
 
 void write_text(const fs::path& path, std::string_view text) {
@@ -125,14 +210,22 @@ void write_text(const fs::path& path, std::string_view text) {
 }
 
 void require_writable(const fs::path& path) {
-  if (fs::is_directory(path)) {
-    throw Error("{}: is a folder, a file name was expected", path.string());
-  }
-  fs::path probe = path;
-  probe += ".part" + std::to_string(::getpid());
-  const TemporaryFile file(probe);
+  const fs::path target = file_to_replace(path);
+  sweep_leftovers(folder_of(target), target.stem().string() + ".");
+  const TemporaryFile file(target);
   if (!file.is_open()) {
     fail_writing(path, errno);
+  }
+}
+
+void sweep_leftovers(const fs::path& folder, const std::string& prefix) {
+  std::error_code error;  // of a folder that is not there or cannot be read: nothing to sweep
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(prefix) && is_temporary(name)) {
+      remove_if_left(entry->path());
+    }
   }
 }
 

@@ -15,12 +15,18 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
 std::string read_text(const std::filesystem::path& path);
 
 /// Writes the file whole or not at all: a temporary beside it, fsync, rename. A full disk or a
-/// killed process leaves the old file (or none), never half of the new one. Throws Error.
+/// killed process leaves the old file (or none), never half of the new one. A symbolic link stays,
+/// and what it leads to is written. Throws Error, also if what is there is no regular file.
 void write_file(const std::filesystem::path& path, const void* data, size_t size);
 void write_text(const std::filesystem::path& path, std::string_view text);
 
-/// Checks, before hours of work, that a file can be created at `path`. Throws Error.
+/// Checks, before hours of work, that write_file can write `path`, and sweeps what it may have left
+/// there. Throws Error.
 void require_writable(const std::filesystem::path& path);
+
+/// Removes the temporaries, NAME.clipgs-PROCESS.part, that killed processes left in the folder, of
+/// files whose names begin with `prefix`. Those that a living process holds (flock(2)) stay.
+void sweep_leftovers(const std::filesystem::path& folder, const std::string& prefix = "");
 
 /// Checks, before `bytes` are written into the folder, that its disk has room for them. Throws
 /// Error.
