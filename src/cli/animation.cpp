@@ -60,11 +60,15 @@ void add_animation_options(CLI::App& command, AnimationArguments& animation) {
       ->capture_default_str();
 }
 
-void check_animation_output(const AnimationArguments& animation,
-                            const std::filesystem::path& output) {
+void check_picture_output(const AnimationArguments& animation,
+                          const std::filesystem::path& output) {
   if (animation.any() && output.extension() != ".webp") {
     throw CLI::ValidationError(
         "-o", "what moves is written as a WebP: give a file name that ends in .webp");
+  }
+  if (!animation.any() && output.extension() != ".png") {
+    throw CLI::ValidationError(
+        "-o", "what stands still is written as a PNG: give a file name that ends in .png");
   }
 }
 

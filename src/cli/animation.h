@@ -24,9 +24,8 @@ struct AnimationArguments {
 /// Adds the options; `animation` must outlive the parsing.
 void add_animation_options(CLI::App& command, AnimationArguments& animation);
 
-/// Throws CLI::ValidationError where something is to move and `output` is not a .webp.
-void check_animation_output(const AnimationArguments& animation,
-                            const std::filesystem::path& output);
+/// Throws CLI::ValidationError unless `output` is a .webp where something is to move, a .png else.
+void check_picture_output(const AnimationArguments& animation, const std::filesystem::path& output);
 
 /// Draws every picture by draw(view, cut), starting from `view` and `cut`, and writes them as a
 /// WebP that goes on for ever. `extent` is the interval of normal·x over what is visible. Without a

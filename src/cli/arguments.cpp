@@ -1,10 +1,11 @@
 #include "cli/arguments.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/error.h"
 
@@ -30,6 +31,21 @@ std::vector<float> parse_numbers(const std::string& text, size_t least, size_t m
                                                          : fmt::format("{} to {}", least, most)));
   }
   return numbers;
+}
+
+CLI::Validator ends_in(std::vector<std::string> endings) {
+  const std::string list = fmt::format("{}", fmt::join(endings, " or "));
+  return {[endings = std::move(endings), list](const std::string& name) {
+            const auto fits = [&](const std::string& ending) {
+              return name.size() > ending.size() && name.ends_with(ending);
+            };
+            // CLI11's checks return what is wrong; nothing if all is well.
+            return std::ranges::any_of(endings, fits)
+                       ? std::string()
+                       : fmt::format("{}: give a name that ends in {}, as what is written", name,
+                                     list);
+          },
+          list};
 }
 
 IVec3 parse_size(const std::string& text) {

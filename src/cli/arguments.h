@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ Cut parse_cut(const CutArguments& arguments);
 /// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
 /// soft-tissue, bone, lung, brain.
 Window parse_window(const std::string& text);
+
+/// Checks that a file's name ends in one of these: what a command writes does not depend on the
+/// name, so a name that promises something else is refused.
+CLI::Validator ends_in(std::vector<std::string> endings);
 
 /// "a,b,c…": `count` finite numbers; `option` names the flag in the error.
 std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,

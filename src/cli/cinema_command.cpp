@@ -58,7 +58,7 @@ void run_cinema(const CinemaArguments& arguments) {
   if (!arguments.background.empty()) {
     background = parse_numbers(arguments.background, 3, 3, "--background");
   }
-  check_animation_output(arguments.animation, arguments.output);
+  check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "asset/case.h"
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/file.h"
 #include "splat/ply.h"
@@ -32,7 +33,9 @@ void add_export_command(CLI::App& app) {
       app.add_subcommand("export", "Write a case's Gaussians, uncut, for other programs");
   const auto arguments = std::make_shared<ExportArguments>();
   command->add_option("case", arguments->input, "Case (.sog) or scene (.ply)")->required();
-  command->add_option("-o,--output", arguments->output, "File to write")->required();
+  command->add_option("-o,--output", arguments->output, "File to write (.ply)")
+      ->required()
+      ->check(ends_in({".ply"}));
   command->add_option("--format", arguments->format, "ply: 3D Gaussian Splatting, metres, y down")
       ->check(CLI::IsMember({"ply"}))
       ->capture_default_str();

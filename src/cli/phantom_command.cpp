@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <memory>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
 #include "core/file.h"
 #include "volume/load.h"
@@ -32,7 +33,8 @@ void add_phantom_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("phantom", "Write a procedural anatomical torso in HU");
   command->footer("Example: clipgs phantom torso.nii.gz --size 256");
   command->add_option("OUT", options->out, "File to write: .nii.gz, .nii, .nrrd or .mha")
-      ->required();
+      ->required()
+      ->check(ends_in({".nii.gz", ".nii", ".nrrd", ".mha"}));
   command->add_option("--size", options->size, "Voxels along the longest axis")
       ->check(CLI::Range(16, 1024))
       ->capture_default_str();

@@ -80,7 +80,7 @@ void run_render(const RenderArguments& arguments) {
     const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
     pins.emplace_back(n[0], n[1], n[2]);
   }
-  check_animation_output(arguments.animation, arguments.output);
+  check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   const Case contents = load_case(arguments.scene);
   options.faces = face_source(arguments, contents);
