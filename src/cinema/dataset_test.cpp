@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "cinema/choose_frames.h"
+#include "cinema/dataset_claim.h"
 #include "cinema/make_dataset.h"
 #include "cinema/seed_points.h"
 #include "cinema/test_scenes.h"
@@ -337,7 +338,7 @@ TEST(Dataset, GoesOnAfterAKill) {
 
   // What a kill after three frames leaves behind.
   const Json index = Json::parse(read_text(folder.path() / "transforms.json"));
-  Json state = {{"fingerprint", index["fingerprint"]}, {"frames", Json::object()}};
+  Json state = {{"frames", Json::object()}};
   for (int i = 0; i < 3; ++i) {
     state["frames"][index["frames"][i]["file_path"].get<std::string>()] = {
         index["frames"][i]["noise_db"], index["frames"][i]["masked_noise_db"]};
@@ -347,6 +348,11 @@ TEST(Dataset, GoesOnAfterAKill) {
     fs::remove(folder.path() / index["frames"][i]["file_path"].get<std::string>());
   }
   write_text(folder.path() / "progress.json", state.dump());
+  const fs::path claim_file = folder.path() / "transforms.made-of.json";
+  Json claim = Json::parse(read_text(claim_file));
+  claim["finished"] = false;
+  write_text(claim_file, claim.dump());
+  write_text(folder.path() / "images/train_0004.png.clipgs-1.part", "half a picture");
   const fs::path kept = folder.path() / "images/train_0001.png";
   const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
   fs::last_write_time(kept, old);
@@ -365,6 +371,81 @@ TEST(Dataset, GoesOnAfterAKill) {
   other.make(folder.path());
   EXPECT_NE(contents(folder.path()), whole);
   EXPECT_NE(fs::last_write_time(last), old);
+}
+
+TEST(Dataset, MorePointsAreNoReasonForOtherPictures) {
+  Fixture f;
+  const TemporaryFolder folder;
+  f.make(folder.path());
+  const auto before = contents(folder.path());
+  f.options.seed_points *= 2;
+  f.make(folder.path());
+  for (const auto& [file, bytes] : contents(folder.path())) {
+    EXPECT_EQ(bytes == before.at(file), !file.starts_with("points.")) << file;
+  }
+}
+
+/// Every change must be seen, and called by its name.
+TEST(DatasetClaims, AreOfAllThatPicturesShow) {
+  const auto changed = [](auto change) {
+    Fixture f;
+    f.volume.labels.assign(f.volume.voxels(), 0);
+    f.volume.label_numbers = {0, 7};
+    f.preset.rig.environment = std::make_shared<const Image>(4, 2, 3);
+    f.preset.rig.keys.push_back({});
+    const DatasetClaims before = claims_of(f.volume, f.preset, f.options);
+    change(f.volume, f.preset, f.options);
+    const DatasetClaims after = claims_of(f.volume, f.preset, f.options);
+    return changes(before.pictures, after.pictures) + "; " + changes(before.points, after.points);
+  };
+  using V = Volume&;
+  using P = Preset&;
+  using O = DatasetOptions&;
+  EXPECT_EQ(changed([](V, P, O) {}), "; ");
+  const std::string volume = "the volume changed; the volume changed";
+  EXPECT_EQ(changed([](V v, P, O) { v.values.back() += 1; }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.spacing.z *= 2; }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.origin.x += 1; }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.direction[0] = -v.direction[0]; }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.rgb.resize(3 * v.voxels()); }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.labels.back() = 1; }),
+            "the labels changed; the labels changed");
+  const std::string looks = "the labels' looks changed; the labels' looks changed";
+  EXPECT_EQ(changed([](V, P p, O) { p.labels[7].opacity = 0; }), looks);
+  EXPECT_EQ(changed([](V, P p, O) { p.labels[7].albedo = Vec3(0); }), looks);
+  const std::string preset = "the preset changed; the preset changed";
+  EXPECT_EQ(changed([](V, P p, O) { p.name = "other"; }), preset);
+  EXPECT_EQ(changed([](V, P p, O) { p.surface_strength *= 2; }), preset);
+  EXPECT_EQ(changed([](V, P p, O) { p.gradient_opacity = {0, 1, 0}; }), preset);
+  for (float Material::* const member :
+       {&Material::extinction, &Material::specular, &Material::roughness, &Material::phase}) {
+    EXPECT_EQ(changed([&](V, P p, O) {
+                std::vector<TransferPoint> points = p.transfer.points();
+                points.back().material.*member += 0.01f;
+                p.transfer = TransferFunction(points);
+              }),
+              preset);
+  }
+  const std::string lights = "the lights changed; the lights changed";
+  EXPECT_EQ(changed([](V, P p, O) { p.rig.sky_bottom.y += 1; }), lights);
+  EXPECT_EQ(changed([](V, P p, O) { p.rig.keys[0].angular_radius += 1; }), lights);
+  EXPECT_EQ(changed([](V, P p, O) { p.rig.keys[0].distance += 1; }), lights);
+  EXPECT_EQ(changed([](V, P p, O) { p.rig.environment_turn += 1; }), lights);
+  EXPECT_EQ(changed([](V, P p, O) {
+              Image sky = *p.rig.environment;
+              sky.data[5] = 1;
+              p.rig.environment = std::make_shared<const Image>(sky);
+            }),
+            lights);
+  EXPECT_EQ(changed([](V, P p, O) { p.exposure = 2; }),
+            "the exposure changed; the exposure changed");
+  EXPECT_EQ(changed([](V, P, O o) { o.size = 25; }), "the size changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.train_frames = 8; }), "the train frames changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.axis = Vec3(1, 0, 0); }), "the axis changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.one_sided = true; }), "the side of axis planes changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.choose_views = false; }), "the choice of views changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.seed = 2; }), "the seed changed; the seed changed");
+  EXPECT_EQ(changed([](V, P, O o) { o.seed_points = 9; }), "; the number of points changed");
 }
 
 TEST(Dataset, DenoisesTrainingPicturesAndNoOthers) {
@@ -390,7 +471,9 @@ TEST(Dataset, DenoisesTrainingPicturesAndNoOthers) {
   const Json b = Json::parse(read_text(denoised_folder.path() / "transforms.json"));
   EXPECT_FALSE(a["train_denoised"]);
   EXPECT_TRUE(b["train_denoised"]);
-  EXPECT_NE(a["fingerprint"], b["fingerprint"]);
+  EXPECT_EQ(changes(read_claim(plain_folder.path() / "transforms"),
+                    read_claim(denoised_folder.path() / "transforms")),
+            "the denoising changed");
 }
 
 TEST(Dataset, RefusesWhatItCannotTrust) {

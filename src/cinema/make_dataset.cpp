@@ -1,13 +1,12 @@
 #include "cinema/make_dataset.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "cinema/dataset_claim.h"
 #include "cinema/denoise.h"
 #include "cinema/picture.h"
 #include "cinema/seed_points.h"
@@ -23,145 +22,27 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Raised whenever the tracer's pictures change, so that old ones are not taken for new.
-constexpr std::uint64_t kTracerVersion = 3;
 constexpr const char* kStateFile = "progress.json";
 constexpr const char* kIndexFile = "transforms.json";
+constexpr const char* kPointsFile = "points.ply";
 // The uncut pictures only tell where matter would be.
 constexpr int kUncutSpp = 16;
 // Aim a little above the promised noise floor: the estimate itself is noisy.
 constexpr float kNoiseMargin = 0.1f;
 
-/// A running 64-bit hash of everything that shapes a dataset.
-class Fingerprint {
- public:
-  void add(const void* data, size_t size) {
-    const auto* bytes = static_cast<const std::uint8_t*>(data);
-    for (; size >= 8; bytes += 8, size -= 8) {
-      std::uint64_t word = 0;
-      std::memcpy(&word, bytes, 8);
-      add(word);
-    }
-    std::uint64_t rest = 0;
-    std::memcpy(&rest, bytes, size);
-    add(rest ^ (static_cast<std::uint64_t>(size) << 56U));
-  }
-  void add(std::uint64_t word) { hash_ = Rng::mix(hash_ ^ word); }
-  void add(int value) { add(static_cast<std::uint64_t>(value)); }
-  void add(float value) { add(static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(value))); }
-  void add(const Vec3& v) {
-    add(v.x);
-    add(v.y);
-    add(v.z);
-  }
-  std::string text() const { return fmt::format("{:016x}", hash_); }
-
- private:
-  std::uint64_t hash_ = kTracerVersion;
-};
-
-// Large arrays are hashed in pieces on all threads, then the pieces' hashes in order.
-template <typename T>
-void add_array(Fingerprint& fingerprint, const std::vector<T>& values) {
-  constexpr size_t kPiece = size_t{1} << 20;
-  std::vector<std::string> pieces((values.size() + kPiece - 1) / kPiece);
-  parallel_for(values.size(), kPiece, [&](size_t begin, size_t end) {
-    Fingerprint piece;
-    piece.add(&values[begin], (end - begin) * sizeof(T));
-    pieces[begin / kPiece] = piece.text();
-  });
-  for (const std::string& piece : pieces) {
-    fingerprint.add(piece.data(), piece.size());
-  }
-}
-
-std::string fingerprint_of(const Volume& volume, const Preset& preset,
-                           const DatasetOptions& options) {
-  Fingerprint f;
-  for (int k = 0; k < 3; ++k) {
-    f.add(volume.dims[k]);
-    f.add(volume.direction[k]);
-  }
-  f.add(volume.spacing);
-  f.add(volume.origin);
-  add_array(f, volume.values);
-  add_array(f, volume.rgb);
-  add_array(f, volume.labels);
-  for (const LabelLook& look : looks_of_labels(volume, preset.labels)) {
-    f.add(look.opacity);
-    f.add(look.albedo.value_or(Vec3(-1)));
-  }
-  f.add(preset.name.data(), preset.name.size());
-  for (const TransferPoint& point : preset.transfer.points()) {
-    f.add(point.value);
-    f.add(point.material.albedo);
-    f.add(point.material.extinction);
-    f.add(point.material.specular);
-    f.add(point.material.roughness);
-    f.add(point.material.phase);
-  }
-  f.add(preset.surface_strength);
-  if (preset.gradient_opacity) {
-    f.add(preset.gradient_opacity->from);
-    f.add(preset.gradient_opacity->to);
-    f.add(preset.gradient_opacity->floor);
-  }
-  f.add(preset.exposure);
-  f.add(preset.rig.sky_top);
-  f.add(preset.rig.sky_horizon);
-  f.add(preset.rig.sky_bottom);
-  for (const KeyLight& key : preset.rig.keys) {
-    f.add(key.direction);
-    f.add(key.radiance);
-    f.add(key.angular_radius);
-    f.add(key.distance);
-  }
-  if (preset.rig.environment) {
-    add_array(f, preset.rig.environment->data);
-    f.add(preset.rig.environment_turn);
-  }
-  f.add(options.size);
-  f.add(options.train_frames);
-  f.add(options.test_frames);
-  f.add(options.train_spp);
-  f.add(options.test_noise_db);
-  f.add(options.test_masked_noise_db);
-  f.add(options.test_spp);
-  f.add(options.max_bounces);
-  f.add(static_cast<std::uint64_t>(options.seed_points));
-  f.add(options.seed);
-  f.add(options.axis);
-  f.add(options.choose_views ? 1 : 0);
-  f.add(options.denoise ? 1 : 0);
-  if (options.one_sided) {  // so that datasets made before the option was there are still known
-    f.add(1);
-  }
-  return f.text();
-}
-
-std::string fingerprint_in(const fs::path& path) {
-  if (!fs::exists(path)) {
-    return "";
-  }
-  const Json json = Json::parse(read_text(path), nullptr, false);
-  const bool known =
-      json.is_object() && json.contains("fingerprint") && json["fingerprint"].is_string();
-  return known ? json["fingerprint"].get<std::string>() : "";
-}
-
 /// Noise floors of a picture, over all and masked, dB.
 using Noise = std::array<float, 2>;
 
-/// Which pictures are finished, and their noise floors; on disk, so that a killed run goes on.
+/// Which pictures are finished, and their noise floors; on disk, so that a killed run goes on. Step
+/// removes it where they are pictures of something else.
 class State {
  public:
-  State(const fs::path& folder, std::string fingerprint)
-      : path_(folder / kStateFile), fingerprint_(std::move(fingerprint)) {
-    if (fingerprint_in(path_) != fingerprint_) {
+  explicit State(const fs::path& folder) : path_(folder / kStateFile) {
+    if (!fs::exists(path_)) {
       return;
     }
     const Json json = Json::parse(read_text(path_), nullptr, false);
-    const Json frames = json.value("frames", Json::object());
+    const Json frames = json.is_object() ? json.value("frames", Json::object()) : Json::object();
     for (const auto& [file, noise] : frames.items()) {
       const bool pair =
           noise.is_array() && noise.size() == 2 && noise[0].is_number() && noise[1].is_number();
@@ -176,14 +57,11 @@ class State {
 
   void finish(const Frame& frame, const Noise& noise) {
     noise_[frame.file] = noise;
-    write_text(path_, Json{{"fingerprint", fingerprint_}, {"frames", noise_}}.dump());
+    write_text(path_, Json{{"frames", noise_}}.dump());
   }
-
-  void remove() const { fs::remove(path_); }
 
  private:
   fs::path path_;
-  std::string fingerprint_;
   std::map<std::string, Noise> noise_;
 };
 
@@ -296,29 +174,18 @@ class Maker {
   float depth_scale_ = 0;
 };
 
-}  // namespace
-
-Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path& folder,
-                     const DatasetOptions& options) {
-  check(options);
-  create_folder(folder);
-  require_writable(folder / kIndexFile);
-  const std::string fingerprint = fingerprint_of(volume, preset, options);
-  if (fingerprint_in(folder / kIndexFile) == fingerprint) {
-    return load_dataset(folder);
-  }
-  fs::remove(folder / kIndexFile);  // pictures of another dataset are about to be replaced
+void make_pictures(const Volume& volume, const Preset& preset, const fs::path& folder,
+                   const DatasetOptions& options) {
   for (const char* name : {"images", "uncut", "depth"}) {
     create_folder(folder / name);
+    sweep_leftovers(folder / name);
   }
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
   const Maker maker(volume, preset, folder, options, matter);
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);
-  save_seed_points(folder / "points.ply",
-                   sample_seed_points(volume, preset, options.seed_points, options.seed));
 
-  State state(folder, fingerprint);
+  State state(folder);
   size_t total = 0;
   size_t done = 0;
   for (const Frame& frame : frames) {
@@ -341,8 +208,7 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
   const Vec2 extent = matter.extent(options.axis);
   Json json = {
       {"camera_model", "OPENCV"},
-      {"ply_file_path", "points.ply"},
-      {"fingerprint", fingerprint},
+      {"ply_file_path", kPointsFile},
       {"preset", preset.name},
       {"train_denoised", options.denoise},
       {"axis", list_of(options.axis)},
@@ -358,7 +224,29 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
     json["frames"].push_back(frame_json(frame));
   }
   write_text(folder / kIndexFile, json.dump(1));
-  state.remove();
+}
+
+}  // namespace
+
+Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path& folder,
+                     const DatasetOptions& options) {
+  check(options);
+  create_folder(folder);
+  require_writable(folder / kIndexFile);
+  const DatasetClaims claims = claims_of(volume, preset, options);
+  const Step points("seed points", folder / "points", claims.points, {folder / kPointsFile});
+  if (!points.done()) {
+    save_seed_points(folder / kPointsFile,
+                     sample_seed_points(volume, preset, options.seed_points, options.seed));
+    points.finish();
+  }
+  const Step pictures("pictures", folder / "transforms", claims.pictures, {folder / kIndexFile},
+                      {folder / kStateFile});
+  if (!pictures.done()) {
+    make_pictures(volume, preset, folder, options);
+    pictures.finish();
+    fs::remove(folder / kStateFile);
+  }
   return load_dataset(folder);
 }
 

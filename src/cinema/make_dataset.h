@@ -41,9 +41,11 @@ std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions
 std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& matter,
                                const DatasetOptions& options);
 
-/// Makes the dataset in `folder`: pictures, seed points and, last, transforms.json. Pictures that
-/// an interrupted call with the same inputs left are kept, and a whole dataset of the same inputs
-/// is not touched. Throws Error.
+/// Makes the dataset in `folder`: seed points, pictures and, last, transforms.json, each beside the
+/// claim of what it is made of (claims_of()). What is there of the same claim is kept, and a line
+/// on standard error says so; pictures that an interrupted call left are gone on from; what is of
+/// another claim is made again. One process at a time may work in a folder (FolderLock). Throws
+/// Error.
 Dataset make_dataset(const Volume& volume, const Preset& preset,
                      const std::filesystem::path& folder, const DatasetOptions& options);
 

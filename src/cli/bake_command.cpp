@@ -4,10 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "pipeline/section_step.h"
+
 #include "asset/section_file.h"
 #include "bake/state_folder.h"
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
 #include "core/file.h"
 #include "core/json_reader.h"
 #include "core/progress.h"
@@ -142,7 +144,8 @@ void add_bake_command(CLI::App& app) {
   command
       ->add_option("-o,--output", arguments->output,
                    "Scene to write (.ply; .json and .section.zip beside it)")
-      ->required();
+      ->required()
+      ->check(ends_in({".ply"}));
   CLI::Option* const states =
       command->add_option("--states", arguments->states, "Plane positions along the axis")
           ->check(CLI::Range(kMinStates, kMaxStates))

@@ -11,10 +11,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/statvfs.h>
-#include <unistd.h>
 
-#include "cli/process.h"
-#include "core/file.h"
+#include "cli/cli_fixture.h"
 #include "core/geometry.h"
 #include "core/image.h"
 
@@ -23,67 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using testing::Not;
+using testing_support::CliTest;
 using testing_support::Finished;
 using testing_support::run_clipgs;
-using testing_support::run_clipgs_and_kill;
-
-class CliTest : public testing::Test {
- protected:
-  CliTest() : folder_(fs::path(testing::TempDir()) / ("clipgs-cli-" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-    ::setenv("SOURCE_DATE_EPOCH", "1700000000", 1);
-  }
-  ~CliTest() override { fs::remove_all(folder_); }
-
-  std::string at(const std::string& name) const { return (folder_ / name).string(); }
-
-  std::string phantom() const {
-    const std::string path = at("phantom.nrrd");
-    if (!fs::exists(path)) {
-      EXPECT_EQ(run_clipgs({"phantom", path, "--size", "40"}).status, 0);
-    }
-    return path;
-  }
-
-  /// A build small enough for a test, but with every step of a real one.
-  std::vector<std::string> small_build(const std::string& output) const {
-    return {
-        "build",    phantom(),        "-o",     at(output),      "--quality", "draft",   "--size",
-        "48",       "--train-frames", "8",      "--test-frames", "1",         "--steps", "120",
-        "--budget", "1500",           "--quiet"};
-  }
-
-  /// Two voxels of a metre a side, so that the patient's left is label 1 if `x` is −500.
-  std::string write_labels(const std::string& name, int x) const {
-    const std::string header =
-        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspace: right-anterior-superior\n"
-        "space directions: (1000,0,0) (0,1000,0) (0,0,1000)\nencoding: raw\nspace origin: (" +
-        std::to_string(x) + ",-500,-500)\n\n";
-    write_text(at(name), header + std::string("\1\0\1\0\1\0\1\0", 8));
-    return at(name);
-  }
-
-  /// Fails in one line on standard error, with exit status 1, and leaves no file at `output`.
-  void expect_failure(const std::vector<std::string>& arguments, const std::string& says,
-                      const std::string& output = "") {
-    const Finished finished = run_clipgs(arguments);
-    EXPECT_EQ(finished.status, 1) << finished.err;
-    const size_t start = finished.err.find("clipgs: ");
-    ASSERT_NE(start, std::string::npos) << finished.err;
-    const std::string line = finished.err.substr(start);
-    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << finished.err;
-    EXPECT_THAT(line, HasSubstr(says));
-    if (!output.empty()) {
-      EXPECT_FALSE(fs::exists(output));
-    }
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-      EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".part"))) << "left behind";
-    }
-  }
-
-  fs::path folder_;
-};
 
 TEST_F(CliTest, UsageErrorsExitWithTwo) {
   EXPECT_EQ(run_clipgs({}).status, 2);
@@ -193,21 +133,6 @@ TEST_F(CliTest, LabelsColourThinAndHide) {
   expect_failure(with({"--labels", labels, "--label-table", labels}), "not JSON", at("none.png"));
 }
 
-TEST_F(CliTest, BuildWithLabelsHasNoSection) {
-  const std::string labels = write_labels("labels.nrrd", -500);
-  std::vector<std::string> build = small_build("case.sog");
-  build.insert(build.end(), {"--labels", labels, "--label", "1=hidden"});
-  const Finished built = run_clipgs(build);
-  ASSERT_EQ(built.status, 0) << built.err;
-  EXPECT_THAT(built.err, HasSubstr("no section"));
-  const Finished info = run_clipgs({"info", at("case.sog"), "--json"});
-  EXPECT_TRUE(nlohmann::json::parse(info.out).value("section", nlohmann::json()).is_null());
-
-  // Another look of the labels is another build.
-  build.back() = "1=0.5";
-  EXPECT_THAT(run_clipgs(build).err, HasSubstr("--work"));
-}
-
 TEST_F(CliTest, UnknownPresetListsTheOnesThereAre) {
   expect_failure({"cinema", phantom(), "-o", at("x.png"), "--preset", "nonesuch"}, "soft-tissue",
                  at("x.png"));
@@ -216,6 +141,49 @@ TEST_F(CliTest, UnknownPresetListsTheOnesThereAre) {
 TEST_F(CliTest, UnwritableOutputFailsBeforeAnyWork) {
   expect_failure({"build", phantom(), "-o", "/proc/case.sog"}, "/proc/case.sog");
   expect_failure({"cinema", phantom(), "-o", at("no/such/folder/x.png")}, "no/such/folder");
+}
+
+TEST_F(CliTest, NamesOfWhatIsNotWrittenAreRefused) {
+  const std::string volume = phantom();
+  const std::string scene = at("scene.ply");
+  const std::string wrong = at("x.jpg");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"cinema", volume, "-o", wrong},
+           {"cinema", volume, "-o", at("x.webp")},
+           {"cinema", volume, "-o", at("x.png"), "--turntable"},
+           {"render", scene, "-o", wrong},
+           {"render", scene, "-o", at("x")},
+           {"build", volume, "-o", wrong},
+           {"pack", scene, "-o", wrong},
+           {"unpack", at("case.sog"), "-o", wrong},
+           {"export", at("case.sog"), "-o", wrong},
+           {"train", at("dataset"), "-o", wrong},
+           {"refine", scene, "--dataset", at("dataset"), "-o", wrong},
+           {"bake", scene, "-o", wrong},
+           {"eval", scene, "--dataset", at("dataset"), "--json", at("x.html")},
+           {"eval", scene, "--dataset", at("dataset"), "--report", at("x.json")},
+           {"phantom", wrong}}) {
+    const Finished finished = run_clipgs(command);
+    EXPECT_EQ(finished.status, 2) << command[0];
+    EXPECT_THAT(finished.err + finished.out, HasSubstr("name that ends in .")) << command[0];
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);  // the phantom
+}
+
+TEST_F(CliTest, OutputThatIsNoFileIsRefusedBeforeAnyWork) {
+  const std::string volume = phantom();
+  const auto link = [&](const std::string& name) {
+    fs::create_symlink("/dev/full", at(name));
+    return at(name);
+  };
+  expect_failure({"phantom", link("full.nrrd")}, "full.nrrd: is a device");
+  expect_failure({"cinema", volume, "-o", link("full.png")}, "full.png: is a device");
+  expect_failure({"build", volume, "-o", link("full.sog")}, "full.sog: is a device");
+  EXPECT_FALSE(fs::exists(at("full.clipgs-work")));
+  EXPECT_TRUE(fs::is_symlink(at("full.png")) && fs::is_character_file("/dev/full"));
+  fs::create_directories(at("folder.png"));
+  expect_failure({"cinema", volume, "-o", at("folder.png")}, "folder.png: is a folder");
+  expect_failure({"dataset", volume, "-o", volume}, "phantom.nrrd");
 }
 
 TEST_F(CliTest, FullDiskFailsAndLeavesNothing) {
@@ -441,90 +409,6 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   write_text(at("cut.sog"), std::string_view(bytes).substr(0, bytes.size() * 2 / 3));
   expect_failure({"info", at("cut.sog")}, "cut.sog");
   expect_failure({"render", at("cut.sog"), "-o", at("none.png")}, "cut.sog", at("none.png"));
-}
-
-TEST_F(CliTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
-  std::vector<std::string> reference = small_build("reference.sog");
-  reference.insert(reference.end(), {"--threads", "1"});
-  ASSERT_EQ(run_clipgs(reference).status, 0);
-  const std::string expected = read_text(at("reference.sog"));
-
-  // Killed again and again, a little later each time, wherever it may be.
-  const std::vector<std::string> interrupted = small_build("interrupted.sog");
-  int kills = 0;
-  double seconds = 0.05;
-  while (run_clipgs_and_kill(interrupted, seconds)) {
-    ++kills;
-    seconds *= 1.3;
-    ASSERT_LT(kills, 60);
-    // A kill may come after the case is in its place, with the report still to write.
-    EXPECT_TRUE(!fs::exists(at("interrupted.sog")) || read_text(at("interrupted.sog")) == expected);
-  }
-  EXPECT_GT(kills, 0);
-  EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);
-
-  // Nothing but the packing left to do.
-  fs::remove(at("interrupted.sog"));
-  ASSERT_EQ(run_clipgs(interrupted).status, 0);
-  EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);
-}
-
-TEST_F(CliTest, BuildTheWayOfThePapersHasLayersAndResumes) {
-  std::vector<std::string> build = small_build("layered.sog");
-  build.insert(build.end(), {"--model", "clipgs"});
-  *(std::ranges::find(build, "--train-frames") + 1) = "24";  // some across the axis
-  const Finished built = run_clipgs(build);
-  ASSERT_EQ(built.status, 0) << built.err;
-  const std::string expected = read_text(at("layered.sog"));
-  const Finished info = run_clipgs({"info", at("layered.sog"), "--json"});
-  EXPECT_EQ(nlohmann::json::parse(info.out).at("states").at("count"), 200);
-  const std::string model = at("layered.clipgs-work/model.ply");
-  const std::string dataset = at("layered.clipgs-work/dataset");
-  const Finished measured =
-      run_clipgs({"eval", at("layered.sog"), "--model", model, "--dataset", dataset});
-  ASSERT_EQ(measured.status, 0) << measured.err;
-  EXPECT_THAT(measured.out, HasSubstr("model      test_axis     own    splats   truth"));
-  EXPECT_THAT(measured.out, HasSubstr("200 states as PLY"));
-  EXPECT_EQ(run_clipgs({"render", model, "-o", at("own.png"), "--plane", "0,0,-1,0"}).status, 0);
-  expect_failure({"render", model, "-o", at("no.png"), "--plane", "1,0,0,0"}, "clipgs bake",
-                 at("no.png"));
-  expect_failure({"refine", model, "--dataset", dataset, "-o", at("r.ply")}, "clipgs bake",
-                 at("r.ply"));
-
-  // Refinement and packing left to do.
-  fs::remove(at("layered.sog"));
-  fs::remove(at("layered.clipgs-work/scene.ply"));
-  ASSERT_EQ(run_clipgs(build).status, 0);
-  EXPECT_TRUE(read_text(at("layered.sog")) == expected);
-}
-
-TEST_F(CliTest, BuildOfAnUnusableVolumeLeavesNothing) {
-  // A NIfTI of size zero: its library has something to say as well.
-  std::string header(352, '\0');
-  const auto put = [&](size_t at, std::int16_t number) {
-    std::memcpy(&header[at], &number, sizeof number);
-  };
-  put(0, 348);
-  for (const auto& [at, number] : {std::pair{40, 3}, {42, 0}, {44, 16}, {46, 16}, {70, 16}}) {
-    put(static_cast<size_t>(at), static_cast<std::int16_t>(number));
-  }
-  std::memcpy(&header[344], "n+1", 4);
-  write_text(at("zero.nii"), header);
-  const Finished finished = run_clipgs({"build", at("zero.nii"), "-o", at("zero.sog")});
-  EXPECT_EQ(finished.status, 1);
-  EXPECT_THAT(finished.err, HasSubstr("zero.nii: "));
-  EXPECT_THAT(finished.err, Not(HasSubstr("** ERROR")));
-  EXPECT_FALSE(fs::exists(at("zero.clipgs-work")));
-  EXPECT_FALSE(fs::exists(at("zero.sog")));
-}
-
-TEST_F(CliTest, BuildRefusesAWorkFolderOfAnotherBuild) {
-  ASSERT_EQ(run_clipgs(small_build("case.sog")).status, 0);
-  std::vector<std::string> other = small_build("case.sog");
-  other.insert(other.end(), {"--seed", "2"});
-  const Finished finished = run_clipgs(other);
-  EXPECT_EQ(finished.status, 1);
-  EXPECT_THAT(finished.err, HasSubstr("--work"));
 }
 
 }  // namespace

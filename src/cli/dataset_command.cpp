@@ -4,12 +4,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/section_step.h"
+
 #include "cinema/make_dataset.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/look_options.h"
-#include "cli/section_step.h"
+#include "cli/section_options.h"
 #include "cli/volume_options.h"
+#include "core/lock.h"
 
 namespace clipgs {
 namespace {
@@ -40,6 +43,7 @@ void run_dataset(const DatasetArguments& arguments) {
   options.axis = glm::normalize(options.axis);
   options.choose_views =
       arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
+  const FolderLock lock(arguments.folder);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   require_look_for_section(preset, arguments.section);
@@ -77,8 +81,10 @@ void add_dataset_command(CLI::App& app) {
                    "Volume: DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
       ->required();
   command
-      ->add_option("-o,--output", arguments->folder,
-                   "Folder to fill; an interrupted run goes on where it stopped")
+      ->add_option(
+          "-o,--output", arguments->folder,
+          "Folder to fill; an interrupted run goes on where it stopped, and what depends on "
+          "a change is made again")
       ->required();
   add_look_options(*command, arguments->look);
   add_label_options(*command, arguments->look.labels, arguments->load);

@@ -6,11 +6,13 @@
 #include <system_error>
 #include <vector>
 
+#include "pipeline/section_step.h"
+
 #include "asset/case.h"
 #include "bake/bake.h"
 #include "cinema/dataset.h"
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "measure/evaluation.h"
@@ -157,9 +159,13 @@ void add_eval_command(CLI::App& app) {
   command->add_option("--model", arguments->model,
                       "The neural model that the scene was baked from: measured beside it, and "
                       "scenes against its pictures, with the bytes of each step of baking");
-  command->add_option("--json", arguments->json, "File to write the figures to");
-  command->add_option("--report", arguments->report,
-                      "HTML page to write: figures, and truth and ours side by side");
+  // A scene's own description has its name and .json.
+  command->add_option("--json", arguments->json, "File to write the figures to, as JSON")
+      ->check(ends_in({".json", ".figures"}));
+  command
+      ->add_option("--report", arguments->report,
+                   "HTML page to write: figures, and truth and ours side by side")
+      ->check(ends_in({".html", ".htm"}));
   command
       ->add_option("--clip", arguments->clips,
                    "Clip operators: hard, soft, exact, layers (of cuts along the axis)")

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cli/section_step.h"
+#include "pipeline/section_step.h"
+
 #include "volume/label_looks.h"
 #include "volume/load.h"
 

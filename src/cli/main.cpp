@@ -7,6 +7,7 @@
 #include "cli/commands.h"
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "core/version.h"
 
 namespace {
 
@@ -18,7 +19,7 @@ int run(int argc, char** argv) {
       "clipgs: from a medical volume to a cinematic Gaussian scene that can be cut at any angle");
   app.name("clipgs");
   app.require_subcommand(1);
-  app.set_version_flag("--version", CLIPGS_VERSION);
+  app.set_version_flag("--version", clipgs::program_version());
   app.fallthrough();
 
   int threads = 0;

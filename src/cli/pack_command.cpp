@@ -1,9 +1,11 @@
 #include <memory>
 #include <string>
 
-#include "cli/case_step.h"
+#include "pipeline/case_step.h"
+
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
+#include "cli/section_options.h"
 #include "core/file.h"
 
 namespace clipgs {
@@ -40,7 +42,9 @@ void add_pack_command(CLI::App& app) {
       ->add_option("scene", arguments->scene,
                    "Scene (.ply, with its .json and, perhaps, .section.zip beside it)")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Case to write (.sog)")->required();
+  command->add_option("-o,--output", arguments->output, "Case to write (.sog)")
+      ->required()
+      ->check(ends_in({".sog"}));
   command->add_option("--title", arguments->title, "Title of the case (default: the scene's)");
   add_section_options(*command, arguments->section);
   add_section_coding(*command, arguments->section);

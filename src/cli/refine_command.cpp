@@ -1,10 +1,13 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/section_step.h"
+
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/lock.h"
 #include "splat/scene_file.h"
 #include "train/model_file.h"
 #include "train/trainer.h"
@@ -25,6 +28,7 @@ struct RefineArguments {
 
 void run_refine(const RefineArguments& arguments) {
   require_writable(arguments.output);
+  const FileLock lock(arguments.output + ".lock", arguments.output, "choose another name");
   if (is_model(arguments.scene)) {
     throw Error("{}: is a neural model; make a scene of it with clipgs bake first",
                 arguments.scene);
@@ -57,7 +61,9 @@ void add_refine_command(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Scene (.ply), as clipgs bake writes it")
       ->required();
   command->add_option("--dataset", arguments->dataset, "Folder made by clipgs dataset")->required();
-  command->add_option("-o,--output", arguments->output, "Scene to write (.ply)")->required();
+  command->add_option("-o,--output", arguments->output, "Scene to write (.ply)")
+      ->required()
+      ->check(ends_in({".ply"}));
   command->add_option("--steps", options.steps, "Training steps")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();

@@ -1,9 +1,12 @@
 #include <memory>
 
+#include "pipeline/section_step.h"
+
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/lock.h"
 #include "splat/scene_file.h"
 #include "train/model_file.h"
 #include "train/trainer.h"
@@ -28,6 +31,7 @@ struct TrainArguments {
 
 void run_train(const TrainArguments& arguments) {
   require_writable(arguments.output);
+  const FileLock lock(arguments.output + ".lock", arguments.output, "choose another name");
   const Dataset dataset = load_dataset(arguments.dataset);
   TrainOptions options = arguments.options;
   options.clip = parse_clip_operator(arguments.clip);
@@ -63,7 +67,8 @@ void add_train_command(CLI::App& app) {
   command
       ->add_option("-o,--output", arguments->output,
                    "Scene to write (.ply; .json and .section.zip beside it)")
-      ->required();
+      ->required()
+      ->check(ends_in({".ply"}));
   command->add_option("--budget", options.budget, "Gaussians at most")
       ->check(CLI::Range(1000, 2000000))
       ->capture_default_str();

@@ -1,9 +1,11 @@
 #include <memory>
 #include <string>
 
+#include "pipeline/section_step.h"
+
 #include "asset/case.h"
+#include "cli/arguments.h"
 #include "cli/commands.h"
-#include "cli/section_step.h"
 #include "core/file.h"
 #include "splat/scene_file.h"
 
@@ -33,7 +35,8 @@ void add_unpack_command(CLI::App& app) {
   command
       ->add_option("-o,--output", arguments->output,
                    "Scene to write (.ply; .json and .section.zip beside it)")
-      ->required();
+      ->required()
+      ->check(ends_in({".ply"}));
   command->footer("Example: clipgs unpack case.sog -o scene.ply");
   command->callback([arguments] { run_unpack(*arguments); });
 }

@@ -75,8 +75,7 @@ std::string changes(const Claim& before, const Claim& now) {
 std::string digest_of(const Claim& claim) { return Digest().add(claim.dump()).hex(); }
 
 Step::Step(const std::string& name, const fs::path& stem, Claim claim,
-           const std::vector<fs::path>& results,
-           const std::vector<fs::path>& remains)
+           const std::vector<fs::path>& results, const std::vector<fs::path>& remains)
     : file_(claim_file(stem)), claim_(std::move(claim)) {
   const Claim before = read_claim_file(file_);
   const bool is_known = !before.is_null();

@@ -11,12 +11,12 @@ namespace clipgs {
 /// what is larger. Names are words for people, joined by underscores.
 using Claim = nlohmann::json;
 
-/// A claim of a step of the program, whose `revision` is raised when the step makes other results of
-/// the same input: neither that nor another version of the program reuses older results.
+/// A claim of a step of the program, whose `revision` is raised when the step makes other results
+/// of the same input: neither that nor another version of the program reuses older results.
 Claim claim_of_step(const std::string& step, int revision);
 
-/// What differs, for people: "the preset changed", "the size and the seed changed". Empty if nothing
-/// does.
+/// What differs, for people: "the preset changed", "the size and the seed changed". Empty if
+/// nothing does.
 std::string changes(const Claim& before, const Claim& now);
 
 /// SHA-256 of a claim, to be part of the claim of what is made of the result.

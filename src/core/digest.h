@@ -47,8 +47,7 @@ class Digest {
     add(static_cast<std::uint64_t>(values.size()));
     std::vector<std::string> pieces((values.size() + kPiece - 1) / kPiece);
     parallel_for(values.size(), kPiece, [&](size_t begin, size_t end) {
-      pieces[begin / kPiece] =
-          Digest().add_bytes(&values[begin], (end - begin) * sizeof(T)).hex();
+      pieces[begin / kPiece] = Digest().add_bytes(&values[begin], (end - begin) * sizeof(T)).hex();
     });
     for (const std::string& piece : pieces) {
       add(piece);

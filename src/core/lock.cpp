@@ -44,8 +44,8 @@ std::string holder(const fs::path& file) {
 
 /// Whether the open file still has its name: a former holder removes it when it is done.
 bool is_named(int fd, const fs::path& file) {
-  struct stat open {};
-  struct stat named {};
+  struct stat open{};
+  struct stat named{};
   return ::fstat(fd, &open) == 0 && ::stat(file.c_str(), &named) == 0 &&
          open.st_ino == named.st_ino && open.st_dev == named.st_dev;
 }

@@ -28,15 +28,17 @@ class LockTest : public testing::Test {
 TEST_F(LockTest, TheSecondIsToldWhoIsAtWork) {
   std::optional<FolderLock> first(folder_);
   EXPECT_THAT([&] { FolderLock second(folder_, "take another with --work"); },
-              ThrowsMessage<Error>(
-                  AllOf(HasSubstr(folder_.string()), HasSubstr(fmt::format("process {} on ", getpid())),
-                        HasSubstr("(since 20"), HasSubstr("take another with --work"))));
+              ThrowsMessage<Error>(AllOf(
+                  HasSubstr(folder_.string()), HasSubstr(fmt::format("process {} on ", getpid())),
+                  HasSubstr("(since 20"), HasSubstr("take another with --work"))));
   first.reset();
   EXPECT_NO_THROW(FolderLock{folder_});
 }
 
 TEST_F(LockTest, WorkThatCameToNothingLeavesNothing) {
-  { const FolderLock lock(folder_); }
+  {
+    const FolderLock lock(folder_);
+  }
   EXPECT_FALSE(fs::exists(folder_));
   {
     const FolderLock lock(folder_);
@@ -44,7 +46,9 @@ TEST_F(LockTest, WorkThatCameToNothingLeavesNothing) {
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
   fs::remove(folder_ / "result");
-  { const FolderLock lock(folder_); }
+  {
+    const FolderLock lock(folder_);
+  }
   EXPECT_TRUE(fs::is_empty(folder_));  // it was there before
 }
 

@@ -1,4 +1,4 @@
-// Trainer's checkpoint: a header, then the raw float arrays (docs/format.md).
+// Trainer's checkpoint: its claim, a header, then the raw float arrays (docs/format.md).
 #include <cstring>
 #include <span>
 
@@ -10,23 +10,19 @@ namespace clipgs {
 
 namespace {
 
-constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '5'};
+constexpr char kMagic[8] = {'C', 'L', 'I', 'P', 'G', 'S', 'T', '6'};
+
+struct Start {
+  char magic[8];
+  std::uint64_t claim;  // bytes of its JSON, which follow
+};
 
 struct Header {
-  char magic[8];
-  std::uint64_t steps;  // of the whole run
-  std::uint64_t step;   // done
-  std::uint64_t seed;
-  std::uint64_t budget;
-  std::uint64_t size;  // Gaussians
-  std::int32_t sh_degree;
-  std::int32_t clip;
-  std::uint64_t views;
-  std::uint64_t has_section;
+  std::uint64_t step;                         // done
+  std::uint64_t size;                         // Gaussians
   std::uint64_t uniaxial;                     // numbers of the learner at the end of the file
   float gain[3][FaceGain::kCoefficients][3];  // value, first and second moments
   float gain_updates;
-  std::uint32_t face_colors;
 };
 
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
@@ -37,17 +33,13 @@ void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
 }  // namespace
 
 void Trainer::save_checkpoint(const std::filesystem::path& path) {
+  const std::string claim = claim_.dump();
+  Start start{};
+  std::memcpy(start.magic, kMagic, sizeof kMagic);
+  start.claim = claim.size();
   Header header{};
-  std::memcpy(header.magic, kMagic, sizeof kMagic);
-  header.steps = options_.steps;
   header.step = step_;
-  header.seed = options_.seed;
-  header.budget = options_.budget;
   header.size = gaussians_.size();
-  header.sh_degree = options_.sh_degree;
-  header.clip = static_cast<std::int32_t>(options_.clip);
-  header.views = views_.size();
-  header.has_section = has_section_ ? 1 : 0;
   const std::vector<float> uniaxial = uniaxial_ ? uniaxial_->save() : std::vector<float>();
   header.uniaxial = uniaxial.size();
   const FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};
@@ -55,8 +47,9 @@ void Trainer::save_checkpoint(const std::filesystem::path& path) {
     std::memcpy(header.gain[g], gains[g]->coefficients.data(), sizeof header.gain[g]);
   }
   header.gain_updates = gain_.updates;
-  header.face_colors = gaussians_.has_face_colors() ? 1 : 0;
   std::vector<std::uint8_t> bytes;
+  append(bytes, &start, sizeof start);
+  append(bytes, claim.data(), claim.size());
   append(bytes, &header, sizeof header);
   for (const Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
     append(bytes, cloud->data().data(), cloud->data().size() * sizeof(float));
@@ -74,31 +67,42 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     return false;
   }
   const std::vector<std::uint8_t> bytes = read_file(path);
-  Header header{};
-  if (bytes.size() < sizeof header) {
-    throw Error("{}: is truncated; delete it to train from the start", path.string());
-  }
-  std::memcpy(&header, bytes.data(), sizeof header);
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) {
-    throw Error("{}: is not a checkpoint; delete it to train from the start", path.string());
-  }
-  if (header.steps != options_.steps || header.seed != options_.seed ||
-      header.budget != options_.budget || header.sh_degree != options_.sh_degree ||
-      header.clip != static_cast<std::int32_t>(options_.clip) || header.views != views_.size() ||
-      header.has_section != (has_section_ ? 1U : 0U) ||
-      header.face_colors != (gaussians_.has_face_colors() ? 1U : 0U) ||
-      (header.uniaxial > 0) != uniaxial_.has_value()) {
-    throw Error("{}: was written with other options; delete it, or give the ones it had",
-                path.string());
-  }
-  const auto planes = static_cast<size_t>(gaussians_.planes());
-  const size_t per_gaussian = (3 * planes + 1) * sizeof(float) + 2 * sizeof(std::uint32_t);
   const auto corrupt = [&] {
     return Error("{}: is truncated or corrupt; delete it to train from the start", path.string());
   };
+  Start start{};
+  if (bytes.size() < sizeof start) {
+    throw corrupt();
+  }
+  std::memcpy(&start, bytes.data(), sizeof start);
+  if (std::memcmp(start.magic, kMagic, sizeof kMagic) != 0) {
+    throw Error("{}: is no checkpoint of this version; delete it to train from the start",
+                path.string());
+  }
+  if (start.claim > bytes.size() - sizeof start) {
+    throw corrupt();
+  }
+  const auto* const text = bytes.data() + sizeof start;
+  const Claim claim = Claim::parse(text, text + start.claim, nullptr, false);
+  if (!claim.is_object()) {
+    throw corrupt();
+  }
+  if (const std::string changed = changes(claim, claim_); !changed.empty()) {
+    throw Error("{}: is of another run: {}; delete it to train from the start, or go on as it was",
+                path.string(), changed);
+  }
+  const size_t begin = sizeof start + start.claim;
+  Header header{};
+  if (bytes.size() < begin + sizeof header) {
+    throw corrupt();
+  }
+  std::memcpy(&header, bytes.data() + begin, sizeof header);
+  const auto planes = static_cast<size_t>(gaussians_.planes());
+  const size_t per_gaussian = (3 * planes + 1) * sizeof(float) + 2 * sizeof(std::uint32_t);
   if (header.size > options_.budget || header.uniaxial > bytes.size() ||
+      (header.uniaxial > 0) != uniaxial_.has_value() ||
       bytes.size() !=
-          sizeof header + header.size * per_gaussian + header.uniaxial * sizeof(float)) {
+          begin + sizeof header + header.size * per_gaussian + header.uniaxial * sizeof(float)) {
     throw corrupt();
   }
   if (uniaxial_) {
@@ -106,10 +110,7 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     std::memcpy(numbers.data(), bytes.data() + bytes.size() - numbers.size() * sizeof(float),
                 numbers.size() * sizeof(float));
     if (!uniaxial_->load(numbers, header.size)) {
-      throw Error(
-          "{}: was written with other options, or is corrupt; delete it, or give the ones "
-          "it had",
-          path.string());
+      throw corrupt();
     }
   }
   FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};
@@ -121,7 +122,7 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
   gaussians_ = gaussians_.like(header.size);
   gradients_ = gaussians_;
   adam_ = Adam(gaussians_);
-  const std::uint8_t* at = bytes.data() + sizeof header;
+  const std::uint8_t* at = bytes.data() + begin + sizeof header;
   for (Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
     std::memcpy(cloud->data().data(), at, cloud->data().size() * sizeof(float));
     at += cloud->data().size() * sizeof(float);

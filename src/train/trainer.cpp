@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <numeric>
 
+#include "core/digest.h"
 #include "core/error.h"
 #include "core/parallel.h"
 #include "core/progress.h"
@@ -14,6 +15,7 @@
 #include "splat/overdraw.h"
 #include "train/densification.h"
 #include "train/seeding.h"
+#include "train/training_claim.h"
 
 namespace clipgs {
 
@@ -171,6 +173,48 @@ Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Sect
   adam_ = Adam(gaussians_);
   last_reached_.assign(gaussians_.size(), 0);
   need_.assign(gaussians_.size(), 0);
+  claim_ = claim_of(options_);
+  claim_["pictures"] = digest_of_views();
+  claim_["section"] = has_section_;  // its looks count with the views
+  claim_["start"] = digest_of_start(dataset);
+}
+
+/// What the pictures show, cameras and planes with them.
+std::string Trainer::digest_of_views() const {
+  std::vector<std::string> digests(views_.size());
+  parallel_for(views_.size(), 1, [&](size_t i, size_t) {
+    const View& view = views_[i];
+    const auto& [width, height, fx, fy, cx, cy, rotation, position] = view.camera;
+    Digest digest;
+    digest.add(width).add(height).add(fx).add(fy).add(cx).add(cy).add(position);
+    for (int k = 0; k < 3; ++k) {
+      digest.add(rotation[k]);
+    }
+    digest.add(view.plane.has_value());
+    if (view.plane) {
+      digest.add(view.plane->normal).add(view.plane->offset);
+    }
+    digests[i] = digest.add(view.rgba).add(view.faces).hex();
+  });
+  Digest all;
+  for (const std::string& digest : digests) {
+    all.add(digest);
+  }
+  return all.hex();
+}
+
+/// What the run begins with: the Gaussians, and the matter's place.
+std::string Trainer::digest_of_start(const Dataset& dataset) const {
+  Digest digest;
+  digest.add(dataset.sphere.center)
+      .add(dataset.sphere.radius)
+      .add(dataset.axis)
+      .add(dataset.extent);
+  digest.add(gaussians_.sh_degree()).add(gaussians_.has_face_colors()).add(gaussians_.data());
+  for (const Vec3& coefficient : gain_.value.coefficients) {
+    digest.add(coefficient);
+  }
+  return digest.hex();
 }
 
 void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,

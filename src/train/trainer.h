@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cinema/dataset.h"
+#include "core/claim.h"
 #include "section/section.h"
 #include "splat/rasterizer.h"
 #include "splat/scene.h"
@@ -66,8 +67,8 @@ class Trainer {
 
   /// Writes all that the next step depends on, atomically. Throws Error.
   void save_checkpoint(const std::filesystem::path& path);
-  /// Restores it; false if there is no such file. Throws Error if it is corrupt or was written with
-  /// other options.
+  /// Restores it; false if there is no such file. Throws Error if it is corrupt, or says what is
+  /// otherwise if it is of a run with other settings, other pictures or another start.
   bool load_checkpoint(const std::filesystem::path& path);
 
  private:
@@ -80,6 +81,8 @@ class Trainer {
 
   void load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
                   const Section* section);
+  std::string digest_of_views() const;
+  std::string digest_of_start(const Dataset& dataset) const;
   const View& next_view();
   const Image& draw(const View& view, const Camera& camera);
   void backward();
@@ -91,6 +94,7 @@ class Trainer {
   void densify();
 
   TrainOptions options_;
+  Claim claim_;      // what the result of the run depends on
   float extent_;     // mm
   float pixel_ = 0;  // mm, of a picture's pixel
   std::vector<View> views_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -316,10 +317,41 @@ TEST_F(TrainerTest, RefusesCorruptAndForeignCheckpoints) {
   EXPECT_THROW(trainer.load_checkpoint(checkpoint), Error);
 
   write_text(checkpoint, bytes);
+  const auto expect_refused = [&](const Dataset& data, const TrainOptions& some, const char* says,
+                                  const Scene* start = nullptr) {
+    Trainer foreign(data, some, nullptr, start);
+    EXPECT_THAT([&] { foreign.load_checkpoint(checkpoint); },
+                testing::ThrowsMessage<Error>(testing::HasSubstr(says)));
+  };
   TrainOptions changed = options();
   changed.seed = 2;
-  Trainer foreign(dataset(), changed);
-  EXPECT_THROW(foreign.load_checkpoint(checkpoint), Error);
+  expect_refused(dataset(), changed, "the seed");
+  changed = options();
+  changed.mean_rate *= 2;
+  expect_refused(dataset(), changed, "the rate of means changed;");
+  changed = options();
+  changed.uniaxial.emplace();
+  expect_refused(dataset(), changed, "the model");
+
+  // As many pictures, of the same size.
+  Dataset data = dataset();
+  std::swap(data.frames[0].file, data.frames[1].file);
+  expect_refused(data, options(), ": the pictures changed;");
+  data = dataset();
+  data.frames[2].camera.position.x += 1;
+  expect_refused(data, options(), ": the pictures changed;");
+  data = dataset();
+  data.frames[3].plane = Plane{Vec3(0, 0, 1), 100};
+  expect_refused(data, options(), ": the pictures changed;");
+
+  // As many Gaussians to start from, one of them elsewhere.
+  Scene start = scene_of(dataset());
+  start.gaussians = trainer.gaussians();
+  Trainer refining(dataset(), options(), nullptr, &start);
+  refining.save_checkpoint(checkpoint);
+  EXPECT_TRUE(refining.load_checkpoint(checkpoint));
+  start.gaussians.plane(0)[5] += 1;
+  expect_refused(dataset(), options(), ": the start changed;", &start);
 }
 
 }  // namespace

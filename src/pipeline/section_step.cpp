@@ -1,9 +1,10 @@
-#include "cli/section_step.h"
+#include "pipeline/section_step.h"
 
 #include <algorithm>
 #include <fmt/format.h>
 
 #include "asset/section_file.h"
+#include "core/claim.h"
 #include "core/error.h"
 #include "section/fit_reflectance.h"
 
@@ -13,34 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Raised whenever the same volume and pictures give another section.
+constexpr int kRevision = 1;
+
+fs::path section_stem(const Dataset& dataset) { return dataset.folder / "section"; }
 fs::path section_file(const Dataset& dataset) { return dataset.folder / "section.zip"; }
 
 }  // namespace
-
-void add_section_options(CLI::App& command, SectionChoice& choice) {
-  command
-      .add_option("--section-size", choice.size,
-                  "Voxels along each side, at most, of the section: the volume that cut faces are "
-                  "drawn from")
-      ->check(CLI::Range(8, 1024))
-      ->capture_default_str();
-  command.add_flag("--no-section", choice.none,
-                   "No section: splats fill the cut faces (always so with --labels)");
-}
-
-void add_section_coding(CLI::App& command, SectionChoice& choice) {
-  command
-      .add_option("--section-quality", choice.coding.section_quality,
-                  "Of the section's image in the case: 100 is lossless (default: the best that "
-                  "--max-mb leaves room for, 90 at least)")
-      ->check(CLI::Range(1.0, 100.0));
-  command
-      .add_option_function<double>(
-          "--max-mb", [&choice](double mb) { choice.coding.bytes = static_cast<size_t>(1e6 * mb); },
-          "What the case should take at most, MB; less loses more of the section and of the "
-          "splats' colours (default 5)")
-      ->check(CLI::Range(0.0, 1000.0));
-}
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
   if (choice.none) {
@@ -67,12 +47,23 @@ void require_look_for_section(const Preset& preset, const SectionChoice& choice)
 void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
                           const SectionChoice& choice) {
   if (choice.none) {
-    fs::remove(section_file(dataset));
+    forget(section_stem(dataset), {section_file(dataset)});
     return;
   }
-  Section section = make_section(volume, preset, {choice.size});
+  // The pictures' claim has the volume and the look in it.
+  Claim claim = claim_of_step("section", kRevision);
+  claim["pictures"] = digest_of(read_claim(dataset.folder / "transforms"));
+  const SectionOptions options{choice.size};
+  const auto& [size] = options;  // whoever adds an option finds that this does not compile
+  claim["size"] = size;
+  const Step step("section", section_stem(dataset), claim, {section_file(dataset)});
+  if (step.done()) {
+    return;
+  }
+  Section section = make_section(volume, preset, options);
   const ReflectanceFit fit = fit_reflectance(section, dataset);
   write_section(section_file(dataset), section);
+  step.finish();
   fmt::print(stderr, "section: {} x {} x {} voxels, light of the faces {:.1f} dB\n", section.dims.x,
              section.dims.y, section.dims.z, fit.psnr_after);
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 
@@ -12,22 +11,18 @@ namespace clipgs {
 
 // The section on its way from the volume to the case: DATASET/section.zip, SCENE.section.zip, CASE.
 
-/// --section-size and --no-section of the commands that make or pack one, and --section-quality and
-/// --max-mb of those that pack.
+/// What section a case shall have.
 struct SectionChoice {
   int size = SectionOptions().size;  ///< voxels along each side, at most
   bool none = false;
   CaseCoding coding;
 };
 
-void add_section_options(CLI::App& command, SectionChoice& choice);
-void add_section_coding(CLI::App& command, SectionChoice& choice);
-
 /// Throws Error if cut faces drawn from the volume cannot look as the preset says.
 void require_look_for_section(const Preset& preset, const SectionChoice& choice);
 
-/// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them.
-/// `choice.none`: removes the one that is there.
+/// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them,
+/// unless it is there already. `choice.none`: removes the one that is there.
 void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
                           const SectionChoice& choice);
 

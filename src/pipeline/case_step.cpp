@@ -1,4 +1,4 @@
-#include "cli/case_step.h"
+#include "pipeline/case_step.h"
 
 #include <fmt/format.h>
 

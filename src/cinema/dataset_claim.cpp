@@ -1,0 +1,112 @@
+#include "cinema/dataset_claim.h"
+
+#include "core/digest.h"
+#include "core/json_reader.h"
+
+namespace clipgs {
+namespace {
+
+// Raised whenever the same input gives other pictures, or other points, so that old ones are not
+// taken for new.
+constexpr int kPicturesRevision = 4;
+constexpr int kPointsRevision = 1;
+
+// Structured bindings name every member of what is hashed: whoever adds one finds that nothing
+// compiles here, and decides.
+
+std::string digest_of_voxels(const Volume& volume) {
+  [[maybe_unused]] const auto& [dims, spacing, direction, origin, modality, values, rgb, labels,
+                                label_numbers] = volume;
+  Digest digest;
+  digest.add(dims).add(spacing).add(origin).add(modality);
+  for (int k = 0; k < 3; ++k) {
+    digest.add(direction[k]);
+  }
+  return digest.add(values).add(rgb).hex();
+}
+
+std::string digest_of_labels(const Volume& volume) {
+  return Digest().add(volume.labels).add(volume.label_numbers).hex();
+}
+
+std::string digest_of_looks(const Volume& volume, const Preset& preset) {
+  Digest digest;
+  for (const LabelLook& look : looks_of_labels(volume, preset.labels)) {
+    const auto& [albedo, opacity] = look;
+    digest.add(albedo.has_value()).add(albedo.value_or(Vec3(0))).add(opacity);
+  }
+  return digest.hex();
+}
+
+std::string digest_of_lights(const LightRig& rig) {
+  const auto& [sky_top, sky_horizon, sky_bottom, keys, environment, turn] = rig;
+  Digest digest;
+  digest.add(sky_top).add(sky_horizon).add(sky_bottom).add(keys.size()).add(turn);
+  for (const KeyLight& key : keys) {
+    const auto& [direction, radiance, angular_radius, distance] = key;
+    digest.add(direction).add(radiance).add(angular_radius).add(distance);
+  }
+  if (environment) {
+    const auto& [width, height, channels, data] = *environment;
+    digest.add(width).add(height).add(channels).add(data);
+  }
+  return digest.hex();
+}
+
+/// All of a preset but what has a name of its own in the claim.
+std::string digest_of_preset(const Preset& preset) {
+  [[maybe_unused]] const auto& [name, title, description, modality, units, transfer,
+                                surface_strength, gradient_opacity, rig, exposure, labels] = preset;
+  Digest digest;
+  digest.add(name).add(units).add(surface_strength).add(gradient_opacity.has_value());
+  if (gradient_opacity) {
+    const auto& [from, to, floor] = *gradient_opacity;
+    digest.add(from).add(to).add(floor);
+  }
+  for (const TransferPoint& point : transfer.points()) {
+    const auto& [value, material] = point;
+    const auto& [albedo, extinction, specular, roughness, phase] = material;
+    digest.add(value).add(albedo).add(extinction).add(specular).add(roughness).add(phase);
+  }
+  return digest.hex();
+}
+
+/// What points and pictures have in common.
+Claim claim_of_look(const Volume& volume, const Preset& preset) {
+  return {{"volume", digest_of_voxels(volume)},
+          {"labels", digest_of_labels(volume)},
+          {"labels'_looks", digest_of_looks(volume, preset)},
+          {"preset", digest_of_preset(preset)},
+          {"lights", digest_of_lights(preset.rig)},
+          {"exposure", json_number(preset.exposure)}};
+}
+
+}  // namespace
+
+DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options) {
+  const auto& [size, train_frames, test_frames, train_spp, test_noise_db, test_masked_noise_db,
+               test_spp, max_bounces, seed_points, seed, axis, one_sided, choose_views, denoise] =
+      options;
+  const Claim look = claim_of_look(volume, preset);
+  DatasetClaims claims{claim_of_step("pictures", kPicturesRevision),
+                       claim_of_step("points", kPointsRevision)};
+  claims.pictures.update(look);
+  claims.pictures.update({{"size", size},
+                          {"train_frames", train_frames},
+                          {"test_frames", test_frames},
+                          {"train_spp", train_spp},
+                          {"test_noise", json_number(test_noise_db)},
+                          {"test_masked_noise", json_number(test_masked_noise_db)},
+                          {"test_spp", test_spp},
+                          {"bounces", max_bounces},
+                          {"seed", seed},
+                          {"axis", json_vector(axis)},
+                          {"side_of_axis_planes", one_sided ? "one" : "any"},
+                          {"choice_of_views", choose_views ? "need" : "spiral"},
+                          {"denoising", denoise}});
+  claims.points.update(look);
+  claims.points.update({{"number_of_points", seed_points}, {"seed", seed}});
+  return claims;
+}
+
+}  // namespace clipgs

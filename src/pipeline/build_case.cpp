@@ -1,0 +1,159 @@
+#include "pipeline/build_case.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <utility>
+
+#include "pipeline/case_step.h"
+
+#include "bake/bake.h"
+#include "core/claim.h"
+#include "splat/scene_file.h"
+#include "train/model_file.h"
+#include "train/training_claim.h"
+
+namespace clipgs {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Raised whenever the same model gives another scene with layers.
+constexpr int kBakingRevision = 1;
+
+void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
+
+DatasetOptions dataset_options(const BuildOptions& build) {
+  DatasetOptions options = build.pictures;
+  options.seed_points = std::max(options.seed_points, build.training.budget);
+  options.choose_views = !build.section.none;
+  options.one_sided = build.papers_way;
+  return options;
+}
+
+Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOptions& build,
+                      const fs::path& folder) {
+  const DatasetOptions options = dataset_options(build);
+  say_step(2, fmt::format("pictures: {} training, {} test, {}x{}, preset {}", options.train_frames,
+                          2 * options.test_frames, options.size, options.size, preset.name));
+  const FolderLock lock(folder);  // clipgs dataset may be pointed here, too
+  const Dataset dataset = make_dataset(volume, preset, folder, options);
+  make_dataset_section(volume, preset, dataset, build.section);
+  return dataset;
+}
+
+/// What training depends on. Without `faces`: not on a section, whether there is one or not.
+Claim training_claim(const TrainOptions& options, const Dataset& dataset, const Section* faces) {
+  Claim claim = claim_of(options);
+  claim["pictures"] = digest_of(read_claim(dataset.folder / "transforms"));
+  claim["seed_points"] = digest_of(read_claim(dataset.folder / "points"));
+  claim["section"] = faces != nullptr ? digest_of(read_claim(dataset.folder / "section")) : "none";
+  return claim;
+}
+
+/// NAME.ply and what lies beside it while it is made, and then.
+struct SceneFiles {
+  explicit SceneFiles(const fs::path& stem)
+      : ply(stem.string() + ".ply"),
+        json(stem.string() + ".json"),
+        checkpoint(stem.string() + ".checkpoint") {}
+  fs::path ply, json, checkpoint;
+};
+
+void build_explicit(const Dataset& dataset, const BuildOptions& build, const Section* faces,
+                    const fs::path& stem) {
+  const SceneFiles files(stem);
+  const Step step("training", stem, training_claim(build.training, dataset, faces),
+                  {files.ply, files.json}, {files.checkpoint});
+  if (!step.done()) {
+    const Scene scene = train(dataset, build.training, files.checkpoint, faces);
+    write_scene_section(files.ply, faces);
+    write_scene(files.ply, scene);
+    step.finish();
+    fs::remove(files.checkpoint);
+  }
+}
+
+/// The papers' way: a neural model, its states baked into one scene, that refined under any cut.
+void build_layered(const Dataset& dataset, const BuildOptions& build, const Section* faces,
+                   const fs::path& stem) {
+  // Without the section's faces: the model, and each of its states, must be solid.
+  TrainOptions learning = build.training;
+  learning.steps = std::max<size_t>(1, build.training.steps / 2);
+  const UniaxialOptions& uniaxial = learning.uniaxial.emplace();
+  const fs::path model_stem = stem.parent_path() / "model";
+  const SceneFiles model(model_stem);
+  const Step learnt("model", model_stem, training_claim(learning, dataset, nullptr),
+                    {model.ply, model.json}, {model.checkpoint});
+  if (!learnt.done()) {
+    write_model(model.ply, train_model(dataset, learning, model.checkpoint));
+    learnt.finish();
+    fs::remove(model.checkpoint);
+  }
+
+  TrainOptions refining = refine_options();
+  refining.steps = std::max<size_t>(1, build.training.steps - learning.steps);
+  refining.seed = build.training.seed;
+  Claim claim = training_claim(refining, dataset, faces);
+  claim["model"] = digest_of(learnt.claim());
+  claim["baking"] = kBakingRevision;
+  const SceneFiles scene(stem);
+  const Step refined("refinement", stem, claim, {scene.ply, scene.json}, {scene.checkpoint});
+  if (!refined.done()) {
+    // Each primitive as it is where no plane is near: refinement cuts by the operator, not by
+    // adjusting.
+    const float depth = uniaxial.adjustment.window;
+    const Scene layered = bake(read_model(model.ply), kDefaultStates, depth).scene;
+    const Scene result = refine(layered, dataset, refining, scene.checkpoint, faces);
+    write_scene_section(scene.ply, faces);
+    write_scene(scene.ply, result);
+    refined.finish();
+    fs::remove(scene.checkpoint);
+  }
+}
+
+Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::path& stem) {
+  say_step(3, fmt::format("training: {} Gaussians, {} steps", build.training.budget,
+                          build.training.steps));
+  const std::optional<Section> section = read_dataset_section(dataset);
+  const Section* const faces = section ? &*section : nullptr;
+  if (build.papers_way) {
+    build_layered(dataset, build, faces, stem);
+  } else {
+    build_explicit(dataset, build, faces, stem);
+  }
+  // Turning into the file's axes and back may round: a build that resumes here must end the same.
+  return load_case(SceneFiles(stem).ply);
+}
+
+/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte.
+std::string today() {
+  const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
+  const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(time));
+}
+
+}  // namespace
+
+Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
+                    const FolderLock& work) {
+  require_look_for_section(preset, options.section);
+  const Dataset dataset =
+      build_dataset(std::exchange(volume, {}), preset, options, work.folder() / "dataset");
+  Case contents = build_scene(dataset, options, work.folder() / "scene");
+  contents.scene.title = options.title.empty() ? contents.scene.preset : options.title;
+  contents.scene.created = today();
+  return contents;
+}
+
+void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
+                const FolderLock& work, const fs::path& output) {
+  const Case contents = build_contents(std::move(volume), preset, options, work);
+  say_step(4, "case");
+  write_finished_case(output, contents, options.section.coding);
+}
+
+}  // namespace clipgs

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/section_step.h"
+
+#include "asset/case.h"
+#include "cinema/make_dataset.h"
+#include "core/lock.h"
+#include "train/trainer.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// What a build makes of a volume and a look.
+struct BuildOptions {
+  DatasetOptions pictures;  ///< views, points and side follow from what is below
+  SectionChoice section;
+  TrainOptions training;    ///< of the explicit scene; the papers' way shares its steps and seed
+  bool papers_way = false;  ///< a neural model, baked into layers, that are refined
+  std::string title;        ///< of the case; empty: the preset's name
+};
+
+/// All that goes into the case, made in steps whose results stay in the folder: dataset/, model.ply
+/// (of the papers' way) and scene.ply. Each keeps the claim of what it is made of beside it (Step):
+/// what is there of the same claim is kept, what a killed build left is gone on from, and what
+/// depends on a change is made again, with a line on standard error that says why. The volume is
+/// let go of before training. Throws Error.
+Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
+                    const FolderLock& work);
+
+/// The same into a file, which is written every time. Throws Error.
+void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
+                const FolderLock& work, const std::filesystem::path& output);
+
+}  // namespace clipgs

@@ -1,0 +1,180 @@
+#include "pipeline/build_case.h"
+
+#include <fmt/format.h>
+#include <functional>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "core/file.h"
+#include "core/progress.h"
+#include "volume/phantom.h"
+
+namespace clipgs {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AnyOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A build small enough for a test, but with every step of a real one.
+struct Input {
+  Volume volume = make_ball(24, 9, 300, -1000);
+  Preset preset = load_preset("soft-tissue");
+  BuildOptions options;
+
+  Input() {
+    DatasetOptions& pictures = options.pictures;
+    pictures.size = 32;
+    pictures.train_frames = 6;
+    pictures.test_frames = 1;
+    pictures.train_spp = 2;
+    pictures.test_noise_db = 20;
+    pictures.test_masked_noise_db = 0;
+    pictures.seed_points = 500;
+    options.section.size = 8;
+    options.training.budget = options.training.start = 300;
+    options.training.steps = 20;
+  }
+};
+
+class BuildCaseTest : public testing::Test {
+ protected:
+  BuildCaseTest()
+      : folder_(fs::path(testing::TempDir()) / fmt::format("clipgs-build-{}", getpid())) {
+    fs::create_directories(folder_);
+    Progress::set_enabled(false);
+  }
+  ~BuildCaseTest() override { fs::remove_all(folder_); }
+
+  /// What the case would show; said_ is what the steps said of what was there before.
+  std::vector<float> build(const Input& input, const std::string& work = "work") {
+    testing::internal::CaptureStderr();
+    const Case contents =
+        build_contents(input.volume, input.preset, input.options, FolderLock(folder_ / work));
+    said_ = testing::internal::GetCapturedStderr();
+    shown_ = contents.scene.gaussians.data();
+    if (contents.section) {
+      shown_.insert(shown_.end(), contents.section->voxels.begin(), contents.section->voxels.end());
+    }
+    return shown_;
+  }
+
+  /// Changes the input: these steps alone are made again, for this reason.
+  void expect_again(const std::string& what, const std::function<void(Input&)>& change,
+                    const std::vector<std::string>& expected) {
+    SCOPED_TRACE(what);
+    change(input_);
+    build(input_);
+    std::vector<std::string> again;
+    for (size_t at = 0; (at = said_.find(": made again, ", at)) != std::string::npos; ++at) {
+      const size_t begin = said_.rfind('\n', at) + 1;
+      again.push_back(said_.substr(begin, said_.find('\n', at) - begin));
+    }
+    EXPECT_EQ(again, expected) << said_;
+  }
+  /// After all changes the case is the one of a build from scratch.
+  void expect_as_from_scratch() {
+    const std::vector<float> changed = shown_;
+    EXPECT_TRUE(build(input_, "fresh") == changed);
+    EXPECT_THAT(said_, Not(AnyOf(HasSubstr("again"), HasSubstr("before"))));
+  }
+
+  fs::path folder_;
+  std::string said_;
+  std::vector<float> shown_;
+  Input input_;
+};
+
+std::vector<std::string> lines(const std::string& cause) {
+  return {fmt::format("seed points: made again, the {} changed", cause),
+          fmt::format("pictures: made again, the {} changed", cause),
+          "section: made again, the pictures changed",
+          "training: made again, the pictures, the section and the seed points changed"};
+}
+
+TEST_F(BuildCaseTest, WhatDependsOnAChangeIsMadeAgainAndNothingElse) {
+  build(input_);
+  EXPECT_THAT(said_, Not(AnyOf(HasSubstr("again"), HasSubstr("before"))));
+  build(input_);
+  for (const char* step : {"pictures", "seed points", "section", "training"}) {
+    EXPECT_THAT(said_, HasSubstr(fmt::format("{}: done before", step)));
+  }
+  expect_again("title", [](Input& i) { i.options.title = "Ball"; }, {});
+  expect_again("steps", [](Input& i) { i.options.training.steps = 21; },
+               {"training: made again, the steps changed"});
+  expect_again("budget",
+               [](Input& i) { i.options.training.budget = i.options.training.start = 290; },
+               {"training: made again, the budget and the number at the start changed"});
+  expect_again("budget above the points", [](Input& i) { i.options.training.budget = 600; },
+               {"seed points: made again, the number of points changed",
+                "training: made again, the budget and the seed points changed"});
+  expect_again(
+      "section", [](Input& i) { i.options.section.size = 9; },
+      {"section: made again, the size changed", "training: made again, the section changed"});
+  expect_again(
+      "size", [](Input& i) { i.options.pictures.size = 33; },
+      {"pictures: made again, the size changed", "section: made again, the pictures changed",
+       "training: made again, the pictures and the section changed"});
+  expect_again("no section", [](Input& i) { i.options.section.none = true; },
+               {"pictures: made again, the choice of views changed",
+                "training: made again, the pictures and the section changed"});
+  expect_as_from_scratch();
+}
+
+TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {
+  build(input_);
+  expect_again(
+      "volume", [](Input& i) { i.volume.values[i.volume.offset(12, 12, 12)] = 200; },
+      lines("volume"));
+  expect_again("preset", [](Input& i) { i.preset.surface_strength *= 2; }, lines("preset"));
+  expect_again("lights", [](Input& i) { i.preset.rig = load_rig("ambient"); }, lines("lights"));
+  expect_as_from_scratch();
+}
+
+TEST_F(BuildCaseTest, ThePapersWayKeepsItsModelWhereItCan) {
+  input_.options.papers_way = true;
+  input_.options.pictures.train_frames = 16;  // some across the axis
+  build(input_);
+  expect_again(
+      "section size", [](Input& i) { i.options.section.size = 9; },
+      {"section: made again, the size changed", "refinement: made again, the section changed"});
+  expect_again("seed of training", [](Input& i) { i.options.training.seed = 3; },
+               {"model: made again, the seed changed",
+                "refinement: made again, the model and the seed changed"});
+  expect_as_from_scratch();
+}
+
+TEST_F(BuildCaseTest, WorkOfAnUnknownProgramIsNotTrusted) {
+  const std::vector<float> expected = build(input_);
+  for (const char* name : {"dataset/transforms", "dataset/points", "dataset/section", "scene"}) {
+    fs::remove(folder_ / "work" / (std::string(name) + ".made-of.json"));
+  }
+  write_text(folder_ / "work/scene.checkpoint", "of an older program");
+  write_text(folder_ / "work/scene.ply", "of an older program");
+  EXPECT_TRUE(build(input_) == expected);
+  EXPECT_THAT(said_, HasSubstr("pictures: made again, it is not known of what it was made"));
+  EXPECT_THAT(said_, HasSubstr("training: made again, it is not known of what it was made"));
+}
+
+TEST_F(BuildCaseTest, ACheckpointOfOtherWorkIsNotGoneOnFrom) {
+  const std::vector<float> expected = build(input_);
+  Input other;
+  other.options.training.steps = 21;
+  // What a kill in the training of the other leaves: its claim, and a checkpoint.
+  {
+    const Dataset dataset = load_dataset(folder_ / "work/dataset");
+    Trainer trainer(dataset, other.options.training);
+    trainer.step();
+    build(other);
+    fs::remove(folder_ / "work/scene.ply");
+    trainer.save_checkpoint(folder_ / "work/scene.checkpoint");
+  }
+  EXPECT_TRUE(build(input_) == expected);
+  EXPECT_THAT(said_, HasSubstr("training: made again, the steps changed"));
+  EXPECT_FALSE(fs::exists(folder_ / "work/scene.checkpoint"));
+}
+
+}  // namespace
+}  // namespace clipgs
