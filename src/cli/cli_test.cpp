@@ -84,6 +84,25 @@ TEST_F(CliTest, EmptyNanAndConstantVolumesFailInOneLine) {
   }
 }
 
+TEST_F(CliTest, FrameChoosesAVolumeOfAFileInTime) {
+  std::string text =
+      "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 8 8 8 2\nspace: right-anterior-superior\n"
+      "space directions: (9,0,0) (0,9,0) (0,0,9) none\nencoding: raw\n\n";
+  for (int i = 0; i < 2 * 512; ++i) {
+    text += static_cast<char>(i < 512 ? i % 50 : i % 100);
+  }
+  write_text(at("time.nrrd"), text);
+  expect_failure({"info", at("time.nrrd")}, "--frame 1 to 2");
+  expect_failure({"info", at("time.nrrd"), "--frame", "3"}, "no frame 3: it holds 2");
+  EXPECT_EQ(run_clipgs({"info", at("time.nrrd"), "--frame", "0"}).status, 2);
+  const auto largest = [&](const char* frame) {
+    const Finished info = run_clipgs({"info", at("time.nrrd"), "--json", "--frame", frame});
+    return nlohmann::json::parse(info.out)["values"][1].get<int>();
+  };
+  EXPECT_EQ(largest("1"), 49);
+  EXPECT_EQ(largest("2"), 99);
+}
+
 TEST_F(CliTest, LabelsColourThinAndHide) {
   const std::string labels = write_labels("labels.nrrd", -500);
   const auto picture = [&](const std::vector<std::string>& options) {

@@ -130,7 +130,8 @@ TEST(HeaderMutations, OfNiftiAreSaidByTheirField) {
   for (size_t i = 0; i < 3; ++i) {
     EXPECT_THAT(error(256 + 4 * i, kInf), HasSubstr(fmt::format("quatern_{} is inf", "bcd"[i])));
     EXPECT_THAT(error(268 + 4 * i, -kInf), HasSubstr(fmt::format("qoffset_{} is -inf", "xyz"[i])));
-    EXPECT_THAT(error(80 + 4 * i, std::nanf("")), HasSubstr(fmt::format("pixdim[{}] is nan", i + 1)));
+    EXPECT_THAT(error(80 + 4 * i, std::nanf("")),
+                HasSubstr(fmt::format("pixdim[{}] is nan", i + 1)));
   }
   EXPECT_THAT(error(256, 3.0f), HasSubstr("no rotation"));
   EXPECT_THAT(error(108, std::nanf("")), HasSubstr("vox_offset is nan"));
@@ -256,7 +257,7 @@ TEST(HeaderMutations, OfMetaImageAreSaidByTheirField) {
       "ElementSpacing = 20 20 20\nDimSize = 2 2 2\nElementType = MET_UCHAR\n"
       "ElementDataFile = LOCAL\n",
       {{"20 20 20", "20 nan 20", "ElementSpacing holds nan"},
-       {"20 20 20", "20 1e9 20", "ElementSpacing[1] puts voxels 1000000000"},
+       {"20 20 20", "20 1e9 20", "ElementSpacing[1] puts voxels 1e+09 mm"},
        {"20 20 20", "20 20", "ElementSpacing gives 2 numbers, not 3"},
        {"= 1 0 0", "= inf 0 0", "TransformMatrix holds inf"},
        {"= 1 0 0", "= 2 0 0", "direction 1 of its TransformMatrix is 2 long"},

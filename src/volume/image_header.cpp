@@ -15,7 +15,8 @@ void require_step(double length, const std::string& field, const std::string& wh
   constexpr double kShortest = 1e-6;  // mm
   constexpr double kLongest = 1e6;
   if (!(length > kShortest && length < kLongest)) {
-    throw Error("{}: its {} puts voxels {} mm apart; the header is corrupt", where, field, length);
+    throw Error("{}: its {} puts voxels {:.6g} mm apart; the header is corrupt", where, field,
+                length);
   }
 }
 
@@ -24,8 +25,7 @@ double most_skew(const glm::dmat3& steps) {
   double most = 0;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    most = std::max(
-        most, std::abs(glm::dot(glm::normalize(steps[i]), glm::normalize(steps[j]))));
+    most = std::max(most, std::abs(glm::dot(glm::normalize(steps[i]), glm::normalize(steps[j]))));
   }
   return most;
 }
@@ -82,8 +82,7 @@ void set_sizes(ImageHeader& header, std::span<const double> sizes, const std::st
 }
 
 void set_channels(ImageHeader& header, double per_voxel, const std::string& where) {
-  const bool colour =
-      (per_voxel == 3 || per_voxel == 4) && header.type == ScalarType::kUint8;
+  const bool colour = (per_voxel == 3 || per_voxel == 4) && header.type == ScalarType::kUint8;
   if (per_voxel != 1 && !colour) {
     throw Error("{}: {} numbers a voxel; one number, or 8-bit RGB, is needed", where, per_voxel);
   }
@@ -106,7 +105,7 @@ void set_geometry(ImageHeader& header, const glm::dmat3& steps, const glm::dvec3
     header.spacing[axis] = length;
     header.direction[axis] = steps[axis] / length;
     if (std::abs(origin[axis]) > kFarthest) {
-      throw Error("{}: its {} puts it {} mm away; the header is corrupt", where, fields.origin,
+      throw Error("{}: its {} puts it {:.6g} mm away; the header is corrupt", where, fields.origin,
                   origin[axis]);
     }
   }
@@ -116,10 +115,10 @@ void set_geometry(ImageHeader& header, const glm::dmat3& steps, const glm::dvec3
   }
   if (!perpendicular(steps)) {
     throw Error(
-        "{}: the axes of its {} are not perpendicular (sheared by {:.3g} degrees); resample it to a "
+        "{}: the axes of its {} are not perpendicular (sheared by {:.3g} degrees); resample it to "
+        "a "
         "regular grid",
-        where, fields.directions,
-        glm::degrees(std::asin(std::min(1.0, most_skew(steps)))));
+        where, fields.directions, glm::degrees(std::asin(std::min(1.0, most_skew(steps)))));
   }
   header.origin = origin;
   warn_of_odd_size(header, fields, where);

@@ -224,7 +224,7 @@ void set_voxel_offset(const Fields& fields, bool in_own_file, ImageHeader& image
 
 void set_dims(const Fields& fields, ImageHeader& image, const std::string& where) {
   const double axes = fields.dim[0];
-  if (!(axes >= 1 && axes <= 7)) {
+  if (axes < 1 || axes > 7) {
     throw Error("{}: its dim[0] is {}, not 1 to 7; the header is corrupt", where, axes);
   }
   if (axes < 3) {
@@ -371,44 +371,45 @@ bool sheared(const Placement& form) {
   return glm::determinant(form.steps) != 0 && !perpendicular(form.steps);
 }
 
+/// A form, and the names of the fields that it comes from.
+struct Named {
+  Placement form;
+  const GeometryFields& fields;
+};
+
+void warn_of_other_form(const Placement& by_sform, const Placement& by_qform, double unit,
+                        ImageHeader& image, const std::string& where) {
+  const double apart = distance(by_sform, by_qform, image.dims);
+  const double voxel = std::min({glm::length(by_sform.steps[0]), glm::length(by_sform.steps[1]),
+                                 glm::length(by_sform.steps[2])});
+  if (apart > voxel / 2) {
+    image.warnings.push_back(fmt::format(
+        "{}: its sform and qform disagree by up to {:.4g} mm; the sform is taken, as the NIfTI "
+        "standard has it: check left and right",
+        where, apart * unit));
+  }
+}
+
 /// Which form holds, by the standard, and what is to be said of the other one.
-void place(const Fields& fields, ImageHeader& image, const std::string& where) {
-  require_code(fields.sform_code, "sform_code", where);
-  require_code(fields.qform_code, "qform_code", where);
-  const double unit = unit_of(fields, image, where);
-  const auto take = [&](const Placement& form, const GeometryFields& names) {
-    const glm::dvec3 lps(-1, -1, 1);
-    glm::dmat3 steps;
-    for (int axis = 0; axis < 3; ++axis) {
-      steps[axis] = form.steps[axis] * lps * unit;
-    }
-    set_geometry(image, steps, form.origin * lps * unit, names, where);
-  };
+Named choose_form(const Fields& fields, double unit, ImageHeader& image, const std::string& where) {
   if (fields.sform_code > 0) {
     const Placement by_sform = sform(fields, where);
     if (fields.qform_code == 0) {
       warn_of_other_size(by_sform, fields, image, where);
-      return take(by_sform, kSformFields);
+      return {by_sform, kSformFields};
     }
     const Placement by_qform = qform(fields, voxel_size(fields, image, where), where);
     if (sheared(by_sform)) {
       image.warnings.push_back(fmt::format(
           "{}: the axes of its sform (srow_*) are not perpendicular; its qform is taken", where));
-      return take(by_qform, kPixdimFields);
+      return {by_qform, kPixdimFields};
     }
-    const double apart = distance(by_sform, by_qform, image.dims);
-    const double voxel = std::min({glm::length(by_sform.steps[0]), glm::length(by_sform.steps[1]),
-                                   glm::length(by_sform.steps[2])});
-    if (apart > voxel / 2) {
-      image.warnings.push_back(fmt::format(
-          "{}: its sform and qform disagree by up to {:.4g} mm; the sform is taken, as the NIfTI "
-          "standard has it: check left and right",
-          where, apart * unit));
-    }
-    return take(by_sform, kSformFields);
+    warn_of_other_form(by_sform, by_qform, unit, image, where);
+    return {by_sform, kSformFields};
   }
+  const glm::dvec3 size = voxel_size(fields, image, where);
   if (fields.qform_code > 0) {
-    return take(qform(fields, voxel_size(fields, image, where), where), kPixdimFields);
+    return {qform(fields, size, where), kPixdimFields};
   }
   image.warnings.push_back(fmt::format(
       "{}: says nothing of the patient's orientation (sform_code and qform_code are 0): "
@@ -416,11 +417,23 @@ void place(const Fields& fields, ImageHeader& image, const std::string& where) {
       "the other way round",
       where));
   Placement form;
-  const glm::dvec3 size = voxel_size(fields, image, where);
   for (int axis = 0; axis < 3; ++axis) {
     form.steps[axis] *= size[axis];
   }
-  take(form, kPixdimFields);
+  return {form, kPixdimFields};
+}
+
+void place(const Fields& fields, ImageHeader& image, const std::string& where) {
+  require_code(fields.sform_code, "sform_code", where);
+  require_code(fields.qform_code, "qform_code", where);
+  const double unit = unit_of(fields, image, where);
+  const auto [form, names] = choose_form(fields, unit, image, where);
+  const glm::dvec3 lps(-1, -1, 1);
+  glm::dmat3 steps;
+  for (int axis = 0; axis < 3; ++axis) {
+    steps[axis] = form.steps[axis] * lps * unit;
+  }
+  set_geometry(image, steps, form.origin * lps * unit, names, where);
 }
 
 }  // namespace

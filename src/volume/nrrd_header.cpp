@@ -329,7 +329,7 @@ glm::dmat3 steps_of_spacings(const Fields& fields, const Axes& axes, ImageHeader
   const std::string* text = fields.find("spacings");
   if (text == nullptr) {
     image.warnings.push_back(fmt::format(
-        "{}: gives neither \"spacings\" nor \"space directions\": voxels of 1 mm are assumed",
+        R"({}: gives neither "spacings" nor "space directions": voxels of 1 mm are assumed)",
         where));
     return steps;
   }

@@ -60,25 +60,35 @@ void append_scalars(std::span<const std::uint8_t> bytes, ScalarType type, bool b
   };
   switch (type) {
     case ScalarType::kInt8:
-      return append(std::int8_t{});
+      append(std::int8_t{});
+      break;
     case ScalarType::kUint8:
-      return append(std::uint8_t{});
+      append(std::uint8_t{});
+      break;
     case ScalarType::kInt16:
-      return append(std::int16_t{});
+      append(std::int16_t{});
+      break;
     case ScalarType::kUint16:
-      return append(std::uint16_t{});
+      append(std::uint16_t{});
+      break;
     case ScalarType::kInt32:
-      return append(std::int32_t{});
+      append(std::int32_t{});
+      break;
     case ScalarType::kUint32:
-      return append(std::uint32_t{});
+      append(std::uint32_t{});
+      break;
     case ScalarType::kInt64:
-      return append(std::int64_t{});
+      append(std::int64_t{});
+      break;
     case ScalarType::kUint64:
-      return append(std::uint64_t{});
+      append(std::uint64_t{});
+      break;
     case ScalarType::kFloat32:
-      return append(float{});
+      append(float{});
+      break;
     case ScalarType::kFloat64:
-      return append(double{});
+      append(double{});
+      break;
   }
 }
 

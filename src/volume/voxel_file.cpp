@@ -89,6 +89,12 @@ class Frame {
       where, missing, expected);
 }
 
+[[noreturn]] void throw_missing_numbers(const std::string& where, std::uint64_t missing,
+                                        std::uint64_t expected) {
+  throw Error("{}: truncated: at least {} of the {} numbers that its header promises are missing",
+              where, missing, expected);
+}
+
 /// One file of voxels.
 struct Part {
   fs::path path;
@@ -97,7 +103,8 @@ struct Part {
 };
 
 /// Leaves the stream after `source.lines` lines and `source.offset` bytes; returns that place.
-std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source, std::uint64_t file_bytes) {
+std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source,
+                          std::uint64_t file_bytes) {
   file.seekg(static_cast<std::streamoff>(std::min(source.offset, file_bytes)));
   std::uint64_t lines = 0;
   std::uint64_t at = source.offset;
@@ -108,20 +115,19 @@ std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source, std::u
   return std::min(at, file_bytes);
 }
 
-void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::uint64_t file_bytes,
-              const VoxelSource& source, Frame& frame) {
-  const std::uint64_t start = source.at_end
-                                  ? file_bytes - std::min(part.bytes, file_bytes)
-                                  : std::min(from + source.unpacked_offset, file_bytes);
-  const std::uint64_t there = file_bytes - start;
-  if (there < part.bytes) {
-    throw_missing(part.path.string(), part.bytes - there, part.bytes);
-  }
+/// Where the voxels of a raw file begin.
+std::uint64_t raw_start(const Part& part, std::uint64_t from, std::uint64_t file_bytes,
+                        const VoxelSource& source) {
+  return source.at_end ? file_bytes - std::min(part.bytes, file_bytes)
+                       : std::min(from + source.unpacked_offset, file_bytes);
+}
+
+void read_raw(std::ifstream& file, const Part& part, std::uint64_t start, Frame& frame) {
   constexpr std::uint64_t kPiece = 1 << 20;
   std::vector<std::uint8_t> piece(kPiece);
   std::uint64_t at = std::max(part.begin, frame.begin());
   const std::uint64_t end = std::min(part.begin + part.bytes, frame.end());
-  file.seekg(static_cast<std::streamoff>(start + at - std::min(at, part.begin)));
+  file.seekg(static_cast<std::streamoff>(start + (at - std::min(at, part.begin))));
   while (at < end) {
     const std::uint64_t count = std::min(kPiece, end - at);
     if (!file.read(reinterpret_cast<char*>(piece.data()), static_cast<std::streamsize>(count))) {
@@ -142,8 +148,8 @@ void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::ui
           where, done, part.bytes, part.bytes - done);
     case Inflater::State::kMismatch:
       throw Error(
-          "{}: damaged: its voxels do not match their checksum (CRC) or length; copy or download it "
-          "again",
+          "{}: damaged: its voxels do not match their checksum (CRC) or length; copy or download "
+          "it again",
           where);
     case Inflater::State::kCutOff:
       if (done == part.bytes) {
@@ -160,10 +166,11 @@ void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::ui
   throw_missing(where, part.bytes - done, part.bytes);
 }
 
+constexpr std::uint64_t kBestDeflate = 1032;  // bytes out of one, at most
+
 /// Whether that many bytes can come out of that many packed ones at all: a header that promises
 /// more is corrupt, and must not make us wait or allocate for it.
 bool can_hold(std::uint64_t packed, std::uint64_t unpacked) {
-  constexpr std::uint64_t kBestDeflate = 1032;
   return unpacked / kBestDeflate <= packed;
 }
 
@@ -171,12 +178,6 @@ bool can_hold(std::uint64_t packed, std::uint64_t unpacked) {
 void read_packed(std::ifstream& file, const Part& part, std::uint64_t from,
                  std::uint64_t file_bytes, const VoxelSource& source, Frame& frame) {
   const std::string where = part.path.string();
-  if (!can_hold(file_bytes - from, part.bytes)) {
-    throw Error(
-        "{}: truncated or corrupt: its {} bytes cannot hold the {} bytes of voxels that its header "
-        "promises: at least {} are missing",
-        where, file_bytes - from, part.bytes, part.bytes - (file_bytes - from) * 1032);
-  }
   constexpr size_t kPiece = size_t{1} << 20;
   constexpr std::uint64_t kMostExtra = std::uint64_t{1} << 20;
   file.seekg(static_cast<std::streamoff>(from));
@@ -203,8 +204,8 @@ void read_packed(std::ifstream& file, const Part& part, std::uint64_t from,
     }
     done += count;
     if (done > part.bytes + kMostExtra) {
-      throw Error("{}: corrupt: it unpacks to more than the {} bytes of voxels of its header", where,
-                  part.bytes);
+      throw Error("{}: corrupt: it unpacks to more than the {} bytes of voxels of its header",
+                  where, part.bytes);
     }
   }
   if (inflater.state() != Inflater::State::kWhole || done < part.bytes) {
@@ -236,29 +237,77 @@ void read_text_numbers(std::ifstream& file, const Part& part, std::uint64_t from
     ++count;
   }
   if (count < wanted) {
-    throw Error("{}: truncated: {} of the {} numbers that its header promises are missing", where,
-                wanted - count, wanted);
+    throw_missing_numbers(where, wanted - count, wanted);
   }
 }
 
-void read_part(const Part& part, const ImageHeader& header, Frame& frame) {
+/// An opened file of voxels.
+struct Opened {
+  std::ifstream file;
+  std::uint64_t bytes = 0;
+  std::uint64_t from = 0;  // where the voxels begin, packed or not
+};
+
+Opened open_part(const Part& part, const VoxelSource& source) {
   std::error_code ignored;
   if (!fs::is_regular_file(part.path, ignored)) {
     throw Error("{}: no such file: {} bytes of voxels are missing", part.path.string(), part.bytes);
   }
-  std::ifstream file(part.path, std::ios::binary);
-  if (!file) {
+  Opened opened;
+  opened.file.open(part.path, std::ios::binary);
+  if (!opened.file) {
     throw Error("{}: cannot be opened", part.path.string());
   }
-  const std::uint64_t file_bytes = fs::file_size(part.path);
-  const std::uint64_t from = skip_header(file, header.source, file_bytes);
+  opened.bytes = fs::file_size(part.path);
+  opened.from = skip_header(opened.file, source, opened.bytes);
+  return opened;
+}
+
+/// Throws if the file is too small for its voxels, as far as its size tells: before anything is
+/// allocated for them.
+void require_size(const Part& part, const ImageHeader& header) {
+  const Opened opened = open_part(part, header.source);
+  const std::uint64_t there = opened.bytes - opened.from;
+  switch (header.source.encoding) {
+    case Encoding::kRaw: {
+      const std::uint64_t raw =
+          opened.bytes - raw_start(part, opened.from, opened.bytes, header.source);
+      if (raw < part.bytes) {
+        throw_missing(part.path.string(), part.bytes - raw, part.bytes);
+      }
+      break;
+    }
+    case Encoding::kDeflate:
+      if (!can_hold(there, part.bytes)) {
+        throw Error(
+            "{}: truncated or corrupt: its {} bytes cannot hold the {} bytes of voxels that its "
+            "header promises: at least {} are missing",
+            part.path.string(), there, part.bytes, part.bytes - there * kBestDeflate);
+      }
+      break;
+    case Encoding::kText: {
+      const std::uint64_t numbers = part.bytes / size_of(header.type);
+      const std::uint64_t most = (there + 1) / 2;  // a digit and a blank
+      if (most < numbers) {
+        throw_missing_numbers(part.path.string(), numbers - most, numbers);
+      }
+      break;
+    }
+  }
+}
+
+void read_part(const Part& part, const ImageHeader& header, Frame& frame) {
+  Opened opened = open_part(part, header.source);
   switch (header.source.encoding) {
     case Encoding::kRaw:
-      return read_raw(file, part, from, file_bytes, header.source, frame);
+      read_raw(opened.file, part, raw_start(part, opened.from, opened.bytes, header.source), frame);
+      break;
     case Encoding::kDeflate:
-      return read_packed(file, part, from, file_bytes, header.source, frame);
+      read_packed(opened.file, part, opened.from, opened.bytes, header.source, frame);
+      break;
     case Encoding::kText:
-      return read_text_numbers(file, part, from, header, frame);
+      read_text_numbers(opened.file, part, opened.from, header, frame);
+      break;
   }
 }
 
@@ -275,10 +324,15 @@ StoredImage read_voxels(const ImageHeader& header, const fs::path& path, int fra
     throw Error("{}: its voxels cannot be shared out evenly to the {} files it names",
                 path.string(), parts);
   }
+  const auto part = [&](std::uint64_t i) {
+    return Part{names.empty() ? path : path.parent_path() / names[i], i * bytes, bytes};
+  };
+  for (std::uint64_t i = 0; i < parts; ++i) {
+    require_size(part(i), header);
+  }
   Frame frame(header, frame_index);
   for (std::uint64_t i = 0; i < parts; ++i) {
-    const fs::path file = names.empty() ? path : path.parent_path() / names[i];
-    read_part({file, i * bytes, bytes}, header, frame);
+    read_part(part(i), header, frame);
   }
   return std::move(frame).image();
 }
