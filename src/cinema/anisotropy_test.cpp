@@ -28,7 +28,7 @@ Volume sampled(const Vec3& spacing, const Mat3& direction, const Vec3& low, cons
   for (int z = 0; z < volume.dims.z; ++z) {
     for (int y = 0; y < volume.dims.y; ++y) {
       for (int x = 0; x < volume.dims.x; ++x) {
-        volume.values.push_back(value(volume.world_from_index(Vec3(x, y, z))));
+        volume.values.unpack().push_back(value(volume.world_from_index(Vec3(x, y, z))));
       }
     }
   }
@@ -50,8 +50,7 @@ Picture draw(const Volume& volume, const Cut& cut) {
   LightRig rig{Vec3(0.3f), Vec3(0.2f), Vec3(0.1f), {}};
   rig.keys = {{glm::normalize(Vec3(1, 1, 1)), Vec3(0.9f), 0.2f},
               {glm::normalize(Vec3(-1, 0.2f, 0)), Vec3(0.4f), 0.0f}};
-  const Preset preset =
-      make_preset({point(0.1f, 0, Vec3(0.8f)), point(1, 1, Vec3(0.8f))}, rig, 20);
+  const Preset preset = make_preset({point(0.1f, 0, Vec3(0.8f)), point(1, 1, Vec3(0.8f))}, rig, 20);
   const CinemaScene scene(volume, preset);
   const Camera camera = look_at({50, 40, 45}, Vec3(0), Vec3(0, 0, 1), 48, 48);
   PictureOptions options;

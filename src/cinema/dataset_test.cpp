@@ -403,7 +403,7 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
   using O = DatasetOptions&;
   EXPECT_EQ(changed([](V, P, O) {}), "; ");
   const std::string volume = "the volume changed; the volume changed";
-  EXPECT_EQ(changed([](V v, P, O) { v.values.back() += 1; }), volume);
+  EXPECT_EQ(changed([](V v, P, O) { v.values.unpack().back() += 1; }), volume);
   EXPECT_EQ(changed([](V v, P, O) { v.spacing.z *= 2; }), volume);
   EXPECT_EQ(changed([](V v, P, O) { v.origin.x += 1; }), volume);
   EXPECT_EQ(changed([](V v, P, O) { v.direction[0] = -v.direction[0]; }), volume);

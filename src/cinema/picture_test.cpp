@@ -162,7 +162,7 @@ TEST(Picture, DepthIsDistanceFromTheCamera) {
 
 TEST(VisibleMatter, FramesTheBallAndNotTheSpeck) {
   Volume volume = make_ball(80, 15, 1, 0);
-  volume.values[volume.offset(2, 3, 77)] = 1;
+  volume.values.unpack()[volume.offset(2, 3, 77)] = 1;
   const TransferFunction transfer({point(0.4f, 0), point(0.6f, 5)});
   const VisibleMatter matter = visible_matter(volume, transfer);
   EXPECT_LT(glm::length(matter.sphere.center), 1.0f);

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "core/image.h"
-#include "core/parallel.h"
 
 namespace clipgs {
 namespace {
@@ -15,22 +14,13 @@ namespace {
 // gradients: one that is cut off there still is as steep as gradient opacity asks for.
 Vec2 coded_interval(const Volume& volume, const Preset& preset) {
   const TransferFunction& transfer = preset.transfer;
-  constexpr size_t kPiece = size_t{1} << 20;
-  std::vector<Vec2> pieces((volume.voxels() + kPiece - 1) / kPiece);
-  parallel_for(volume.voxels(), kPiece, [&](size_t begin, size_t end) {
-    const auto [low, high] = std::minmax_element(&volume.values[begin], volume.values.data() + end);
-    pieces[begin / kPiece] = {*low, *high};
-  });
-  Vec2 all = pieces.front();
-  for (const Vec2& piece : pieces) {
-    all = {std::min(all.x, piece.x), std::max(all.y, piece.y)};
-  }
+  const auto [lowest, highest] = volume.values.range();
   const float steepest = preset.gradient_opacity ? preset.gradient_opacity->to : 0.0f;
   const Vec3& s = volume.spacing;
   const float margin = std::max({2.0f * (transfer.max_value() - transfer.min_value()), 1.0f,
                                  2.0f * steepest * std::max({s.x, s.y, s.z})});
-  return {std::max(all.x, transfer.min_value() - margin),
-          std::min(all.y, transfer.max_value() + margin)};
+  return {std::max(lowest, transfer.min_value() - margin),
+          std::min(highest, transfer.max_value() + margin)};
 }
 
 VoxelGrid make_grid(const Volume& volume, const Preset& preset) {

@@ -14,14 +14,15 @@ inline Volume make_volume(const IVec3& dims, const std::function<float(const IVe
   Volume volume;
   volume.dims = dims;
   volume.origin = -0.5f * Vec3(dims - 1);
-  volume.values.resize(volume.voxels());
+  std::vector<float> values(volume.voxels());
   for (int z = 0; z < dims.z; ++z) {
     for (int y = 0; y < dims.y; ++y) {
       for (int x = 0; x < dims.x; ++x) {
-        volume.values[volume.offset(x, y, z)] = value({x, y, z});
+        values[volume.offset(x, y, z)] = value({x, y, z});
       }
     }
   }
+  volume.values = std::move(values);
   return volume;
 }
 

@@ -48,7 +48,7 @@ Json describe_series(const std::vector<SeriesInfo>& choices) {
 Json describe_volume(const InfoOptions& options) {
   const LoadedVolume loaded = load_with_series(options.path, options.load);
   const Volume& volume = loaded.volume;
-  const auto [low, high] = std::ranges::minmax(volume.values);
+  const auto [low, high] = volume.values.range();
   Json json;
   json["kind"] = "volume";
   json["dims"] = {volume.dims.x, volume.dims.y, volume.dims.z};

@@ -126,7 +126,7 @@ TEST_F(BuildCaseTest, WhatDependsOnAChangeIsMadeAgainAndNothingElse) {
 TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {
   build(input_);
   expect_again(
-      "volume", [](Input& i) { i.volume.values[i.volume.offset(12, 12, 12)] = 200; },
+      "volume", [](Input& i) { i.volume.values.unpack()[i.volume.offset(12, 12, 12)] = 200; },
       lines("volume"));
   expect_again("preset", [](Input& i) { i.preset.surface_strength *= 2; }, lines("preset"));
   expect_again("lights", [](Input& i) { i.preset.rig = load_rig("ambient"); }, lines("lights"));

@@ -154,7 +154,7 @@ TEST(Section, PhotographsKeepTheirColours) {
     volume.rgb[3 * i] = body ? 200 : 0;
     volume.rgb[3 * i + 1] = body ? 100 : 0;
     volume.rgb[3 * i + 2] = body ? 50 : 0;
-    volume.values[i] = body ? 117.65f : 0.0f;
+    volume.values.unpack()[i] = body ? 117.65f : 0.0f;
   }
   const Preset preset = make_preset({point(20, 0), point(40, 4)}, test::white_sky());
   const Section section = make_section(volume, preset, {64});

@@ -183,15 +183,14 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
   }
 }
 
-void read_regular(const DicomStack& stack, std::vector<float>& values) {
+VoxelValues read_regular(const DicomStack& stack, size_t voxels) {
   Progress progress("reading", stack.slices.size());
-  size_t at = 0;
+  ValuePacker packer(voxels);
   for (size_t i = 0; i < stack.slices.size(); ++i) {
-    const std::vector<float> pixels = read_dicom_pixels(stack.slices[i]);
-    std::ranges::copy(pixels, values.begin() + static_cast<std::ptrdiff_t>(at));
-    at += pixels.size();
+    packer.append(read_dicom_pixels(stack.slices[i]));
     progress.update(i + 1);
   }
+  return packer.take();
 }
 
 /// The library reads files only.
@@ -295,12 +294,14 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
   if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
     throw Error("{}: more than 2^31 voxels; crop or downsample the series", where);
   }
-  image.values.resize(static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z);
+  const auto voxels = static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z;
   if (plan.resampled()) {
     warn_of_resampling(plan, grid, whole.slices, where);
-    resample_stack(whole, grid, fill, image.values);
+    std::vector<float> values(voxels);
+    resample_stack(whole, grid, fill, values);
+    image.values = std::move(values);
   } else {
-    read_regular(whole, image.values);
+    image.values = read_regular(whole, voxels);
   }
   return image;
 }

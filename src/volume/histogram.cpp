@@ -7,11 +7,11 @@ namespace clipgs {
 
 Histogram histogram(const Volume& volume) {
   Histogram h;
-  const auto [low, high] = std::ranges::minmax(volume.values);
+  const auto [low, high] = volume.values.range();
   h.min = low;
   h.max = high;
   const float scale = h.max > h.min ? Histogram::kBins / (h.max - h.min) : 0;
-  for (const float value : volume.values) {
+  for (const float value : volume.values.all()) {
     const auto bin = static_cast<int>((value - h.min) * scale);
     ++h.counts[std::min(bin, Histogram::kBins - 1)];
   }

@@ -109,7 +109,8 @@ void write_format(const TestFolder& folder, const Format& format) {
   } else if (name == "nrrd_raw") {
     write("v.nrrd", joined(bytes_of(kNrrdFields + std::string("encoding: raw\n\n")), voxels));
   } else if (name == "nrrd_gzip") {
-    write("v.nrrd", joined(bytes_of(kNrrdFields + std::string("encoding: gzip\n\n")), gzip(voxels)));
+    write("v.nrrd",
+          joined(bytes_of(kNrrdFields + std::string("encoding: gzip\n\n")), gzip(voxels)));
   } else if (name == "nhdr_raw") {
     write("v.nhdr", bytes_of(kNrrdFields + std::string("encoding: raw\ndata file: v.raw")));
     write("v.raw", voxels);
@@ -117,21 +118,25 @@ void write_format(const TestFolder& folder, const Format& format) {
     write("v.nhdr", bytes_of(kNrrdFields + std::string("encoding: gzip\ndata file: v.raw.gz\n")));
     write("v.raw.gz", gzip(voxels));
   } else if (name == "nhdr_list") {
-    write("v.nhdr", bytes_of(kNrrdFields + std::string("encoding: raw\ndata file: s%02d.raw 1 7 1 2\n")));
+    write("v.nhdr",
+          bytes_of(kNrrdFields + std::string("encoding: raw\ndata file: s%02d.raw 1 7 1 2\n")));
     for (size_t slice = 0; slice < 7; ++slice) {
       const auto begin = voxels.begin() + static_cast<std::ptrdiff_t>(slice * 144);
       write_plainly(folder / fmt::format("s{:02}.raw", slice + 1), Bytes(begin, begin + 144));
     }
   } else if (name == "mha_raw") {
-    write("v.mha", joined(bytes_of(kMetaFields + std::string("ElementDataFile = LOCAL\n")), voxels));
+    write("v.mha",
+          joined(bytes_of(kMetaFields + std::string("ElementDataFile = LOCAL\n")), voxels));
   } else if (name == "mha_zlib") {
-    write("v.mha", joined(bytes_of(kMetaFields + std::string("CompressedData = True\nElementDataFile = LOCAL\n")),
+    write("v.mha", joined(bytes_of(kMetaFields +
+                                   std::string("CompressedData = True\nElementDataFile = LOCAL\n")),
                           packed(voxels, 15)));
   } else if (name == "mhd_raw") {
     write("v.mhd", bytes_of(kMetaFields + std::string("ElementDataFile = v.raw\n")));
     write("v.raw", voxels);
   } else if (name == "mhd_zlib") {
-    write("v.mhd", bytes_of(kMetaFields + std::string("CompressedData = True\nElementDataFile = v.zraw")));
+    write("v.mhd",
+          bytes_of(kMetaFields + std::string("CompressedData = True\nElementDataFile = v.zraw")));
     write("v.zraw", packed(voxels, 15));
   }
 }
@@ -172,22 +177,21 @@ TEST_P(ShortData, IsRefusedAndSaysWhatIsMissing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Formats, ShortData,
-    testing::Values(Format{"nii", "v.nii", "v.nii", false},
-                    Format{"nii_gz", "v.nii.gz", "v.nii.gz", true},
-                    Format{"hdr_img", "v.hdr", "v.img", false},
-                    Format{"hdr_img_gz", "v.hdr", "v.img.gz", true},
-                    Format{"nrrd_raw", "v.nrrd", "v.nrrd", false},
-                    Format{"nrrd_gzip", "v.nrrd", "v.nrrd", true},
-                    Format{"nhdr_raw", "v.nhdr", "v.raw", false},
-                    Format{"nhdr_gzip", "v.nhdr", "v.raw.gz", true},
-                    Format{"nhdr_list", "v.nhdr", "s04.raw", false},
-                    Format{"mha_raw", "v.mha", "v.mha", false},
-                    Format{"mha_zlib", "v.mha", "v.mha", true},
-                    Format{"mhd_raw", "v.mhd", "v.raw", false},
-                    Format{"mhd_zlib", "v.mhd", "v.zraw", true}),
-    [](const auto& format) { return std::string(format.param.name); });
+INSTANTIATE_TEST_SUITE_P(Formats, ShortData,
+                         testing::Values(Format{"nii", "v.nii", "v.nii", false},
+                                         Format{"nii_gz", "v.nii.gz", "v.nii.gz", true},
+                                         Format{"hdr_img", "v.hdr", "v.img", false},
+                                         Format{"hdr_img_gz", "v.hdr", "v.img.gz", true},
+                                         Format{"nrrd_raw", "v.nrrd", "v.nrrd", false},
+                                         Format{"nrrd_gzip", "v.nrrd", "v.nrrd", true},
+                                         Format{"nhdr_raw", "v.nhdr", "v.raw", false},
+                                         Format{"nhdr_gzip", "v.nhdr", "v.raw.gz", true},
+                                         Format{"nhdr_list", "v.nhdr", "s04.raw", false},
+                                         Format{"mha_raw", "v.mha", "v.mha", false},
+                                         Format{"mha_zlib", "v.mha", "v.mha", true},
+                                         Format{"mhd_raw", "v.mhd", "v.raw", false},
+                                         Format{"mhd_zlib", "v.mhd", "v.zraw", true}),
+                         [](const auto& format) { return std::string(format.param.name); });
 
 TEST(ImageFile, APackedFileMayBeSeveralStreams) {
   const TestFolder folder;
@@ -296,7 +300,7 @@ void expect_eight(const TestFolder& folder, const std::string& nrrd_type,
                              meta_type, big ? "True" : "False")),
                          eight<T>(big)));
     for (const char* name : {"v.nrrd", "v.mha"}) {
-      EXPECT_THAT(read_image_file(folder / name).values,
+      EXPECT_THAT(read_image_file(folder / name).values.unpack(),
                   ElementsAre(13, 26, 39, 52, 65, 78, 91, 104))
           << nrrd_type << big;
     }
@@ -325,7 +329,8 @@ TEST(ImageFile, TextIsReadAndCounted) {
       "NRRD0001\n# a comment\ntype: float\ndimension: 3\nsizes: 2 2 2\nspace: RAS\n"
       "space directions: (9,0,0) (0,9,0) (0,0,9)\nkey:=value\nencoding: ascii\n\n";
   write_text(folder / "v.nrrd", header + "1 2.5 -3e1\n4 5 6 7 8\n");
-  EXPECT_THAT(read_image_file(folder / "v.nrrd").values, ElementsAre(1, 2.5, -30, 4, 5, 6, 7, 8));
+  EXPECT_THAT(read_image_file(folder / "v.nrrd").values.unpack(),
+              ElementsAre(1, 2.5, -30, 4, 5, 6, 7, 8));
   write_text(folder / "v.nrrd", header + "1 2.5 -3e1\n4 5 6\n");
   EXPECT_THAT(read_error(folder / "v.nrrd"), HasSubstr("2 of the 8 numbers"));
   write_text(folder / "v.nrrd", header + "1 2.5 -3e1\n4 x 6 7 8\n");
@@ -340,7 +345,8 @@ TEST(ImageFile, MetaImageNamesItsFilesInAList) {
   write_text(folder / "a.bin", "....\1\2\3\4");
   write_text(folder / "b.bin", "\5\6\7\10");
   write_text(folder / "v.mhd", header + "LIST\na.bin\nb.bin\n");
-  EXPECT_THAT(read_image_file(folder / "v.mhd").values, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(read_image_file(folder / "v.mhd").values.unpack(),
+              ElementsAre(1, 2, 3, 4, 5, 6, 7, 8));
   write_text(folder / "v.mhd", header + "LIST\na.bin\nb.bin\nc.bin\n");
   EXPECT_THAT(read_error(folder / "v.mhd"), HasSubstr("3 files"));
   write_text(folder / "v.mhd", header + "/dev/zero\n");
@@ -353,7 +359,8 @@ TEST(ImageFile, MetaImageScalesItsValuesAsItSays) {
              "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementSpacing = 9 9 9\n"
              "TransformMatrix = 1 0 0 0 1 0 0 0 1\nElementToIntensityFunctionSlope = 2\n"
              "ElementToIntensityFunctionOffset = -10\nElementDataFile = LOCAL\n\1\2\3\4\5\6\7\10");
-  EXPECT_THAT(read_image_file(folder / "v.mha").values, ElementsAre(-8, -6, -4, -2, 0, 2, 4, 6));
+  EXPECT_THAT(read_image_file(folder / "v.mha").values.unpack(),
+              ElementsAre(-8, -6, -4, -2, 0, 2, 4, 6));
 }
 
 TEST(ImageFile, UnitsAreObeyed) {
@@ -396,9 +403,10 @@ TEST(ImageFile, ASpacingOfZeroIsSaid) {
   EXPECT_EQ(read_image_file(folder / "v.mha").spacing, glm::dvec3(2, 1, 2));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("ElementSpacing[1] is 0"));
   testing::internal::CaptureStderr();
-  write_text(folder / "v.nrrd",
-             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 2 2 0\nencoding: raw\n\n" +
-                 voxels);
+  write_text(
+      folder / "v.nrrd",
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nspacings: 2 2 0\nencoding: raw\n\n" +
+          voxels);
   EXPECT_EQ(read_image_file(folder / "v.nrrd").spacing, glm::dvec3(2, 2, 1));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("spacings[2] is 0"));
 }

@@ -210,7 +210,7 @@ void add_trifles(const Volume& volume, const Mask& matter, Mask& body) {
 }  // namespace
 
 double isolate_body(Volume& volume) {
-  if (volume.modality != Modality::kCt || std::ranges::min(volume.values) > kLeastMean) {
+  if (volume.modality != Modality::kCt || volume.values.range().min > kLeastMean) {
     return 0;
   }
   const Mask matter = mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
@@ -234,11 +234,7 @@ double isolate_body(Volume& volume) {
   if (removed > kMostRemoved * all) {
     return 0;
   }
-  for (size_t i = 0; i < kept.size(); ++i) {
-    if (kept[i] == 0) {
-      volume.values[i] = kAir;
-    }
-  }
+  volume.values.set_where(kAir, [&](size_t i) { return kept[i] == 0; });
   return removed * s.x * s.y * s.z / 1000;
 }
 

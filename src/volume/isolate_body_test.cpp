@@ -22,19 +22,20 @@ Volume scan(const std::vector<Thing>& things) {
   volume.dims = {120, 90, 40};
   volume.spacing = {2, 2, 3};
   volume.modality = Modality::kCt;
-  volume.values.assign(volume.voxels(), kAir);
+  std::vector<float> values(volume.voxels(), kAir);
   for (int z = 0; z < volume.dims.z; ++z) {
     for (int y = 0; y < volume.dims.y; ++y) {
       for (int x = 0; x < volume.dims.x; ++x) {
         const Vec3 mm = (Vec3(x, y, z) - 0.5f * Vec3(volume.dims - 1)) * volume.spacing;
         for (const Thing& thing : things) {
           if (thing.holds(mm)) {
-            volume.values[volume.offset(x, y, z)] = thing.hu;
+            values[volume.offset(x, y, z)] = thing.hu;
           }
         }
       }
     }
   }
+  volume.values = std::move(values);
   return volume;
 }
 
@@ -71,7 +72,7 @@ TEST(IsolateBody, TakesTheTableOffAndNothingElse) {
   Volume scanned = scan(both(table(), patient()));
   const Volume expected = scan(patient());
   const Volume alone = scan(table());
-  const auto matter = std::ranges::count_if(alone.values, [](float hu) { return hu > -300; });
+  const auto matter = std::ranges::count_if(alone.values.all(), [](float hu) { return hu > -300; });
   EXPECT_NEAR(isolate_body(scanned), static_cast<double>(matter) * 2 * 2 * 3 / 1000, 1e-6);
   for (size_t i = 0; i < scanned.values.size(); ++i) {
     // Air far from the patient is -1024 HU after, near it what it was.
@@ -93,7 +94,7 @@ TEST(IsolateBody, OfATableThatTouchesThePatientOnlyTheTouchingPartStays) {
 
 TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
   const auto unchanged = [](Volume volume) {
-    const std::vector<float> before = volume.values;
+    const VoxelValues before = volume.values;
     EXPECT_EQ(isolate_body(volume), 0);
     EXPECT_EQ(volume.values, before);
   };
@@ -101,16 +102,14 @@ TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
   mr.modality = Modality::kMr;
   unchanged(mr);
   Volume without_air = scan(both(table(), patient()));
-  for (float& value : without_air.values) {
-    value = std::max(value, 0.0f);
-  }
+  without_air.values.transform([](float value) { return std::max(value, 0.0f); });
   unchanged(without_air);
   unchanged(scan(table()));
 }
 
 TEST(IsolateBody, KeepsEveryVoxelOfThePhantom) {
   Volume volume = make_phantom(96);
-  const std::vector<float> before = volume.values;
+  const VoxelValues before = volume.values;
   isolate_body(volume);
   for (size_t i = 0; i < before.size(); ++i) {
     ASSERT_TRUE(volume.values[i] == before[i] || before[i] < -900) << before[i];

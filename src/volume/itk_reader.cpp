@@ -103,8 +103,9 @@ StoredImage read_checked(itk::ImageIOBase* io, const fs::path& path) {
   if (components == 1) {
     const auto image = read_pixels<ScalarImage>(io, path);
     copy_geometry(*image, stored);
-    const float* begin = image->GetBufferPointer();
-    stored.values.assign(begin, begin + image->GetPixelContainer()->Size());
+    ValuePacker packer(image->GetPixelContainer()->Size());
+    packer.append({image->GetBufferPointer(), image->GetPixelContainer()->Size()});
+    stored.values = packer.take();
     stored.eight_bit = byte || type == itk::IOComponentEnum::CHAR;
   } else if ((components == 3 || components == 4) && byte) {
     const auto image = read_pixels<RgbImage>(io, path);

@@ -17,11 +17,12 @@ namespace fs = std::filesystem;
 
 void fill_luminance(Volume& volume) {
   volume.modality = Modality::kPhoto;
-  volume.values.resize(volume.voxels());
-  for (size_t i = 0; i < volume.voxels(); ++i) {
+  std::vector<float> values(volume.voxels());
+  for (size_t i = 0; i < values.size(); ++i) {
     const std::uint8_t* rgb = &volume.rgb[3 * i];
-    volume.values[i] = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
+    values[i] = 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];
   }
+  volume.values = std::move(values);
 }
 
 /// Files carry no modality: values far below zero, where only air can be, mean Hounsfield units.
@@ -29,22 +30,13 @@ Modality guess_modality(float min, float max) {
   return min <= -500 && min >= -4096 && max > 0 && max < 32768 ? Modality::kCt : Modality::kUnknown;
 }
 
-struct Range {
-  float min = 0;
-  float max = 0;
-};
-
 /// Throws unless all values are finite and not all the same.
-Range checked_range(const Volume& volume, const std::string& where) {
-  Range range{volume.values[0], volume.values[0]};
-  for (const float value : volume.values) {
-    if (!std::isfinite(value)) {
-      throw Error("{}: holds voxels that are not finite numbers (NaN or infinity); replace them",
-                  where);
-    }
-    range.min = std::min(range.min, value);
-    range.max = std::max(range.max, value);
+VoxelValues::Range checked_range(const Volume& volume, const std::string& where) {
+  if (!std::ranges::all_of(volume.values.all(), [](float v) { return std::isfinite(v); })) {
+    throw Error("{}: holds voxels that are not finite numbers (NaN or infinity); replace them",
+                where);
   }
+  const VoxelValues::Range range = volume.values.range();
   if (range.min == range.max) {
     throw Error("{}: every voxel has the value {}: there is nothing to show", where, range.min);
   }
@@ -52,10 +44,10 @@ Range checked_range(const Volume& volume, const std::string& where) {
 }
 
 void clamp_outside_of_scan(Volume& volume) {
-  constexpr float kLowestHu = -1024;
-  for (float& value : volume.values) {
-    value = std::max(value, kLowestHu);
-  }
+  volume.values.transform([](float value) {
+    constexpr float kLowestHu = -1024;
+    return std::max(value, kLowestHu);
+  });
 }
 
 void take_table_off(Volume& volume, const std::string& where) {
@@ -69,21 +61,21 @@ void take_table_off(Volume& volume, const std::string& where) {
 }
 
 /// Everything between an image as stored and a volume that can be trusted.
-Volume make_volume(const StoredImage& stored, Modality modality, const LoadOptions& options,
+Volume make_volume(StoredImage stored, Modality modality, const LoadOptions& options,
                    const std::string& where) {
-  Volume volume = oriented(stored, where);
+  const bool eight_bit = stored.eight_bit;
+  Volume volume = oriented(std::move(stored), where);
   volume.modality = modality;
   if (!volume.rgb.empty()) {
     fill_luminance(volume);
   } else if (options.hu) {
-    for (float& value : volume.values) {
-      value = value * options.hu->scale + options.hu->offset;
-    }
+    const Rescale hu = *options.hu;
+    volume.values.transform([hu](float value) { return value * hu.scale + hu.offset; });
     volume.modality = Modality::kCt;
-  } else if (stored.eight_bit) {
+  } else if (eight_bit) {
     warn(fmt::format("{}: 8-bit values taken as stored; if this is CT give --hu 16,-1024", where));
   }
-  const Range range = checked_range(volume, where);
+  const VoxelValues::Range range = checked_range(volume, where);
   if (volume.modality == Modality::kUnknown) {
     volume.modality = guess_modality(range.min, range.max);
   }

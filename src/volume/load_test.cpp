@@ -27,7 +27,7 @@ Volume small_volume() {
   volume.origin = {-12, 34, 56};
   volume.modality = Modality::kCt;
   for (size_t i = 0; i < volume.voxels(); ++i) {
-    volume.values.push_back(static_cast<float>(i) * 9 - 1000);
+    volume.values.unpack().push_back(static_cast<float>(i) * 9 - 1000);
   }
   return volume;
 }
@@ -56,7 +56,7 @@ TEST_P(SaveAndLoad, KeepsWholeNumbersAndGeometry) {
 TEST_P(SaveAndLoad, KeepsFractions) {
   const TestFolder folder;
   Volume volume = small_volume();
-  volume.values[3] += 0.25f;
+  volume.values.unpack()[3] += 0.25f;
   save_volume(folder / GetParam(), volume);
   EXPECT_EQ(volume.values, load_volume(folder / GetParam()).values);
 }
@@ -158,7 +158,7 @@ TEST(Load, RgbBecomesPhotographs) {
 TEST(Load, PixelsOutsideTheScannersFieldAreAir) {
   const TestFolder folder;
   Volume volume = small_volume();
-  volume.values[5] = -3024;
+  volume.values.unpack()[5] = -3024;
   save_volume(folder / "v.nrrd", volume);
   EXPECT_EQ(load_volume(folder / "v.nrrd").values[5], -1024);
 }
@@ -210,7 +210,7 @@ TEST(LoadErrors, SayWhatIsWrong) {
 TEST(LoadErrors, NotANumberIsRefused) {
   const TestFolder folder;
   Volume volume = small_volume();
-  volume.values[7] = std::numeric_limits<float>::quiet_NaN();
+  volume.values.unpack()[7] = std::numeric_limits<float>::quiet_NaN();
   save_volume(folder / "v.nrrd", volume);
   EXPECT_THAT(load_error(folder / "v.nrrd"), HasSubstr("NaN"));
 }

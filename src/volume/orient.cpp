@@ -71,10 +71,11 @@ void require_perpendicular(const glm::dmat3& direction, const std::string& where
 
 /// Copies `channels` numbers a voxel into the new order of the axes.
 template <typename T>
-std::vector<T> reorder(const std::vector<T>& from, int channels, const IVec3& from_dims,
-                       const IVec3& dims, const AxisMap& map) {
-  if (from.empty()) {
-    return {};
+std::vector<T> reorder(std::vector<T> from, int channels, const IVec3& from_dims, const IVec3& dims,
+                       const AxisMap& map) {
+  const bool in_order = map.axis == std::array{0, 1, 2} && map.sign == std::array{1, 1, 1};
+  if (from.empty() || in_order) {
+    return from;
   }
   const std::array<std::ptrdiff_t, 3> from_stride{1, from_dims.x,
                                                   std::ptrdiff_t{from_dims.x} * from_dims.y};
@@ -101,9 +102,15 @@ std::vector<T> reorder(const std::vector<T>& from, int channels, const IVec3& fr
   return to;
 }
 
+VoxelValues reorder(VoxelValues from, const IVec3& from_dims, const IVec3& dims,
+                    const AxisMap& map) {
+  from.rearrange([&](auto places) { return reorder(std::move(places), 1, from_dims, dims, map); });
+  return from;
+}
+
 }  // namespace
 
-Volume oriented(const StoredImage& stored, const std::string& where) {
+Volume oriented(StoredImage stored, const std::string& where) {
   require_regular_grid(stored, where);
   require_perpendicular(stored.direction, where);
   const glm::dvec3 ras_sign(-1, -1, 1);
@@ -127,8 +134,8 @@ Volume oriented(const StoredImage& stored, const std::string& where) {
   }
   volume.origin = Vec3(origin);
   volume.direction = Mat3(glm::mat3_cast(glm::normalize(glm::quat_cast(direction))));
-  volume.values = reorder(stored.values, 1, stored.dims, volume.dims, map);
-  volume.rgb = reorder(stored.rgb, 3, stored.dims, volume.dims, map);
+  volume.values = reorder(std::move(stored.values), stored.dims, volume.dims, map);
+  volume.rgb = reorder(std::move(stored.rgb), 3, stored.dims, volume.dims, map);
   return volume;
 }
 

@@ -11,6 +11,6 @@ namespace clipgs {
 /// left unknown. `where` names it in errors. Throws Error for a grid that makes no sense: less than
 /// two voxels along an axis, a corrupt spacing or origin, axes that are not perpendicular. A grid
 /// that is stored mirrored (left-handed) becomes a right-handed one; left stays left.
-Volume oriented(const StoredImage& stored, const std::string& where);
+Volume oriented(StoredImage stored, const std::string& where);
 
 }  // namespace clipgs

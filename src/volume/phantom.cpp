@@ -17,7 +17,7 @@ Volume air(const IVec3& dims, float spacing) {
   volume.spacing = Vec3(spacing);
   volume.origin = -0.5f * Vec3(dims - 1) * spacing;
   volume.modality = Modality::kCt;
-  volume.values.assign(volume.voxels(), -1000.0f);
+  volume.values = std::vector<float>(volume.voxels(), -1000.0f);
   return volume;
 }
 
@@ -41,7 +41,8 @@ std::array<float, 5> scanner_blur() {
 /// Blurs along one axis; the volume's edge goes on beyond it.
 void blur_along(Volume& volume, int axis, const std::array<float, 5>& kernel) {
   const IVec3 dims = volume.dims;
-  const std::vector<float> sharp = volume.values;
+  std::vector<float>& values = volume.values.unpack();
+  const std::vector<float> sharp = values;
   parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t begin, size_t end) {
     for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z) {
       for (int y = 0; y < dims.y; ++y) {
@@ -52,7 +53,7 @@ void blur_along(Volume& volume, int axis, const std::array<float, 5>& kernel) {
             p[axis] = std::clamp(p[axis] + k - 2, 0, dims[axis] - 1);
             sum += kernel[k] * sharp[volume.offset(p.x, p.y, p.z)];
           }
-          volume.values[volume.offset(x, y, z)] = sum;
+          values[volume.offset(x, y, z)] = sum;
         }
       }
     }
@@ -82,9 +83,8 @@ Volume make_phantom(int size, std::uint64_t seed) {
     blur_along(volume, axis, kernel);
   }
   // Whole HU, as scanners store them: files stay small and give back the same values.
-  for (float& value : volume.values) {
-    value = std::round(value);
-  }
+  volume.values.transform([](float value) { return std::round(value); });
+  volume.values.pack();
   return volume;
 }
 
@@ -93,11 +93,12 @@ Volume make_ball(int size, float radius_mm, float inside, float outside) {
     throw Error("ball: size {} must be at least 2", size);
   }
   Volume volume = air(IVec3(size), 1);
+  std::vector<float>& values = volume.values.unpack();
   for (int z = 0; z < size; ++z) {
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
         const float d = glm::length(volume.world_from_index(Vec3(x, y, z))) - radius_mm;
-        volume.values[volume.offset(x, y, z)] =
+        values[volume.offset(x, y, z)] =
             glm::mix(outside, inside, std::clamp(0.5f - d, 0.0f, 1.0f));
       }
     }

@@ -66,7 +66,7 @@ Box bounds_of(const std::vector<Segment>& segments);
 class Painter {
  public:
   Painter(Volume& volume, std::uint64_t seed)
-      : volume_(volume), voxel_(volume.spacing.x), seed_(seed) {}
+      : volume_(volume), values_(volume.values.unpack()), voxel_(volume.spacing.x), seed_(seed) {}
 
   /// Smooth noise in [−1, 1] that varies over `wavelength` mm; `field` tells independent ones
   /// apart.
@@ -124,7 +124,7 @@ class Painter {
   void lay(int x, int y, int z, float distance, const Hu& hu) {
     const float coverage = std::clamp(0.5f - distance / voxel_, 0.0f, 1.0f);
     if (coverage > 0) {
-      float& value = volume_.values[volume_.offset(x, y, z)];
+      float& value = values_[volume_.offset(x, y, z)];
       value = glm::mix(value, hu(), coverage);
     }
   }
@@ -135,6 +135,7 @@ class Painter {
                        const Range& range, int z, std::vector<float>& distances) const;
 
   Volume& volume_;
+  std::vector<float>& values_;
   float voxel_;
   std::uint64_t seed_;
 };

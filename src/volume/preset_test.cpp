@@ -159,9 +159,7 @@ TEST(Preset, LoadsAFileByPath) {
 
 Volume with_values(float scale, float offset, Modality modality) {
   Volume volume = make_ball(24, 8, 1, 0);
-  for (float& value : volume.values) {
-    value = value * scale + offset;
-  }
+  volume.values.transform([&](float value) { return value * scale + offset; });
   volume.modality = modality;
   return volume;
 }

@@ -25,7 +25,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// HU are whole numbers in nearly all scans: 16-bit integers then hold them exactly.
 bool fits_int16(const Volume& volume) {
-  return std::ranges::all_of(volume.values, [](float v) {
+  return std::ranges::all_of(volume.values.all(), [](float v) {
     return v == std::round(v) && v >= std::numeric_limits<std::int16_t>::min() &&
            v <= std::numeric_limits<std::int16_t>::max();
   });
@@ -34,7 +34,10 @@ bool fits_int16(const Volume& volume) {
 Bytes voxel_bytes(const Volume& volume, bool int16) {
   if (!int16) {
     Bytes bytes(volume.values.size() * sizeof(float));
-    std::memcpy(bytes.data(), volume.values.data(), bytes.size());
+    for (size_t i = 0; i < volume.values.size(); ++i) {
+      const float value = volume.values[i];
+      std::memcpy(&bytes[i * sizeof value], &value, sizeof value);
+    }
     return bytes;
   }
   Bytes bytes(volume.values.size() * sizeof(std::int16_t));

@@ -25,18 +25,18 @@ Volume read_labels(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) {
     throw Error("{}: no such file; labels are one .nii(.gz), .nrrd or .mha file", where);
   }
-  const StoredImage stored = read_image_file(path);
+  StoredImage stored = read_image_file(path);
   if (stored.values.empty()) {
     throw Error("{}: a colour image; labels are one whole number a voxel", where);
   }
-  return oriented(stored, where);
+  return oriented(std::move(stored), where);
 }
 
 /// The labels that occur, 0 first.
 std::vector<int> find_numbers(const Volume& labels, const std::string& where) {
   std::set<int> found;
   float last = 0;
-  for (const float value : labels.values) {
+  for (const float value : labels.values.all()) {
     if (value == last) {
       continue;
     }

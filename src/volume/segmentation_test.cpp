@@ -23,7 +23,7 @@ Volume make_scan() {
   volume.direction = glm::mat3_cast(glm::angleAxis(0.2f, glm::normalize(Vec3(1, 1, 2))));
   volume.origin = {-12, 34, 56};
   for (size_t i = 0; i < volume.voxels(); ++i) {
-    volume.values.push_back(static_cast<float>(i));
+    volume.values.unpack().push_back(static_cast<float>(i));
   }
   return volume;
 }
@@ -31,7 +31,7 @@ Volume make_scan() {
 template <typename LabelAt>
 Volume labels_on(Volume grid, const LabelAt& label_at) {
   for (size_t i = 0; i < grid.voxels(); ++i) {
-    grid.values[i] = static_cast<float>(label_at(i));
+    grid.values.unpack()[i] = static_cast<float>(label_at(i));
   }
   return grid;
 }
@@ -71,7 +71,7 @@ TEST(SegmentationGrid, OfAnotherGridIsTakenFromTheNearestVoxel) {
   Volume scan = make_scan();
   labels.origin = scan.world_from_index(Vec3(2, 2, 1));
   for (size_t i = 0; i < labels.voxels(); ++i) {
-    labels.values.push_back(static_cast<float>(i + 1));
+    labels.values.unpack().push_back(static_cast<float>(i + 1));
   }
   const TestFolder folder;
   save_volume(folder / "labels.nii.gz", labels);

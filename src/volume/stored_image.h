@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/voxel_values.h"
 
 namespace clipgs {
 
@@ -15,7 +16,7 @@ struct StoredImage {
   glm::dmat3 direction{1};        ///< columns: LPS directions of the index axes
   glm::dvec3 origin{0};           ///< LPS mm of the centre of voxel (0, 0, 0)
   bool eight_bit = false;         ///< stored as 8-bit integers
-  std::vector<float> values;      ///< scalar images: rescaled by the file's slope and intercept
+  VoxelValues values;             ///< scalar images: rescaled by the file's slope and intercept
   std::vector<std::uint8_t> rgb;  ///< colour images, 3 a voxel; values is then empty
 };
 

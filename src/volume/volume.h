@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/voxel_values.h"
 
 namespace clipgs {
 
@@ -22,7 +23,9 @@ inline float mean_spacing(const Vec3& spacing) {
 /// A regular grid of voxels, x fastest. The first index axis runs roughly to the patient's Right,
 /// the second Anterior, the third Superior (loading flips and permutes axes so).
 ///
-///   values  [nz, ny, nx] float  HU for CT, stored units otherwise (luminance 0…255 of photographs)
+///   values  [nz, ny, nx]        HU for CT, stored units otherwise (luminance 0…255 of
+///   photographs);
+///                               floats that are kept in 16 bits where they are few enough
 ///   rgb     [nz, ny, nx, 3] u8  sRGB, only for photographs; empty otherwise
 ///   labels  [nz, ny, nx] u8     index into label_numbers; empty without a segmentation
 struct Volume {
@@ -31,7 +34,7 @@ struct Volume {
   Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
   Vec3 origin{0};     ///< RAS mm of the centre of voxel (0, 0, 0)
   Modality modality = Modality::kUnknown;
-  std::vector<float> values;
+  VoxelValues values;
   std::vector<std::uint8_t> rgb;
   std::vector<std::uint8_t> labels;
   std::vector<int> label_numbers;  ///< as the segmentation's file has them; the first is 0

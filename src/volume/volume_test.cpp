@@ -16,7 +16,7 @@ Volume ramp() {
   for (int z = 0; z < 6; ++z) {
     for (int y = 0; y < 5; ++y) {
       for (int x = 0; x < 4; ++x) {
-        volume.values.push_back(static_cast<float>(x + 10 * y + 100 * z));
+        volume.values.unpack().push_back(static_cast<float>(x + 10 * y + 100 * z));
       }
     }
   }
@@ -55,7 +55,7 @@ TEST(Volume, BoundsHoldEveryCorner) {
 TEST(Ball, HasTheAnalyticVolume) {
   const Volume ball = make_ball(48, 20, 1, 0);
   double sum = 0;
-  for (const float v : ball.values) {
+  for (const float v : ball.values.all()) {
     sum += v;
   }
   EXPECT_NEAR(sum, 4.0 / 3 * 3.14159265 * 20 * 20 * 20, 40);

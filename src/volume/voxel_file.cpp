@@ -15,22 +15,24 @@ namespace {
 namespace fs = std::filesystem;
 using Encoding = VoxelSource::Encoding;
 
+size_t voxels_of(const ImageHeader& header) {
+  return static_cast<size_t>(header.dims.x) * header.dims.y * header.dims.z;
+}
+
 /// Collects the voxels of one frame out of the bytes of all.
 class Frame {
  public:
-  Frame(const ImageHeader& header, int frame) : header_(header) {
+  Frame(const ImageHeader& header, int frame)
+      : header_(header), values_(header.channels == 1 ? voxels_of(header) : 0) {
     begin_ = header.frame_bytes() * static_cast<std::uint64_t>(frame);
-    const size_t voxels = static_cast<size_t>(header.dims.x) * header.dims.y * header.dims.z;
     image_.dims = header.dims;
     image_.spacing = header.spacing;
     image_.direction = header.direction;
     image_.origin = header.origin;
     image_.eight_bit = size_of(header.type) == 1 && header.slope == 1 && header.intercept == 0 &&
                        header.channels == 1;
-    if (header.channels == 1) {
-      image_.values.reserve(voxels);
-    } else {
-      image_.rgb.reserve(3 * voxels);
+    if (header.channels > 1) {
+      image_.rgb.reserve(3 * voxels_of(header));
     }
   }
 
@@ -49,7 +51,7 @@ class Frame {
       piece_.clear();
       append_scalars(mine, header_.type, header_.big_endian, header_.slope, header_.intercept,
                      piece_);
-      image_.values.insert(image_.values.end(), piece_.begin(), piece_.end());
+      values_.append(piece_);
       return;
     }
     const auto channels = static_cast<size_t>(header_.channels);
@@ -66,18 +68,23 @@ class Frame {
       return;
     }
     if (header_.channels == 1) {
-      image_.values.push_back(static_cast<float>(number * header_.slope + header_.intercept));
+      const auto value = static_cast<float>(number * header_.slope + header_.intercept);
+      values_.append({&value, 1});
     } else if ((at - first) % static_cast<std::uint64_t>(header_.channels) < 3) {
       image_.rgb.push_back(static_cast<std::uint8_t>(number));
     }
   }
 
-  StoredImage image() && { return std::move(image_); }
+  StoredImage image() && {
+    image_.values = values_.take();
+    return std::move(image_);
+  }
 
  private:
   const ImageHeader& header_;
   std::uint64_t begin_ = 0;
-  StoredImage image_;
+  StoredImage image_;  // but for its values
+  ValuePacker values_;
   std::vector<float> piece_;
 };
 
@@ -115,14 +122,14 @@ std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source,
   return std::min(at, file_bytes);
 }
 
-/// Where the voxels of a raw file begin.
-std::uint64_t raw_start(const Part& part, std::uint64_t from, std::uint64_t file_bytes,
-                        const VoxelSource& source) {
-  return source.at_end ? file_bytes - std::min(part.bytes, file_bytes)
-                       : std::min(from + source.unpacked_offset, file_bytes);
-}
-
-void read_raw(std::ifstream& file, const Part& part, std::uint64_t start, Frame& frame) {
+void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::uint64_t file_bytes,
+              const VoxelSource& source, Frame& frame) {
+  const std::uint64_t start = source.at_end ? file_bytes - std::min(part.bytes, file_bytes)
+                                            : std::min(from + source.unpacked_offset, file_bytes);
+  const std::uint64_t there = file_bytes - start;
+  if (there < part.bytes) {
+    throw_missing(part.path.string(), part.bytes - there, part.bytes);
+  }
   constexpr std::uint64_t kPiece = 1 << 20;
   std::vector<std::uint8_t> piece(kPiece);
   std::uint64_t at = std::max(part.begin, frame.begin());
@@ -149,7 +156,8 @@ void read_raw(std::ifstream& file, const Part& part, std::uint64_t start, Frame&
     case Inflater::State::kMismatch:
       throw Error(
           "{}: damaged: its voxels do not match their checksum (CRC) or length; copy or download "
-          "it again",
+          "it "
+          "again",
           where);
     case Inflater::State::kCutOff:
       if (done == part.bytes) {

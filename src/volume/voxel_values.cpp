@@ -1,0 +1,157 @@
+#include "volume/voxel_values.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace clipgs {
+namespace {
+
+constexpr size_t kPiece = size_t{1} << 20;
+constexpr int kSlotBits = 18;  // four slots a value at most: few collisions
+
+VoxelValues::Range together(const std::vector<VoxelValues::Range>& ranges) {
+  VoxelValues::Range all = ranges.front();
+  for (const VoxelValues::Range& range : ranges) {
+    all = {std::min(all.min, range.min), std::max(all.max, range.max)};
+  }
+  return all;
+}
+
+}  // namespace
+
+Palette::Palette() : slots_(size_t{1} << kSlotBits, 0) {}
+
+std::optional<std::uint16_t> Palette::code_of(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  // Fibonacci hashing: the upper bits of the product are well mixed.
+  size_t slot = (bits * 0x9e3779b9U) >> (32 - kSlotBits);
+  while (slots_[slot] != 0) {
+    const std::uint32_t code = slots_[slot] - 1;
+    if (std::bit_cast<std::uint32_t>(values_[code]) == bits) {
+      return static_cast<std::uint16_t>(code);
+    }
+    slot = (slot + 1) % slots_.size();
+  }
+  if (values_.size() == kMost) {
+    return std::nullopt;
+  }
+  values_.push_back(value);
+  slots_[slot] = static_cast<std::uint32_t>(values_.size());
+  return static_cast<std::uint16_t>(values_.size() - 1);
+}
+
+bool Palette::encode(std::span<const float> values, std::uint16_t* codes) {
+  for (size_t i = 0; i < values.size(); ++i) {
+    const std::optional<std::uint16_t> code = code_of(values[i]);
+    if (!code) {
+      return false;
+    }
+    codes[i] = *code;
+  }
+  return true;
+}
+
+VoxelValues::VoxelValues(std::vector<float> values) : floats_(std::move(values)) {}
+
+VoxelValues::VoxelValues(std::vector<std::uint16_t> codes, std::vector<float> meaning)
+    : codes_(std::move(codes)), meaning_(std::move(meaning)) {}
+
+bool operator==(const VoxelValues& a, const VoxelValues& b) {
+  return std::ranges::equal(a.all(), b.all());
+}
+
+VoxelValues::Range VoxelValues::range() const {
+  std::vector<Range> pieces((size() + kPiece - 1) / kPiece);
+  parallel_for(size(), kPiece, [&](size_t begin, size_t end) {
+    Range range{(*this)[begin], (*this)[begin]};
+    for (size_t i = begin; i < end; ++i) {
+      const float value = (*this)[i];
+      range = {std::min(range.min, value), std::max(range.max, value)};
+    }
+    pieces[begin / kPiece] = range;
+  });
+  return together(pieces);
+}
+
+std::vector<float>& VoxelValues::unpack() {
+  if (packed()) {
+    floats_.resize(codes_.size());
+    parallel_for(codes_.size(), kPiece, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        floats_[i] = meaning_[codes_[i]];
+      }
+    });
+    codes_ = {};
+    meaning_ = {};
+  }
+  return floats_;
+}
+
+void VoxelValues::pack() {
+  if (packed() || floats_.empty()) {
+    return;
+  }
+  Palette palette;
+  std::vector<std::uint16_t> codes;
+  codes.reserve(floats_.size());
+  // Piece by piece: memory that is not needed, where there are too many values, is not touched.
+  for (size_t begin = 0; begin < floats_.size(); begin += kPiece) {
+    const auto piece =
+        std::span(floats_).subspan(begin).first(std::min(kPiece, floats_.size() - begin));
+    codes.resize(begin + piece.size());
+    if (!palette.encode(piece, &codes[begin])) {
+      return;
+    }
+  }
+  *this = VoxelValues(std::move(codes), palette.values());
+}
+
+std::optional<std::uint16_t> VoxelValues::code_for(float value) {
+  const auto known = std::ranges::find(meaning_, value);
+  if (known != meaning_.end()) {
+    return static_cast<std::uint16_t>(known - meaning_.begin());
+  }
+  if (meaning_.size() < Palette::kMost) {
+    meaning_.push_back(value);
+    return static_cast<std::uint16_t>(meaning_.size() - 1);
+  }
+  std::vector<bool> occurs(Palette::kMost);
+  for (const std::uint16_t code : codes_) {
+    occurs[code] = true;
+  }
+  const auto spare = std::ranges::find(occurs, false);
+  if (spare == occurs.end()) {
+    return std::nullopt;
+  }
+  const auto code = static_cast<std::uint16_t>(spare - occurs.begin());
+  meaning_[code] = value;
+  return code;
+}
+
+ValuePacker::ValuePacker(size_t count) : count_(count) { codes_.reserve(count); }
+
+void ValuePacker::append(std::span<const float> values) {
+  if (packed_) {
+    const size_t before = codes_.size();
+    codes_.resize(before + values.size());
+    packed_ = palette_.encode(values, &codes_[before]);
+    if (packed_) {
+      return;
+    }
+    codes_.resize(before);
+    floats_.reserve(count_);
+    for (const std::uint16_t code : codes_) {
+      floats_.push_back(palette_.values()[code]);
+    }
+    codes_ = {};
+  }
+  floats_.insert(floats_.end(), values.begin(), values.end());
+}
+
+VoxelValues ValuePacker::take() {
+  return packed_ ? VoxelValues(std::move(codes_), palette_.values())
+                 : VoxelValues(std::move(floats_));
+}
+
+}  // namespace clipgs
