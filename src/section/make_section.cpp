@@ -44,20 +44,13 @@ Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
 /// `get(offset)` of the volume's voxels inside the grid's box, resampled to the grid.
 template <typename Get>
 Field resample_volume(const Volume& volume, const Grid& grid, const Get& get) {
-  Field field;
-  field.dims = grid.high - grid.low + 1;
-  field.values.resize(static_cast<size_t>(field.dims.x) * field.dims.y * field.dims.z);
-  parallel_for(static_cast<size_t>(field.dims.z), 1, [&](size_t z, size_t) {
-    for (int y = 0; y < field.dims.y; ++y) {
-      const size_t from =
-          volume.offset(grid.low.x, grid.low.y + y, grid.low.z + static_cast<int>(z));
-      float* to = &field.values[field.offset(0, y, static_cast<int>(z))];
-      for (int x = 0; x < field.dims.x; ++x) {
-        to[x] = get(from + static_cast<size_t>(x));
-      }
+  const IVec3 box = grid.high - grid.low + 1;
+  return resample_rows(box, grid.dims, [&](int y, int z, float* row) {
+    const size_t from = volume.offset(grid.low.x, grid.low.y + y, grid.low.z + z);
+    for (int x = 0; x < box.x; ++x) {
+      row[x] = get(from + static_cast<size_t>(x));
     }
   });
-  return resample(std::move(field), grid.dims);
 }
 
 /// Whether a value can be that of the air around the body. What the preset hides is no air for

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "volume/bit_mask.h"
 #include "volume/slice_flood.h"
 
 namespace clipgs {
@@ -24,98 +25,141 @@ constexpr float kBone = 300;           // HU; attached to the body, of any lengt
 constexpr float kSkin = 2;             // voxels around the body that keep their values
 constexpr double kMostRemoved = 0.35;  // of all matter; more is no table
 
-/// One byte a voxel: 0 or 1.
-using Mask = std::vector<std::uint8_t>;
-
-template <typename Body>
-void for_each_slice(const Volume& volume, const Body& body) {
-  parallel_for(static_cast<size_t>(volume.dims.z), 1,
-               [&](size_t z, size_t) { body(static_cast<int>(z)); });
-}
-
+/// A mask of the voxels i where decide(i).
 template <typename Decide>
-Mask mask_where(const Volume& volume, const Decide& decide) {
-  Mask mask(volume.voxels());
-  const size_t slice = static_cast<size_t>(volume.dims.x) * volume.dims.y;
-  for_each_slice(volume, [&](int z) {
-    for (size_t i = z * slice; i < (z + 1) * slice; ++i) {
-      mask[i] = decide(i) ? 1 : 0;
-    }
-  });
+BitMask mask_where(const Volume& volume, const Decide& decide) {
+  BitMask mask(volume.voxels());
+  parallel_for(mask.size(), size_t{1} << 18,
+               [&](size_t begin, size_t end) { mask.fill(begin, end, decide); });
   return mask;
 }
 
-/// Matter, and all that it encloses in an axial slice: lungs belong to the chest.
-Mask with_holes_filled(const Volume& volume, const Mask& matter) {
-  const Mask outside = flood_slices(volume.dims, matter);
-  return mask_where(volume, [&](size_t i) { return outside[i] == 0; });
+BitMask both(BitMask a, const BitMask& b) {
+  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
+  return a;
 }
 
-/// 1 within `radius` (mm) of a 1 of the mask: squared distances along x, then the least sums of
-/// squares along y and z.
-Mask dilated(const Volume& volume, const Mask& mask, float radius) {
-  constexpr float kFar = std::numeric_limits<float>::max();
+BitMask without(BitMask a, const BitMask& b) {
+  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
+  return a;
+}
+
+/// Matter, and all that it encloses in an axial slice: lungs belong to the chest.
+BitMask with_holes_filled(const Volume& volume, const BitMask& matter) {
+  BitMask filled(matter.size());
+  const size_t slice = static_cast<size_t>(volume.dims.x) * volume.dims.y;
+  parallel_for(static_cast<size_t>(volume.dims.z), 1, [&](size_t z, size_t) {
+    std::vector<std::uint8_t> mask(slice);
+    for (size_t i = 0; i < slice; ++i) {
+      mask[i] = matter[z * slice + i] ? 1 : 0;
+    }
+    const std::vector<std::uint8_t> outside = flood_slices({volume.dims.x, volume.dims.y, 1}, mask);
+    filled.fill(z * slice, (z + 1) * slice, [&](size_t i) { return outside[i - z * slice] == 0; });
+  });
+  return filled;
+}
+
+/// Squared distances, mm², to the nearest voxel of a mask that is not too far along any axis; kFar
+/// where there is none.
+constexpr float kFar = std::numeric_limits<float>::max();
+
+void lower(float* squares, const float* others, int count, float added) {
+  for (int i = 0; i < count; ++i) {
+    squares[i] = std::min(squares[i], others[i] + added);  // kFar stays what it is
+  }
+}
+
+/// The squares within rows and within one slice of the mask, for distances up to `radius`.
+/// Row y of them is all kFar where far[y].
+void find_squares_in_slice(const Volume& volume, const BitMask& mask, int z, float radius,
+                           float* squares, std::uint8_t* far) {
+  const IVec3 dims = volume.dims;
+  const auto width = static_cast<size_t>(dims.x);
+  const Vec3& spacing = volume.spacing;
+  std::vector<float> rows(width * dims.y);  // distances along the row alone
+  std::vector<float> row(width);
+  std::vector<std::uint8_t> empty(dims.y);
+  const int reach_x = std::min(static_cast<int>(radius / spacing.x), dims.x - 1);
+  for (int y = 0; y < dims.y; ++y) {
+    const size_t first = volume.offset(0, y, z);
+    empty[y] = mask.next(first) >= first + width ? 1 : 0;
+    for (size_t x = 0; x < width; ++x) {
+      row[x] = mask[first + x] ? 0.0f : kFar;
+    }
+    float* const out = &rows[y * width];
+    std::ranges::copy(row, out);
+    for (int step = 1; step <= reach_x && empty[y] == 0; ++step) {
+      const float added = spacing.x * spacing.x * static_cast<float>(step * step);
+      lower(out, &row[step], dims.x - step, added);
+      lower(out + step, row.data(), dims.x - step, added);
+    }
+  }
+  const int reach_y = std::min(static_cast<int>(radius / spacing.y), dims.y - 1);
+  for (int y = 0; y < dims.y; ++y) {
+    float* const out = squares + y * width;
+    std::copy_n(&rows[y * width], width, out);
+    far[y] = empty[y];
+    for (int step = 1; step <= reach_y; ++step) {
+      const float added = spacing.y * spacing.y * static_cast<float>(step * step);
+      for (const int beside : {y - step, y + step}) {
+        if (beside >= 0 && beside < dims.y && empty[beside] == 0) {
+          lower(out, &rows[beside * width], dims.x, added);
+          far[y] = 0;
+        }
+      }
+    }
+  }
+}
+
+/// Within `radius` (mm) of the mask. Slice by slice, as few of them at a time as depend on one
+/// another: the squares of all would take twice the memory of the volume.
+BitMask dilated(const Volume& volume, const BitMask& mask, float radius) {
+  constexpr int kTogether = 16;  // slices
   const IVec3 dims = volume.dims;
   const float limit = radius * radius;
-  std::vector<float> squares(mask.size(), kFar);
-  // One line of voxels; `old` has room for it.
-  const auto widen_line = [&](size_t from, size_t stride, int count, float spacing,
-                              std::vector<float>& old) {
-    const int reach = static_cast<int>(radius / spacing);
-    float least_of_line = kFar;
-    for (int i = 0; i < count; ++i) {
-      old[i] = squares[from + i * stride];
-      least_of_line = std::min(least_of_line, old[i]);
-    }
-    if (least_of_line == kFar) {
-      return;
-    }
-    for (int i = 0; i < count; ++i) {
-      if (old[i] == 0) {
-        continue;
-      }
-      float least = old[i];
-      for (int step = 1; step <= reach; ++step) {
-        const float added = spacing * spacing * static_cast<float>(step * step);
-        if (i >= step && old[i - step] < kFar) {
-          least = std::min(least, old[i - step] + added);
+  const int reach = std::min(static_cast<int>(radius / volume.spacing.z), dims.z - 1);
+  const int held = std::min(kTogether + 2 * reach, dims.z);
+  const size_t slice = static_cast<size_t>(dims.x) * dims.y;
+  std::vector<float> squares(held * slice);  // of slice z at z % held
+  std::vector<std::uint8_t> far(static_cast<size_t>(held) * dims.y);
+  BitMask result(mask.size());
+  int known = 0;
+  for (int first = 0; first < dims.z; first += kTogether) {
+    const int last = std::min(first + kTogether, dims.z);
+    const int needed = std::min(last + reach, dims.z);
+    parallel_for(static_cast<size_t>(needed - known), 1, [&](size_t i, size_t) {
+      const int z = known + static_cast<int>(i);
+      const auto at = static_cast<size_t>(z % held);
+      find_squares_in_slice(volume, mask, z, radius, &squares[at * slice], &far[at * dims.y]);
+    });
+    known = needed;
+    parallel_for(static_cast<size_t>(last - first), 1, [&](size_t i, size_t) {
+      const int z = first + static_cast<int>(i);
+      std::vector<float> row(dims.x);
+      for (int y = 0; y < dims.y; ++y) {
+        std::ranges::fill(row, kFar);
+        for (int there = std::max(z - reach, 0); there <= std::min(z + reach, dims.z - 1);
+             ++there) {
+          const auto at = static_cast<size_t>(there % held);
+          const auto steps = static_cast<float>((there - z) * (there - z));
+          if (far[at * dims.y + y] == 0) {
+            lower(row.data(), &squares[at * slice + static_cast<size_t>(y) * dims.x], dims.x,
+                  volume.spacing.z * volume.spacing.z * steps);
+          }
         }
-        if (i + step < count && old[i + step] < kFar) {
-          least = std::min(least, old[i + step] + added);
-        }
+        const size_t begin = volume.offset(0, y, z);
+        result.fill(begin, begin + dims.x, [&](size_t at) { return row[at - begin] <= limit; });
       }
-      squares[from + i * stride] = least;
-    }
-  };
-  for_each_slice(volume, [&](int z) {
-    std::vector<float> old(std::max(dims.x, dims.y));
-    for (int y = 0; y < dims.y; ++y) {
-      const size_t row = volume.offset(0, y, z);
-      for (int x = 0; x < dims.x; ++x) {
-        squares[row + x] = mask[row + x] != 0 ? 0.0f : kFar;
-      }
-      widen_line(row, 1, dims.x, volume.spacing.x, old);
-    }
-    for (int x = 0; x < dims.x; ++x) {
-      widen_line(volume.offset(x, 0, z), static_cast<size_t>(dims.x), dims.y, volume.spacing.y,
-                 old);
-    }
-  });
-  parallel_for(static_cast<size_t>(dims.y), 1, [&](size_t y, size_t) {
-    std::vector<float> old(dims.z);
-    for (int x = 0; x < dims.x; ++x) {
-      widen_line(volume.offset(x, static_cast<int>(y), 0), static_cast<size_t>(dims.x) * dims.y,
-                 dims.z, volume.spacing.z, old);
-    }
-  });
-  return mask_where(volume, [&](size_t i) { return squares[i] <= limit; });
+    });
+  }
+  return result;
 }
 
-/// What is farther than `radius` (mm) from any 0; what lies beyond the picture counts as 1.
-Mask eroded(const Volume& volume, const Mask& mask, float radius) {
-  const Mask around =
-      dilated(volume, mask_where(volume, [&](size_t i) { return mask[i] == 0; }), radius);
-  return mask_where(volume, [&](size_t i) { return around[i] == 0; });
+/// What is farther than `radius` (mm) from what is not of the mask; beyond the picture all is.
+BitMask eroded(const Volume& volume, const BitMask& mask, float radius) {
+  const BitMask around =
+      dilated(volume, mask_where(volume, [&](size_t i) { return !mask[i]; }), radius);
+  return mask_where(volume, [&](size_t i) { return !around[i]; });
 }
 
 IVec3 place_of(const Volume& volume, size_t offset) {
@@ -124,85 +168,102 @@ IVec3 place_of(const Volume& volume, size_t offset) {
   return IVec3(offset % width, offset / width % height, offset / (width * height));
 }
 
-/// Calls use(voxels) with the offsets of each connected component (by faces) of the mask.
-template <typename Use>
-void for_each_component(const Volume& volume, Mask mask, const Use& use) {
+/// Takes the component (connected by faces) of voxel `seed` off the mask, and calls visit(offset)
+/// for each of its voxels. Only the front of the flood is held in memory.
+template <typename Visit>
+void take_component(const Volume& volume, size_t seed, BitMask& mask, const Visit& visit) {
   const IVec3 dims = volume.dims;
   const std::array<std::ptrdiff_t, 3> strides = {1, dims.x, std::ptrdiff_t{dims.x} * dims.y};
-  std::vector<size_t> voxels;
-  for (size_t seed = 0; seed < mask.size(); ++seed) {
-    if (mask[seed] == 0) {
-      continue;
-    }
-    mask[seed] = 0;
-    voxels.assign(1, seed);
-    for (size_t next = 0; next < voxels.size(); ++next) {
-      const size_t at = voxels[next];
+  std::vector<size_t> front{seed};
+  std::vector<size_t> next;
+  mask.clear(seed);
+  for (; !front.empty(); front.swap(next), next.clear()) {
+    for (const size_t at : front) {
+      visit(at);
       const IVec3 place = place_of(volume, at);
       for (int axis = 0; axis < 3; ++axis) {
         for (const int step : {-1, 1}) {
           const int there = place[axis] + step;
           const size_t neighbour = at + static_cast<size_t>(step * strides[axis]);
-          if (there >= 0 && there < dims[axis] && mask[neighbour] != 0) {
-            mask[neighbour] = 0;
-            voxels.push_back(neighbour);
+          if (there >= 0 && there < dims[axis] && mask[neighbour]) {
+            mask.clear(neighbour);
+            next.push_back(neighbour);
           }
         }
       }
     }
-    use(voxels);
+  }
+}
+
+/// Calls use(seed) for a voxel of each component of the mask; use takes the component off it.
+template <typename Use>
+void for_each_component(BitMask& mask, const Use& use) {
+  for (size_t seed = mask.next(0); seed < mask.size(); seed = mask.next(seed)) {
+    use(seed);
   }
 }
 
 /// The parts of `cores` that are large, and not hollow.
-Mask body_cores(const Volume& volume, const Mask& cores) {
-  size_t largest = 0;
-  for_each_component(volume, cores, [&](const std::vector<size_t>& voxels) {
-    largest = std::max(largest, voxels.size());
-  });
-  Mask body(cores.size(), 0);
-  for_each_component(volume, cores, [&](const std::vector<size_t>& voxels) {
+BitMask body_cores(const Volume& volume, const BitMask& cores) {
+  struct Part {
+    size_t seed;
+    size_t size = 0;
     double sum = 0;
-    for (const size_t at : voxels) {
-      sum += volume.values[at];
-    }
-    const auto size = static_cast<double>(voxels.size());
-    if (size >= kLeastPart * static_cast<double>(largest) && sum / size > kLeastMean) {
-      for (const size_t at : voxels) {
-        body[at] = 1;
-      }
+  };
+  std::vector<Part> parts;
+  size_t largest = 0;
+  const auto is_large = [&](const Part& part) {
+    return static_cast<double>(part.size) >= kLeastPart * static_cast<double>(largest);
+  };
+  BitMask left = cores;
+  for_each_component(left, [&](size_t seed) {
+    Part part{seed};
+    take_component(volume, seed, left, [&](size_t at) {
+      part.sum += volume.values[at];
+      ++part.size;
+    });
+    largest = std::max(largest, part.size);
+    if (is_large(part)) {  // so far: noise must not fill the list
+      parts.push_back(part);
     }
   });
+  BitMask body(cores.size());
+  left = cores;
+  for (const Part& part : parts) {
+    if (is_large(part) && part.sum / static_cast<double>(part.size) > kLeastMean) {
+      take_component(volume, part.seed, left, [&](size_t at) { body.set(at); });
+    }
+  }
   return body;
 }
 
 /// Adds to the body what of the matter is attached to it, and small or bone.
-void add_trifles(const Volume& volume, const Mask& matter, Mask& body) {
+void add_trifles(const Volume& volume, const BitMask& matter, BitMask& body) {
   const Vec3& spacing = volume.spacing;
-  const Mask near = dilated(volume, body, 1.01f * std::max({spacing.x, spacing.y, spacing.z}));
-  const Mask rest = mask_where(volume, [&](size_t i) { return matter[i] != 0 && body[i] == 0; });
-  for_each_component(volume, rest, [&](const std::vector<size_t>& voxels) {
+  const BitMask near = dilated(volume, body, 1.01f * std::max({spacing.x, spacing.y, spacing.z}));
+  const BitMask rest = without(matter, body);
+  BitMask left = rest;
+  BitMask to_add = rest;
+  for_each_component(left, [&](size_t seed) {
     IVec3 low = volume.dims;
     IVec3 high(0);
     bool attached = false;
     double sum = 0;
     size_t solid = 0;
-    for (const size_t at : voxels) {
+    take_component(volume, seed, left, [&](size_t at) {
       const IVec3 place = place_of(volume, at);
       low = glm::min(low, place);
       high = glm::max(high, place);
-      attached = attached || near[at] != 0;
+      attached = attached || near[at];
       if (volume.values[at] > kLeastMatter) {
         sum += volume.values[at];
         ++solid;
       }
-    }
+    });
     const Vec3 size = Vec3(high - low + 1) * spacing;
     const bool small = std::max({size.x, size.y, size.z}) <= kLongestTrifle;
     if (attached && (small || sum > kBone * static_cast<double>(solid))) {
-      for (const size_t at : voxels) {
-        body[at] = 1;
-      }
+      take_component(volume, seed, to_add, [&](size_t at) { body.set(at); });
     }
   });
 }
@@ -213,28 +274,24 @@ double isolate_body(Volume& volume) {
   if (volume.modality != Modality::kCt || volume.values.range().min > kLeastMean) {
     return 0;
   }
-  const Mask matter = mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
-  const Mask filled = with_holes_filled(volume, matter);
+  const BitMask matter =
+      mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
+  const BitMask filled = with_holes_filled(volume, matter);
   const Vec3& s = volume.spacing;
   // Where slices are thick, rather some of the table than none of an ear that touches it.
   const float voxel = std::max({s.x, s.y, s.z});
-  Mask body = dilated(volume, body_cores(volume, eroded(volume, filled, kThinnest)),
-                      kThinnest + 1.5f * voxel);
-  for (size_t i = 0; i < body.size(); ++i) {
-    body[i] &= filled[i];
-  }
+  BitMask body = both(dilated(volume, body_cores(volume, eroded(volume, filled, kThinnest)),
+                              kThinnest + 1.5f * voxel),
+                      filled);
   add_trifles(volume, filled, body);
-  const Mask kept = dilated(volume, body, kSkin * voxel);
+  const BitMask kept = dilated(volume, body, kSkin * voxel);
 
-  const auto all = static_cast<double>(std::ranges::count(matter, 1));
-  double removed = 0;
-  for (size_t i = 0; i < kept.size(); ++i) {
-    removed += matter[i] != 0 && kept[i] == 0 ? 1 : 0;
-  }
+  const auto all = static_cast<double>(matter.count());
+  const auto removed = static_cast<double>(without(matter, kept).count());
   if (removed > kMostRemoved * all) {
     return 0;
   }
-  volume.values.set_where(kAir, [&](size_t i) { return kept[i] == 0; });
+  volume.values.set_where(kAir, [&](size_t i) { return !kept[i]; });
   return removed * s.x * s.y * s.z / 1000;
 }
 

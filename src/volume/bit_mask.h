@@ -1,0 +1,86 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/parallel.h"
+
+namespace clipgs {
+
+/// Yes or no for every voxel, an eighth of a byte each.
+class BitMask {
+ public:
+  /// All no.
+  explicit BitMask(size_t size) : size_(size), words_((size + 63) / 64, 0) {}
+
+  size_t size() const { return size_; }
+  bool operator[](size_t i) const { return (words_[i / 64] >> (i % 64) & 1U) != 0; }
+  void set(size_t i) { words_[i / 64] |= bit(i); }
+  void clear(size_t i) { words_[i / 64] &= ~bit(i); }
+  /// The next yes at or after i; size() if there is none.
+  size_t next(size_t i) const;
+  size_t count() const;
+
+  /// Sets each i of [begin, end) where decide(i). Threads may fill ranges that do not overlap.
+  template <typename Decide>
+  void fill(size_t begin, size_t end, const Decide& decide);
+  /// combine(word, other's word) on 64 voxels at once; both masks have the same size.
+  template <typename Combine>
+  void combine(const BitMask& other, const Combine& combine);
+
+ private:
+  static std::uint64_t bit(size_t i) { return std::uint64_t{1} << (i % 64); }
+
+  size_t size_;
+  std::vector<std::uint64_t> words_;  // beyond size_: 0
+};
+
+inline size_t BitMask::next(size_t i) const {
+  if (i >= size_) {
+    return size_;
+  }
+  size_t word = i / 64;
+  std::uint64_t left = words_[word] & (~std::uint64_t{0} << (i % 64));
+  while (left == 0) {
+    if (++word == words_.size()) {
+      return size_;
+    }
+    left = words_[word];
+  }
+  return 64 * word + static_cast<size_t>(std::countr_zero(left));
+}
+
+inline size_t BitMask::count() const {
+  size_t sum = 0;
+  for (const std::uint64_t word : words_) {
+    sum += static_cast<size_t>(std::popcount(word));
+  }
+  return sum;
+}
+
+template <typename Decide>
+void BitMask::fill(size_t begin, size_t end, const Decide& decide) {
+  for (size_t i = begin; i < end;) {
+    const size_t word = i / 64;
+    const size_t stop = std::min(end, 64 * (word + 1));
+    std::uint64_t bits = 0;
+    for (; i < stop; ++i) {
+      bits |= decide(i) ? bit(i) : 0;
+    }
+    // The ends of two threads' ranges may lie in one word.
+    std::atomic_ref(words_[word]).fetch_or(bits, std::memory_order_relaxed);
+  }
+}
+
+template <typename Combine>
+void BitMask::combine(const BitMask& other, const Combine& combine) {
+  for (size_t i = 0; i < words_.size(); ++i) {
+    words_[i] = combine(words_[i], other.words_[i]);
+  }
+}
+
+}  // namespace clipgs
