@@ -4,7 +4,8 @@ namespace clipgs {
 
 LabelGrid::LabelGrid(const Volume& volume, const LabelLooks& looks)
     : stride_y_(VoxelGrid::padded(volume.dims).x),
-      stride_z_(stride_y_ * VoxelGrid::padded(volume.dims).y) {
+      stride_z_(stride_y_ * VoxelGrid::padded(volume.dims).y),
+      middle_(VoxelGrid::middle(volume.dims)) {
   const std::vector<LabelLook> of_index = looks_of_labels(volume, looks);
   for (size_t i = 0; i < of_index.size(); ++i) {
     looks_.opacity[i] = of_index[i].opacity;

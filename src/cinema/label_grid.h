@@ -33,13 +33,14 @@ class LabelGrid {
   /// Trilinear: the mean over the labels that draws would choose at a voxel position in [-1, dims].
   float mean_opacity(const Vec3& voxel) const;
 
-  /// Index of the border voxel (-1, -1, -1)'s label; strides are VoxelGrid's. Four bytes can be
-  /// read at any voxel.
-  const std::uint8_t* first_border_label() const { return indices_.data(); }
+  /// Index of the label at VoxelGrid's middle(); strides are VoxelGrid's. Four bytes can be read at
+  /// any voxel.
+  const std::uint8_t* middle_label() const { return indices_.data() + middle_; }
 
  private:
   std::ptrdiff_t stride_y_;
   std::ptrdiff_t stride_z_;
+  std::ptrdiff_t middle_;
   std::vector<std::uint8_t> indices_;
   Looks looks_;
 };

@@ -8,6 +8,7 @@
 #endif
 
 #include <cstdint>
+#include <cstring>
 #include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
@@ -173,10 +174,25 @@ HWY_INLINE Int gather(const std::int32_t* table, Int index) {
 HWY_INLINE Uint gather(const std::uint32_t* table, Int index) {
   return hn::GatherIndex(UintTag(), table, index.v);
 }
-/// Two neighbours of a table of 16-bit numbers, the first in the lower half.
+/// Two neighbours of a table of 16-bit numbers, the first in the lower half. Any index is right: it
+/// is scaled in 64 bits, so that tables reach 2^31 numbers to either side of `table`.
 HWY_INLINE Uint gather_pair(const std::uint16_t* table, Int index) {
-  return hn::GatherOffset(UintTag(), reinterpret_cast<const std::uint32_t*>(table),
-                          shift_left<1>(index).v);
+  // Highway's gathers take steps of four bytes, or offsets in bytes that reach half as far.
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return hn::Vec<UintTag>{
+      _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, index.v.raw, table, 2)};
+#elif HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+  return hn::Vec<UintTag>{
+      _mm256_i32gather_epi32(reinterpret_cast<const int*>(table), index.v.raw, 2)};
+#else
+  alignas(64) std::int32_t at[kMost];
+  alignas(64) std::uint32_t pairs[kMost];
+  hn::StoreU(index.v, IntTag(), at);
+  for (size_t i = 0; i < count(); ++i) {
+    std::memcpy(&pairs[i], table + at[i], sizeof pairs[i]);
+  }
+  return hn::LoadU(UintTag(), pairs);
+#endif
 }
 
 /// The byte at each index; reads the three after it.

@@ -1,5 +1,6 @@
 #include "cinema/majorant_grid.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -134,27 +135,43 @@ void MajorantGrid::find_majorants(const VoxelGrid& grid, const TransferFunction&
 }
 
 // Chessboard distances to the next cell with matter in two sweeps, each from all the neighbours
-// that it has passed (Rosenfeld & Pfaltz 1966).
+// that it has passed (Rosenfeld & Pfaltz 1966): those of the rows before, then the one in the row.
 void MajorantGrid::find_distances() {
-  constexpr int kFar = 255;
+  constexpr std::uint8_t kFar = 255;
   const IVec3 count = cells_.count;
-  std::vector<std::uint8_t> distance(cells_.words.size(), kFar);
+  const auto width = static_cast<size_t>(count.x);
+  std::vector<std::uint8_t> distance(cells_.words.size());
+  for (size_t i = 0; i < distance.size(); ++i) {
+    distance[i] = cells_.words[i] != 0 ? 0 : kFar;
+  }
+  const auto one_more = [](std::uint8_t d) {
+    return static_cast<std::uint8_t>(std::min<int>(d, kFar - 1) + 1);
+  };
+  std::vector<std::uint8_t> before(width + 2);  // the least of the rows before, with a border
   for (const int way : {1, -1}) {
-    for (int i = 0; i < count.x * count.y * count.z; ++i) {
-      const int at = way > 0 ? i : count.x * count.y * count.z - 1 - i;
-      const IVec3 cell(at % count.x, at / count.x % count.y, at / cells_.stride_z);
-      int least = distance[static_cast<size_t>(at)];
-      if (majorant(cell.x, cell.y, cell.z) > 0) {
-        least = 0;
-      }
-      for (int n = 0; n < 13 && least > 1; ++n) {
-        const IVec3 beside = cell + way * IVec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-        if (glm::all(glm::greaterThanEqual(beside, IVec3(0))) &&
-            glm::all(glm::lessThan(beside, count))) {
-          least = std::min(least, distance[index(beside.x, beside.y, beside.z)] + 1);
+    for (int i = 0; i < count.y * count.z; ++i) {
+      const int row = way > 0 ? i : count.y * count.z - 1 - i;
+      const int y = row % count.y;
+      const int z = row / count.y;
+      std::ranges::fill(before, kFar);
+      for (const glm::ivec2 step : {glm::ivec2(-1, -1), {0, -1}, {1, -1}, {-1, 0}}) {
+        const int other_y = y + way * step.x;
+        const int other_z = z + way * step.y;
+        if (other_y >= 0 && other_y < count.y && other_z >= 0 && other_z < count.z) {
+          const std::uint8_t* const other = &distance[index(0, other_y, other_z)];
+          for (size_t x = 0; x < width; ++x) {
+            before[x + 1] = std::min(before[x + 1], other[x]);
+          }
         }
       }
-      distance[static_cast<size_t>(at)] = static_cast<std::uint8_t>(least);
+      std::uint8_t* const here = &distance[index(0, y, z)];
+      for (size_t x = 0; x < width; ++x) {
+        here[x] = std::min(here[x], one_more(std::min({before[x], before[x + 1], before[x + 2]})));
+      }
+      for (size_t k = 1; k < width; ++k) {
+        const size_t x = way > 0 ? k : width - 1 - k;
+        here[x] = std::min(here[x], one_more(here[way > 0 ? x - 1 : x + 1]));
+      }
     }
   }
   for (size_t i = 0; i < distance.size(); ++i) {

@@ -28,6 +28,13 @@ class MajorantGrid {
                const LabelGrid* labels = nullptr,
                const std::optional<GradientOpacity>& gradient_opacity = std::nullopt);
 
+  /// Of the cells over so many voxels, while they are made.
+  static std::uint64_t bytes(const IVec3& dims) {
+    const IVec3 count = (dims + kCell - 1) / kCell;
+    return static_cast<std::uint64_t>(count.x) * count.y * count.z *
+           (sizeof(std::uint32_t) + sizeof(std::uint8_t));
+  }
+
   /// Walks the ray voxel = origin + t·direction for t in [t0, t1] (which must lie inside the
   /// grid; t in mm) through the cells that are not empty, in order. visit(majorant, begin, end)
   /// returns true to stop; walk then returns true.

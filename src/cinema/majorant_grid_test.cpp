@@ -29,6 +29,24 @@ TEST(VoxelGrid, InterpolatesLikeTheVolume) {
   EXPECT_FLOAT_EQ(grid.sample(9, 3, 2), grid.sample(8, 3, 2));
 }
 
+TEST(VoxelGrid, OfPackedValuesIsTheSame) {
+  Rng rng(4);
+  const Volume volume = make_volume(
+      {9, 7, 5}, [&](const IVec3&) { return std::floor(400 * rng.uniform()) * 7.3f - 1000; });
+  Volume packed = volume;
+  packed.values.pack();
+  ASSERT_TRUE(packed.values.packed());
+  const VoxelGrid one(volume, -900, 1500);
+  const VoxelGrid two(packed, -900, 1500);
+  for (int z = -1; z <= 6; ++z) {
+    for (int y = -1; y <= 8; ++y) {
+      for (int x = -1; x <= 10; ++x) {
+        ASSERT_EQ(one.code(x, y, z), two.code(x, y, z));
+      }
+    }
+  }
+}
+
 TEST(VoxelGrid, GradientOfAnInclinedPlane) {
   const Volume volume = make_volume(
       {12, 12, 12}, [](const IVec3& v) { return 3.0f * v.x - 2.0f * v.y + 5.0f * v.z; });
@@ -179,6 +197,39 @@ TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
       stepped *= static_cast<double>(length) / kSteps;
       ASSERT_NEAR(walked, stepped, 0.05 + 0.01 * stepped);
     }
+  }
+}
+
+TEST(MajorantGrid, EmptyCellsKnowHowFarTheNextMatterIs) {
+  const Fixture f(2);
+  const VoxelGrid grid(f.volume, 0, 1000);
+  const MajorantGrid majorants(grid, f.transfer, Vec3(1));
+  const MajorantGrid::Cells& cells = majorants.cells();
+  std::vector<IVec3> all;
+  std::vector<IVec3> matter;
+  for (int z = 0; z < cells.count.z; ++z) {
+    for (int y = 0; y < cells.count.y; ++y) {
+      for (int x = 0; x < cells.count.x; ++x) {
+        all.emplace_back(x, y, z);
+        if (majorants.majorant(x, y, z) > 0) {
+          matter.emplace_back(x, y, z);
+        }
+      }
+    }
+  }
+  ASSERT_GT(matter.size(), 50U);
+  for (const IVec3& cell : all) {
+    int nearest = 255;
+    for (const IVec3& other : matter) {
+      const IVec3 d = glm::abs(cell - other);
+      nearest = std::min(nearest, std::max({d.x, d.y, d.z}));
+    }
+    const auto word =
+        cells
+            .words[static_cast<size_t>(cell.x + cell.y * cells.stride_y + cell.z * cells.stride_z)];
+    const auto bound =
+        std::bit_cast<float>(word & static_cast<std::uint32_t>(MajorantGrid::kBoundBits));
+    ASSERT_EQ(std::max(0.0f, -bound), static_cast<float>(nearest));
   }
 }
 

@@ -227,11 +227,14 @@ class Kernel {
  private:
   // --- the volume
 
-  /// Of voxels counted from the border's first one.
-  HWY_INLINE Int border_index(Int x, Int y, Int z) const {
+  /// Places from the middle of the grid, of voxels counted along the axes from the border's first
+  /// one. Sums and products overflow on the way, modulo 2^32, but their end fits: grids have at
+  /// most 2^32 voxels.
+  HWY_INLINE Int from_middle(Int x, Int y, Int z) const {
     const Int stride_y(static_cast<std::int32_t>(grid_.stride_y()));
     const Int stride_z(static_cast<std::int32_t>(grid_.stride_z()));
-    return z * stride_z + y * stride_y + x;
+    const Int middle(static_cast<std::int32_t>(static_cast<std::uint32_t>(grid_.middle())));
+    return z * stride_z + y * stride_y + (x - middle);
   }
 
   /// Trilinear code at positions in [-1, dims].
@@ -242,8 +245,8 @@ class Kernel {
     const Int ix = truncate(px);
     const Int iy = truncate(py);
     const Int iz = truncate(pz);
-    const std::uint16_t* const codes = grid_.first_border_code();
-    const Int at = border_index(ix, iy, iz);
+    const std::uint16_t* const codes = grid_.middle_code();
+    const Int at = from_middle(ix, iy, iz);
     const Float fx = px - to_float(ix);
     const Float fy = py - to_float(iy);
     const Float fz = pz - to_float(iz);
@@ -305,7 +308,7 @@ class Kernel {
     const Int ix = truncate(voxel.x + Float(1) + next_random(rng, where));
     const Int iy = truncate(voxel.y + Float(1) + next_random(rng, where));
     const Int iz = truncate(voxel.z + Float(1) + next_random(rng, where));
-    return gather_byte(labels_->first_border_label(), border_index(ix, iy, iz));
+    return gather_byte(labels_->middle_label(), from_middle(ix, iy, iz));
   }
   /// The albedo of the label, where it has one.
   HWY_INLINE Float3 label_albedo(Int label, Float3 otherwise) const {

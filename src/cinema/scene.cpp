@@ -38,6 +38,11 @@ std::array<float, 256> linear_table() {
 
 }  // namespace
 
+std::uint64_t tracing_memory(const VolumeSize& size) {
+  constexpr std::uint64_t kPictures = std::uint64_t{1} << 28;
+  return VoxelGrid::bytes(size) + MajorantGrid::bytes(size.dims) + kPictures;
+}
+
 CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
     : volume_(&volume),
       preset_(preset),

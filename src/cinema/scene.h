@@ -9,6 +9,7 @@
 #include "cinema/voxel_grid.h"
 #include "volume/preset.h"
 #include "volume/volume.h"
+#include "volume/volume_size.h"
 
 namespace clipgs {
 
@@ -19,6 +20,9 @@ struct MaterialTables {
   std::array<Table, 3> albedo;
   Table specular, roughness, phase;
 };
+
+/// Bytes of memory that a CinemaScene of such a volume takes beside it, and pictures of it.
+std::uint64_t tracing_memory(const VolumeSize& size);
 
 /// A volume made ready for path tracing under a preset, with its labels if it has any. Tracing
 /// works in *voxel space* (continuous voxel index) for positions and in the *grid frame* (the

@@ -13,10 +13,20 @@ VoxelGrid::VoxelGrid(const Volume& volume, float low, float high) : dims_(volume
   stride_y_ = size.x;
   stride_z_ = static_cast<std::ptrdiff_t>(size.x) * size.y;
   codes_.resize(static_cast<size_t>(stride_z_) * static_cast<size_t>(size.z));
-  for_each_padded(volume, [&](size_t to, size_t from) {
-    const float code = (volume.values[from] - low_) / step_;
-    codes_[to] = static_cast<std::uint16_t>(std::lround(std::clamp(code, 0.0f, kMaxCode)));
-  });
+  const auto code_of = [&](float value) {
+    const float code = (value - low_) / step_;
+    return static_cast<std::uint16_t>(std::lround(std::clamp(code, 0.0f, kMaxCode)));
+  };
+  const VoxelValues& values = volume.values;
+  if (values.packed()) {
+    std::vector<std::uint16_t> ours(values.meaning().size());
+    std::ranges::transform(values.meaning(), ours.begin(), code_of);
+    for_each_padded(volume,
+                    [&](size_t to, size_t from) { codes_[to] = ours[values.codes()[from]]; });
+  } else {
+    for_each_padded(volume,
+                    [&](size_t to, size_t from) { codes_[to] = code_of(values.floats()[from]); });
+  }
 }
 
 }  // namespace clipgs

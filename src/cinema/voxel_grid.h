@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "volume/volume.h"
+#include "volume/volume_size.h"
 
 namespace clipgs {
 
@@ -58,8 +59,10 @@ class VoxelGrid {
                   static_cast<size_t>(x + kLowBorder)];
   }
 
-  /// Code of the border voxel (-1, -1, -1), and the distances of neighbours along y and z.
-  const std::uint16_t* first_border_code() const { return codes_.data(); }
+  /// For kernels, whose 32 bits reach every voxel only from the middle: its place, counted from the
+  /// border voxel (-1, -1, -1), and its code; and the distances of neighbours along y and z.
+  std::ptrdiff_t middle() const { return middle(dims_); }
+  const std::uint16_t* middle_code() const { return codes_.data() + middle(); }
   std::ptrdiff_t stride_y() const { return stride_y_; }
   std::ptrdiff_t stride_z() const { return stride_z_; }
 
@@ -69,6 +72,15 @@ class VoxelGrid {
   static constexpr int kHighBorder = 2;
   /// Voxels along the axes, those of the border included.
   static IVec3 padded(const IVec3& dims) { return dims + kLowBorder + kHighBorder; }
+  /// Of the codes of a volume, and of its LabelGrid.
+  static std::uint64_t bytes(const VolumeSize& size) {
+    static_assert(kLowBorder + kHighBorder == VolumeSize::kBorder);
+    return size.padded_voxels() * (sizeof(std::uint16_t) + (size.labels ? 1 : 0));
+  }
+  static std::ptrdiff_t middle(const IVec3& dims) {
+    const IVec3 size = padded(dims);
+    return static_cast<std::ptrdiff_t>(size.x) * size.y * size.z / 2;
+  }
   /// Calls visit(to, from) for every voxel of the layout: its place there, and the volume's voxel
   /// that it repeats.
   template <typename Visit>

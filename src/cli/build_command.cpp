@@ -161,6 +161,9 @@ void add_build_command(CLI::App& app) {
   add_section_options(*command, arguments->section);
   add_section_coding(*command, arguments->section);
   add_volume_options(*command, arguments->loading);
+  arguments->loading.work = [&section = arguments->section](const VolumeSize& size) {
+    return dataset_memory(size, section);
+  };
   Overrides& overrides = arguments->overrides;
   command->add_option("--size", overrides.size, "Side of the pictures, px")
       ->check(CLI::Range(32, 4096))

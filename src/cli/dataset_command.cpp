@@ -134,6 +134,9 @@ void add_dataset_command(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
+  arguments->load.work = [&section = arguments->section](const VolumeSize& size) {
+    return dataset_memory(size, section);
+  };
   command->callback([arguments] {
     leave_section_to_splats(arguments->load, arguments->section);
     run_dataset(*arguments);

@@ -139,6 +139,7 @@ void add_info_command(CLI::App& app) {
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
   add_volume_options(*command, options->load);
+  options->load.warn_of_size = true;
   command->callback([options] { run_info(*options); });
 }
 

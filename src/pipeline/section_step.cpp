@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "asset/section_file.h"
+#include "cinema/scene.h"
 #include "core/claim.h"
 #include "core/error.h"
 #include "section/fit_reflectance.h"
@@ -21,6 +22,12 @@ fs::path section_stem(const Dataset& dataset) { return dataset.folder / "section
 fs::path section_file(const Dataset& dataset) { return dataset.folder / "section.zip"; }
 
 }  // namespace
+
+std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice) {
+  const std::uint64_t section =
+      choice.none || volume.labels ? 0 : section_memory(volume, {choice.size});
+  return std::max(tracing_memory(volume), section);
+}
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
   if (choice.none) {

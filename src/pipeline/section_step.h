@@ -21,6 +21,9 @@ struct SectionChoice {
 /// Throws Error if cut faces drawn from the volume cannot look as the preset says.
 void require_look_for_section(const Preset& preset, const SectionChoice& choice);
 
+/// Bytes of memory that a dataset and its section take beside a volume, the one after the other.
+std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice);
+
 /// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them,
 /// unless it is there already. `choice.none`: removes the one that is there.
 void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,

@@ -253,6 +253,20 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
   return section;
 }
 
+std::uint64_t section_memory(const VolumeSize& volume, const SectionOptions& options) {
+  const IVec3 dims = glm::min(volume.dims, IVec3(options.size));
+  const auto points = [](int x, int y, int z) {
+    return static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y) *
+           static_cast<std::uint64_t>(z);
+  };
+  // Floats are resampled axis by axis; then come the values inside, three masks and the codes.
+  const std::uint64_t rows = sizeof(float) * points(dims.x, volume.dims.y, volume.dims.z);
+  const std::uint64_t planes = sizeof(float) * points(dims.x, dims.y, volume.dims.z);
+  const std::uint64_t section = points(dims.x, dims.y, dims.z);
+  return std::max(
+      {rows + planes, planes + sizeof(float) * section, (2 * sizeof(float) + 4) * section});
+}
+
 Section resize_section(const Section& section, int size) {
   require_size(size);
   const Vec3 steps = Vec3(section.dims - 1);

@@ -10,6 +10,7 @@
 #include "section/value_curve.h"
 #include "volume/preset.h"
 #include "volume/volume.h"
+#include "volume/volume_size.h"
 
 namespace clipgs {
 
@@ -128,6 +129,9 @@ struct SectionOptions {
 /// Reflectances start as the preset's albedo; fit_reflectance() makes them right. Throws Error if
 /// nothing is visible or the size is out of range.
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
+
+/// Bytes of memory that making a section of such a volume takes beside it, at most.
+std::uint64_t section_memory(const VolumeSize& volume, const SectionOptions& options);
 
 /// The same section with at most `size` voxels along each side; as it is if it has no more.
 /// Its value_errors grow by what the voxels that are left do not tell. Throws Error if the size is

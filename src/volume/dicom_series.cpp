@@ -273,9 +273,13 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
   return sorted;
 }
 
-StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where) {
-  if (stack.slices.front().frames > 1) {
-    return read_frames(stack.slices.front().source);
+StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where,
+                       const SizeCheck& check) {
+  if (const DicomHeader& file = stack.slices.front(); file.frames > 1) {
+    if (check) {
+      check({{file.columns, file.rows, file.frames}, sizeof(float), file.samples > 1});
+    }
+    return read_frames(file.source);
   }
   DicomStack whole = stack;
   drop_repeats(whole.slices, where);
@@ -292,7 +296,11 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
   image.spacing = grid.spacing;
   image.origin = plan.resampled() ? grid.origin : first.position;
   if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
-    throw Error("{}: more than 2^31 voxels; crop or downsample the series", where);
+    throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
+  }
+  if (check) {
+    const int stored_bytes = plan.resampled() ? int{sizeof(float)} : first.bits_allocated / 8;
+    check({image.dims, stored_bytes});
   }
   const auto voxels = static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z;
   if (plan.resampled()) {

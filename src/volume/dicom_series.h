@@ -7,6 +7,7 @@
 #include "volume/dicom_file.h"
 #include "volume/gaps.h"
 #include "volume/itk_reader.h"
+#include "volume/volume_size.h"
 
 namespace clipgs {
 
@@ -30,7 +31,8 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
 
 /// Reads the stack's pixels onto a regular grid. Tilted and uneven stacks and those that lack a few
 /// slices (plan_stack()) are resampled linearly, `fill` outside every slice, with a warning that
-/// says what was done. Throws Error.
-StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where);
+/// says what was done. `check` sees the size before the pixels are read. Throws Error.
+StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where,
+                       const SizeCheck& check = {});
 
 }  // namespace clipgs

@@ -50,7 +50,7 @@ std::string outcome(const fs::path& path) {
       EXPECT_NEAR(glm::length(volume.direction[axis]), 1, 1e-4);
     }
     EXPECT_NEAR(glm::determinant(volume.direction), 1, 1e-4);
-    EXPECT_TRUE(std::ranges::all_of(volume.values, [](float v) { return std::isfinite(v); }));
+    EXPECT_TRUE(std::ranges::all_of(volume.values.all(), [](float v) { return std::isfinite(v); }));
   } catch (const Error& e) {
     error = e.what();
     EXPECT_NE(error, "");
@@ -236,7 +236,7 @@ TEST(HeaderMutations, OfNrrdAreSaidByTheirField) {
        {"(1,2,3)", "(1,2,1e9)", "space origin puts it"},
        {"sizes: 2 2 2", "sizes: 2 2 -2", "sizes gives the size -2 along axis 3"},
        {"sizes: 2 2 2", "sizes: 2 2", "sizes gives 2 numbers, not 3"},
-       {"sizes: 2 2 2", "sizes: 2 2 99999999999", "more than 2^31 voxels"},
+       {"sizes: 2 2 2", "sizes: 2 2 99999999999", "more than 2^32 voxels"},
        {"sizes: 2 2 2", "sizes: 2 2 9", "28 of the 36 bytes"},
        {"dimension: 3", "dimension: 99", "dimension is 99"},
        {"dimension: 3\n", "", "no \"dimension\""},

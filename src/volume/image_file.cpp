@@ -119,20 +119,28 @@ Opened open_image(const fs::path& path) {
       where);
 }
 
+VolumeSize volume_size(const ImageHeader& header) {
+  return {header.dims, static_cast<int>(size_of(header.type)), header.channels > 1};
+}
+
 }  // namespace
 
-StoredImage read_image_file(const fs::path& path, int frame) {
+StoredImage read_image_file(const fs::path& path, int frame, const SizeCheck& check) {
   const Opened opened = open_image(path);
   const int frames = opened.header.frames;
   if (frame == 0 && frames > 1) {
-    throw Error("{}: a series of {} volumes; choose one with --frame 1 to {}, or store it as a 3D file",
-                path.string(), frames, frames);
+    throw Error(
+        "{}: a series of {} volumes; choose one with --frame 1 to {}, or store it as a 3D file",
+        path.string(), frames, frames);
   }
   if (frame > frames) {
     throw Error("{}: no frame {}: it holds {}", path.string(), frame, frames);
   }
   for (const std::string& warning : opened.header.warnings) {
     warn(warning);
+  }
+  if (check) {
+    check(volume_size(opened.header));
   }
   return read_voxels(opened.header, opened.path, std::max(0, frame - 1));
 }

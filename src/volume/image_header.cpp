@@ -66,7 +66,7 @@ void set_sizes(ImageHeader& header, std::span<const double> sizes, const std::st
     }
     const double most = axis < 3 ? static_cast<double>(kMaxVoxels) / voxels : kMostFrames;
     if (size > most) {
-      throw Error("{}: its {} gives more than 2^31 voxels, or 2^20 frames; crop or downsample it",
+      throw Error("{}: its {} gives more than 2^32 voxels, or 2^20 frames; crop or downsample it",
                   where, field);
     }
     if (axis < 3) {

@@ -53,7 +53,7 @@ void check_header(itk::ImageIOBase& io, const fs::path& path) {
       throw Error("{}: the volume has size zero along axis {}", path.string(), axis);
     }
     if (size > kMaxVoxels / voxels) {
-      throw Error("{}: the header says more than 2^31 voxels; crop or downsample it",
+      throw Error("{}: the header says more than 2^32 voxels; crop or downsample it",
                   path.string());
     }
     voxels *= size;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "volume/dicom_study.h"
 #include "volume/image_file.h"
 #include "volume/isolate_body.h"
@@ -88,6 +89,24 @@ Volume make_volume(StoredImage stored, Modality modality, const LoadOptions& opt
   return volume;
 }
 
+/// Of the volume itself; that of its labels is part of it.
+SizeCheck size_check(const LoadOptions& options, const std::string& where) {
+  return [&options, where](VolumeSize size) {
+    require_supported(size, where);
+    if (!options.work) {
+      return;
+    }
+    size.labels = !options.labels.empty();
+    const std::string lack = lack_of_memory(size, options.work(size), available_memory());
+    if (!lack.empty() && !options.warn_of_size) {
+      throw Error("{}: {}", where, lack);
+    }
+    if (!lack.empty()) {
+      warn(fmt::format("{}: to draw it, {}", where, lack));
+    }
+  };
+}
+
 Modality dicom_modality(const std::string& text) {
   return text == "CT" ? Modality::kCt : text == "MR" ? Modality::kMr : Modality::kUnknown;
 }
@@ -109,8 +128,9 @@ LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
   const DicomStack& stack = study.stacks[chosen];
   const Modality modality = dicom_modality(stack.modality);
   const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
-  return {make_volume(read_stack(stack, fill, options.gaps, study.where), modality, options,
-                      study.where),
+  return {make_volume(
+              read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)),
+              modality, options, study.where),
           choices_of(study, chosen)};
 }
 
@@ -126,7 +146,8 @@ LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
     }
     return load_dicom(open_study(path), options);
   }
-  return {make_volume(read_image_file(path, options.frame), Modality::kUnknown, options, where),
+  return {make_volume(read_image_file(path, options.frame, size_check(options, where)),
+                      Modality::kUnknown, options, where),
           {}};
 }
 

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "volume/gaps.h"
 #include "volume/volume.h"
+#include "volume/volume_size.h"
 
 namespace clipgs {
 
@@ -25,6 +27,10 @@ struct LoadOptions {
   std::optional<Rescale> hu;       ///< --hu scale,offset; empty: values as stored
   bool keep_table = false;         ///< leave what a CT shows beside the patient
   std::filesystem::path labels;    ///< segmentation of the volume (add_labels()); empty: none
+  /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
+  /// more than there is, an Error says so before any voxel is read. Empty: nothing is checked.
+  std::function<std::uint64_t(const VolumeSize&)> work;
+  bool warn_of_size = false;  ///< a warning instead of that Error
 };
 
 /// One series of a DICOM folder, or one phase of it, as a person tells them apart.

@@ -198,7 +198,7 @@ TEST(LoadErrors, SayWhatIsWrong) {
   write_nrrd(folder / "huge.nrrd", short_3d + "sizes: 2000 1000 1000\n", voxels);
   EXPECT_THAT(load_error(folder / "huge.nrrd"), HasSubstr("3999999880 of the 4000000000 bytes"));
   write_nrrd(folder / "giant.nrrd", short_3d + "sizes: 200000 100000 100000\n", voxels);
-  EXPECT_THAT(load_error(folder / "giant.nrrd"), HasSubstr("2^31"));
+  EXPECT_THAT(load_error(folder / "giant.nrrd"), HasSubstr("2^32"));
   write_nrrd(folder / "sheared.nrrd",
              short_3d +
                  "space: left-posterior-superior\nsizes: 5 4 3\n"

@@ -25,7 +25,8 @@ Volume read_labels(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) {
     throw Error("{}: no such file; labels are one .nii(.gz), .nrrd or .mha file", where);
   }
-  StoredImage stored = read_image_file(path);
+  const SizeCheck supported = [&](const VolumeSize& size) { require_supported(size, where); };
+  StoredImage stored = read_image_file(path, 0, supported);
   if (stored.values.empty()) {
     throw Error("{}: a colour image; labels are one whole number a voxel", where);
   }

@@ -20,7 +20,7 @@ struct StoredImage {
   std::vector<std::uint8_t> rgb;  ///< colour images, 3 a voxel; values is then empty
 };
 
-/// Larger volumes are refused before anything is allocated (2^31 voxels are 8 GiB of floats).
-constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 31;
+/// Larger volumes are refused before anything is allocated; see require_supported().
+constexpr std::uint64_t kMaxVoxels = std::uint64_t{1} << 32;
 
 }  // namespace clipgs
