@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "cinema/matter_colors.h"
 #include "cinema/scatter.h"
 #include "core/image.h"
 
@@ -14,6 +15,7 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
     : volume_(volume),
       preset_(preset),
       labels_(looks_of_labels(volume, preset.labels)),
+      photo_(matter_colors(volume, preset.transfer)),
       camera_(camera),
       max_bounces_(max_bounces),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
@@ -36,12 +38,13 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
   }
 }
 
-double ReferenceTracer::value_at(const DVec3& voxel) const {
+// Calls use(weight, offset) for the eight voxels about a position.
+template <typename Use>
+void ReferenceTracer::interpolate(const DVec3& voxel, const Use& use) const {
   const DVec3 p = glm::clamp(voxel, DVec3(0), last_);
   const IVec3 low = glm::min(IVec3(p), volume_.dims - 1);
   const IVec3 high = glm::min(low + 1, volume_.dims - 1);
   const DVec3 f = p - DVec3(low);
-  double value = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const IVec3 bit(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
     double weight = 1;
@@ -50,9 +53,31 @@ double ReferenceTracer::value_at(const DVec3& voxel) const {
       weight *= bit[k] != 0 ? f[k] : 1 - f[k];
       at[k] = bit[k] != 0 ? high[k] : low[k];
     }
-    value += weight * static_cast<double>(volume_.at(at.x, at.y, at.z));
+    use(weight, volume_.offset(at.x, at.y, at.z));
   }
+}
+
+double ReferenceTracer::value_at(const DVec3& voxel) const {
+  double value = 0;
+  interpolate(voxel, [&](double weight, size_t at) {
+    value += weight * static_cast<double>(volume_.values[at]);
+  });
   return value;
+}
+
+// Linear RGB; white without colours.
+Vec3 ReferenceTracer::photo_at(const DVec3& voxel) const {
+  if (photo_.empty()) {
+    return Vec3(1);
+  }
+  DVec3 color(0);
+  interpolate(voxel, [&](double weight, size_t at) {
+    for (int c = 0; c < 3; ++c) {
+      const float srgb = static_cast<float>(photo_[3 * at + static_cast<size_t>(c)]) / 255.0f;
+      color[c] += weight * static_cast<double>(linear_from_srgb(srgb));
+    }
+  });
+  return Vec3(color);
 }
 
 // Central differences over one voxel to either side, value units per mm, in the grid frame.
@@ -184,8 +209,9 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     sample.alpha = 1;
     const DVec3 voxel = voxel_at(origin, DVec3(direction), collision.t);
     const Vec3 out = -direction;
-    Material m =
-        collision.label.applied_to(preset_.transfer.at(static_cast<float>(collision.value)));
+    Material m = preset_.transfer.at(static_cast<float>(collision.value));
+    m.albedo *= photo_at(voxel);
+    m = collision.label.applied_to(m);
 
     const Vec3* const face = bounce == 0 ? face_at(voxel, DVec3(direction)) : nullptr;
     DVec3 start = voxel;

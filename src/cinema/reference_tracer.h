@@ -29,9 +29,12 @@ class ReferenceTracer {
     LabelLook label;
   };
 
+  template <typename Use>
+  void interpolate(const DVec3& voxel, const Use& use) const;
   double value_at(const DVec3& voxel) const;
   DVec3 gradient_at(const DVec3& voxel) const;
   double extinction_at(const DVec3& voxel, double value, const LabelLook& label) const;
+  Vec3 photo_at(const DVec3& voxel) const;
   LabelLook draw_label(const DVec3& voxel, Rng& rng) const;
   DVec3 voxel_at(const DVec3& origin, const DVec3& direction, double t) const {
     return origin + t * direction / spacing_;
@@ -44,7 +47,8 @@ class ReferenceTracer {
 
   const Volume& volume_;
   const Preset& preset_;
-  std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
+  std::vector<LabelLook> labels_;    // by the volume's indices; empty without labels
+  std::vector<std::uint8_t> photo_;  // colours of matter; empty without
   Camera camera_;
   int max_bounces_;
   Lights lights_;

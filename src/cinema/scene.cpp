@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "cinema/matter_colors.h"
 #include "core/image.h"
 
 namespace clipgs {
@@ -53,7 +54,8 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
       inverse_spacing_(1.0f / volume.spacing),
       lift_(mean_spacing(volume.spacing) * inverse_spacing_),
       gradient_scale_(grid_.step() / volume.spacing),
-      tables_(std::make_unique<MaterialTables>()) {
+      tables_(std::make_unique<MaterialTables>()),
+      photo_(matter_colors(volume, preset.transfer)) {
   const TransferFunction& transfer = preset_.transfer;
   const float range = transfer.max_value() - transfer.min_value();
   const float per_value = range > 0 ? (TransferFunction::kTableSize - 1) / range : 0.0f;
@@ -100,7 +102,7 @@ Vec3 CinemaScene::photo(const Vec3& voxel) const {
     const bool z = (corner & 4) != 0;
     const float weight = (x ? f.x : 1 - f.x) * (y ? f.y : 1 - f.y) * (z ? f.z : 1 - f.z);
     const std::uint8_t* rgb =
-        &volume.rgb[3 * volume.offset(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z)];
+        &photo_[3 * volume.offset(x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z)];
     color += weight * Vec3(kLinear[rgb[0]], kLinear[rgb[1]], kLinear[rgb[2]]);
   }
   return color;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "cinema/label_grid.h"
 #include "cinema/lights.h"
@@ -28,7 +29,7 @@ std::uint64_t tracing_memory(const VolumeSize& size);
 /// works in *voxel space* (continuous voxel index) for positions and in the *grid frame* (the
 /// volume's axes, unit length = mm) for directions, normals and lights.
 ///
-/// The volume must outlive the scene (photographs are read from it while tracing).
+/// The volume must outlive the scene.
 class CinemaScene {
  public:
   CinemaScene(const Volume& volume, const Preset& preset);
@@ -52,8 +53,8 @@ class CinemaScene {
   float entry_offset() const { return entry_offset_; }
 
   /// Photographs have colours of their own, which the materials' albedos are multiplied by.
-  bool has_photo() const { return !volume_->rgb.empty(); }
-  /// Trilinear, linear RGB.
+  bool has_photo() const { return !photo_.empty(); }
+  /// Trilinear between the colours of matter (matter_colors.h), linear RGB.
   Vec3 photo(const Vec3& voxel) const;
   /// Null for a volume without labels.
   const LabelGrid* labels() const { return labels_.get(); }
@@ -86,6 +87,7 @@ class CinemaScene {
   float entry_scale_ = 0;
   float entry_offset_ = 0;
   std::unique_ptr<MaterialTables> tables_;
+  std::vector<std::uint8_t> photo_;  // [nz, ny, nx, 3] sRGB; empty without colours
 };
 
 }  // namespace clipgs

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "cinema/lights.h"
+#include "cinema/matter_colors.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
@@ -45,6 +46,7 @@ class Looks {
         transfer_(preset.transfer),
         labels_(looks_of_labels(volume, preset.labels)),
         gradient_opacity_(preset.gradient_opacity),
+        colors_(matter_colors(volume, preset.transfer)),
         thickness_(mean_spacing(volume.spacing)) {}
 
   // Colour times opacity, opacity; photographs' colours do not count.
@@ -59,8 +61,8 @@ class Looks {
   Vec3 albedo_at(int x, int y, int z) const {
     const size_t voxel = volume_.offset(x, y, z);
     Material m = transfer_.at(volume_.values[voxel]);
-    if (!volume_.rgb.empty()) {
-      const std::uint8_t* rgb = &volume_.rgb[3 * voxel];
+    if (!colors_.empty()) {
+      const std::uint8_t* rgb = &colors_[3 * voxel];
       for (int c = 0; c < 3; ++c) {
         m.albedo[c] *= linear_from_srgb(static_cast<float>(rgb[c]) / 255.0f);
       }
@@ -91,6 +93,7 @@ class Looks {
   const TransferFunction& transfer_;
   std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
   std::optional<GradientOpacity> gradient_opacity_;
+  std::vector<std::uint8_t> colors_;  // of photographs' matter
   float thickness_;
 };
 
