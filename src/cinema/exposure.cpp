@@ -34,7 +34,8 @@ float automatic_exposure(const CinemaScene& scene, const Sphere& sphere) {
       luminances.begin() +
       static_cast<std::ptrdiff_t>(kBright * static_cast<double>(luminances.size() - 1));
   std::nth_element(luminances.begin(), bright, luminances.end());
-  return *bright > 0 ? kShown / *bright : scene.preset().exposure;
+  return *bright > 0 ? std::clamp(kShown / *bright, Preset::kLeastExposure, Preset::kMostExposure)
+                     : scene.preset().exposure;
 }
 
 }  // namespace clipgs

@@ -32,8 +32,9 @@ Lights::Lights(const LightRig& rig, const Mat3& frame_from_world, const Vec3& ex
     : sky_{frame_from_world * Vec3(0, 0, 1), rig.sky_horizon, rig.sky_top - rig.sky_horizon,
            rig.sky_bottom - rig.sky_horizon},
       middle_(0.5f * extent) {
-  if (rig.keys.size() > kMaxKeys) {
-    throw Error("light rig: {} key lights; at most {} are supported", rig.keys.size(), kMaxKeys);
+  if (rig.keys.size() > LightRig::kMostKeys) {
+    throw Error("light rig: {} key lights; at most {} are supported", rig.keys.size(),
+                LightRig::kMostKeys);
   }
   for (const KeyLight& light : rig.keys) {
     Key key;

@@ -15,11 +15,9 @@ inline constexpr Vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};
 /// A light rig turned into the frame that paths are traced in: the grid frame of scene.h.
 class Lights {
  public:
-  static constexpr size_t kMaxKeys = 8;
-
   /// `frame_from_world` rotates RAS directions into the tracing frame; `extent` is the size of the
   /// volume's box, mm, one corner of which is the frame's origin. Throws Error for more than
-  /// kMaxKeys key lights.
+  /// LightRig::kMostKeys key lights.
   Lights(const LightRig& rig, const Mat3& frame_from_world, const Vec3& extent);
 
   struct Key {

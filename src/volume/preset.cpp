@@ -27,14 +27,58 @@ using nlohmann::json;
 
 constexpr float kRadiansPerDegree = 0.017453293f;
 
+/// What a number may be, both ends included, and its unit in errors. docs/presets.md lists them.
+struct Range {
+  float low, high;
+  const char* unit = "";
+};
+constexpr Range kAny = {-1e9f, 1e9f};
+constexpr Range kShare = {0, 1};
+/// Denser matter is opaque within hundredths of any voxel, and delta tracking takes a step per free
+/// path: beyond, pictures would take for ever.
+constexpr Range kExtinction = {0, 100, " 1/mm"};
+constexpr Range kRoughness = {0.01f, 1};  // sharper lobes leave the range of floats
+constexpr Range kPhase = {-0.99f, 0.99f};
+constexpr Range kSurfaceStrength = {0, 1e6f};
+constexpr Range kSteepness = {0, 1e9f, " per mm"};
+constexpr Range kExposure = {Preset::kLeastExposure, Preset::kMostExposure};
+constexpr Range kIntensity = {0, 1e4f};
+constexpr Range kAngularRadius = {0, 89, " degrees"};
+constexpr Range kDistance = {0, 1000, " half diagonals"};
+constexpr Range kTurn = {-360, 360, " degrees"};
+constexpr Range kPercentile = {0, 100};
+constexpr Range kLabel = {-0x1p24f, 0x1p24f};
+constexpr size_t kMostPoints = 1000;
+constexpr size_t kMostLabels = 100000;
+constexpr float kBrightest = 1e10f;  // radiance of a panorama
+
 /// Reads one JSON object and refuses keys that nothing asked for: a misspelt key must not be
-/// silently ignored.
+/// silently ignored. Errors name the file and the path of the key in it.
 class Reader {
  public:
-  Reader(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+  Reader(const json& object, std::string file, std::string path = "")
+      : object_(object), file_(std::move(file)), path_(std::move(path)) {
     if (!object_.is_object()) {
-      throw Error("{}: expected an object {{...}}", where_);
+      throw Error("{}: expected an object {{...}}", where());
     }
+  }
+
+  /// Of the object that a key holds.
+  Reader child(const std::string& key) { return {get(key), file_, path_of(key)}; }
+  /// Of the objects that a key lists.
+  std::vector<Reader> children(const std::string& key, size_t most) {
+    const json& values = get(key);
+    if (!values.is_array()) {
+      fail(key, "must be a list");
+    }
+    if (values.size() > most) {
+      fail(key, "holds {} entries, at most {}", values.size(), most);
+    }
+    std::vector<Reader> result;
+    for (size_t i = 0; i < values.size(); ++i) {
+      result.emplace_back(values[i], file_, fmt::format("{}[{}]", path_of(key), i));
+    }
+    return result;
   }
 
   const json* find(const std::string& key) {
@@ -46,23 +90,15 @@ class Reader {
   const json& get(const std::string& key) {
     const json* value = find(key);
     if (value == nullptr) {
-      throw Error("{}: \"{}\" is missing", where_, key);
+      fail(key, "is missing");
     }
     return *value;
   }
 
-  const json& list(const std::string& key) {
-    const json& value = get(key);
-    if (!value.is_array()) {
-      throw Error("{}: \"{}\" must be a list", where_, key);
-    }
-    return value;
-  }
-
-  float number(const std::string& key) { return number(get(key), key); }
-  float number(const std::string& key, float otherwise) {
+  float number(const std::string& key, const Range& range) { return number(get(key), key, range); }
+  float number(const std::string& key, const Range& range, float otherwise) {
     const json* value = find(key);
-    return value == nullptr ? otherwise : number(*value, key);
+    return value == nullptr ? otherwise : number(*value, key, range);
   }
 
   std::string text(const std::string& key, const std::string& otherwise) {
@@ -71,7 +107,7 @@ class Reader {
       return otherwise;
     }
     if (!value->is_string()) {
-      throw Error("{}: \"{}\" must be a string", where_, key);
+      fail(key, "must be a string");
     }
     return value->get<std::string>();
   }
@@ -79,58 +115,72 @@ class Reader {
   bool flag(const std::string& key, bool otherwise) {
     const json* value = find(key);
     if (value != nullptr && !value->is_boolean()) {
-      throw Error("{}: \"{}\" must be true or false", where_, key);
+      fail(key, "must be true or false");
     }
     return value == nullptr ? otherwise : value->get<bool>();
   }
 
-  Vec3 vector(const std::string& key) { return vector(get(key), key); }
+  Vec3 vector(const std::string& key, const Range& range) { return vector(get(key), key, range); }
 
   /// "#rrggbb" or [r, g, b] in 0…1, both sRGB, as linear RGB.
   Vec3 color(const std::string& key) {
     const json& value = get(key);
-    Vec3 srgb;
-    if (value.is_string()) {
-      srgb = parse_hex(value.get<std::string>(), key);
-    } else {
-      srgb = vector(value, key);
-    }
-    if (glm::any(glm::lessThan(srgb, Vec3(0))) || glm::any(glm::greaterThan(srgb, Vec3(1)))) {
-      throw Error("{}: \"{}\" must lie in 0..1", where_, key);
-    }
+    const Vec3 srgb =
+        value.is_string() ? parse_hex(value.get<std::string>(), key) : vector(value, key, kShare);
     return {linear_from_srgb(srgb.r), linear_from_srgb(srgb.g), linear_from_srgb(srgb.b)};
   }
 
   void refuse_unknown_keys() const {
     for (const auto& [key, value] : object_.items()) {
       if (!known_.contains(key)) {
-        throw Error("{}: unknown key \"{}\"; known here: {}", where_, key, fmt::join(known_, ", "));
+        throw Error("{}: unknown key \"{}\"; known here: {}", where(), key,
+                    fmt::join(known_, ", "));
       }
     }
   }
 
-  const std::string& where() const { return where_; }
+  std::string where() const { return path_.empty() ? file_ : file_ + ": " + path_; }
+  const std::string& file() const { return file_; }
 
- private:
-  float number(const json& value, const std::string& key) const {
-    if (!value.is_number() || !std::isfinite(value.get<float>())) {
-      throw Error("{}: \"{}\" must be a finite number", where_, key);
-    }
-    return value.get<float>();
+  /// Throws Error: what of the key is wrong, e.g. "is 7, at most 5".
+  template <typename... Args>
+  [[noreturn]] void fail(const std::string& key, fmt::format_string<Args...> what,
+                         Args&&... args) const {
+    throw Error("{}: {} {}", file_, path_of(key), fmt::format(what, std::forward<Args>(args)...));
   }
 
-  Vec3 vector(const json& value, const std::string& key) const {
-    if (!value.is_array() || value.size() != 3) {
-      throw Error("{}: \"{}\" must be a list of three numbers", where_, key);
+ private:
+  std::string path_of(const std::string& key) const {
+    return path_.empty() ? key : path_ + "." + key;
+  }
+
+  float number(const json& value, const std::string& key, const Range& range) const {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      fail(key, "must be a finite number");
     }
-    return {number(value[0], key), number(value[1], key), number(value[2], key)};
+    const auto number = value.get<double>();
+    if (number < static_cast<double>(range.low)) {
+      fail(key, "is {:g}, at least {:g}{}", number, range.low, range.unit);
+    }
+    if (number > static_cast<double>(range.high)) {
+      fail(key, "is {:g}, at most {:g}{}", number, range.high, range.unit);
+    }
+    return static_cast<float>(number);
+  }
+
+  Vec3 vector(const json& value, const std::string& key, const Range& range) const {
+    if (!value.is_array() || value.size() != 3) {
+      fail(key, "must be a list of three numbers");
+    }
+    return {number(value[0], key, range), number(value[1], key, range),
+            number(value[2], key, range)};
   }
 
   Vec3 parse_hex(const std::string& text, const std::string& key) const {
     const bool hex = text.size() == 7 && text[0] == '#' &&
                      text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
     if (!hex) {
-      throw Error(R"({}: "{}" must be "#rrggbb" or [r, g, b])", where_, key);
+      fail(key, R"(must be "#rrggbb" or [r, g, b])");
     }
     const auto channel = [&](size_t at) {
       return static_cast<float>(std::stoi(text.substr(at, 2), nullptr, 16)) / 255.0f;
@@ -139,7 +189,8 @@ class Reader {
   }
 
   const json& object_;
-  std::string where_;
+  std::string file_;
+  std::string path_;  // of the object in the file
   std::set<std::string> known_;
 };
 
@@ -158,25 +209,23 @@ ValueUnits parse_units(const std::string& text, const std::string& where) {
 }
 
 /// `phase`: of a point that has none of its own.
-TransferPoint parse_point(const json& object, const std::string& where, float phase) {
-  Reader reader(object, where);
+TransferPoint parse_point(Reader reader, ValueUnits units, float phase) {
   TransferPoint point;
-  point.value = reader.number("value");
+  point.value = reader.number("value", units == ValueUnits::kPercentile ? kPercentile : kAny);
   point.material.albedo = reader.color("color");
-  point.material.extinction = reader.number("extinction");
-  point.material.specular = reader.number("specular", 0);
-  point.material.roughness = reader.number("roughness", 0.5f);
-  point.material.phase = reader.number("phase", phase);
+  point.material.extinction = reader.number("extinction", kExtinction);
+  point.material.specular = reader.number("specular", kShare, 0);
+  point.material.roughness = reader.number("roughness", kRoughness, 0.5f);
+  point.material.phase = reader.number("phase", kPhase, phase);
   reader.refuse_unknown_keys();
   return point;
 }
 
-GradientOpacity parse_gradient_opacity(const json& object, const std::string& where) {
-  Reader reader(object, where);
-  const GradientOpacity result{reader.number("from"), reader.number("to"),
-                               reader.number("floor", 0)};
+GradientOpacity parse_gradient_opacity(Reader reader) {
+  const GradientOpacity result{reader.number("from", kSteepness), reader.number("to", kSteepness),
+                               reader.number("floor", kShare, 0)};
   if (!result.valid()) {
-    throw Error("{}: needs 0 <= from < to, and floor in 0..1", where);
+    reader.fail("to", "is {:g}, which must be more than \"from\"", result.to);
   }
   reader.refuse_unknown_keys();
   return result;
@@ -184,77 +233,72 @@ GradientOpacity parse_gradient_opacity(const json& object, const std::string& wh
 
 /// {"color": ..., "intensity": ...} as linear radiance.
 Vec3 parse_radiance(Reader& reader) {
-  const float intensity = reader.number("intensity", 1);
-  if (intensity < 0) {
-    throw Error("{}: \"intensity\" must not be negative", reader.where());
-  }
+  const float intensity = reader.number("intensity", kIntensity, 1);
   return reader.color("color") * intensity;
 }
 
-Vec3 parse_sky(const json& object, const std::string& where) {
-  Reader reader(object, where);
+Vec3 parse_sky(Reader reader) {
   const Vec3 radiance = parse_radiance(reader);
   reader.refuse_unknown_keys();
   return radiance;
 }
 
-KeyLight parse_key(const json& object, const std::string& where) {
-  Reader reader(object, where);
+KeyLight parse_key(Reader reader) {
   KeyLight key;
-  key.direction = reader.vector("direction");
+  key.direction = reader.vector("direction", kAny);
   const float length = glm::length(key.direction);
-  if (length == 0) {
-    throw Error("{}: \"direction\" must not be zero", where);
+  if (length < 1e-9f) {
+    reader.fail("direction", "must not be zero");
   }
   key.direction /= length;
   key.radiance = parse_radiance(reader);
-  const float degrees = reader.number("angular_radius_deg", 5);
-  if (degrees < 0 || degrees > 89) {
-    throw Error("{}: \"angular_radius_deg\" must lie in 0..89", where);
-  }
-  key.angular_radius = degrees * kRadiansPerDegree;
-  key.distance = reader.number("distance", 0);
+  key.angular_radius = reader.number("angular_radius_deg", kAngularRadius, 5) * kRadiansPerDegree;
+  key.distance = reader.number("distance", kDistance, 0);
   if (key.distance != 0 && key.distance <= 1) {
-    throw Error("{}: \"distance\" must be greater than 1 (or 0: infinitely far)", where);
+    reader.fail("distance", "is {:g}, which must be more than 1 (or 0: infinitely far)",
+                key.distance);
   }
   reader.refuse_unknown_keys();
   return key;
 }
 
-// {"file": ..., "intensity": ..., "turn_deg": ...}; the file lies beside the rig's.
-void parse_environment(const json& object, const std::string& where, LightRig& rig) {
-  Reader reader(object, where + ": environment");
-  const std::filesystem::path file =
-      std::filesystem::path(where).parent_path() / reader.text("file", "");
-  const float intensity = reader.number("intensity", 1);
-  if (intensity < 0) {
-    throw Error("{}: \"intensity\" must not be negative", reader.where());
-  }
-  rig.environment_turn = reader.number("turn_deg", 0) * kRadiansPerDegree;
-  reader.refuse_unknown_keys();
+Image read_panorama(const std::filesystem::path& file) {
   Image panorama = read_hdr(file);
+  if (std::ranges::max(panorama.data) > kBrightest) {
+    throw Error("{}: a radiance is {:g}, at most {:g}", file.string(),
+                std::ranges::max(panorama.data), kBrightest);
+  }
+  return panorama;
+}
+
+// {"file": ..., "intensity": ..., "turn_deg": ...}; the file lies beside the rig's.
+void parse_environment(Reader reader, LightRig& rig) {
+  const std::filesystem::path file =
+      std::filesystem::path(reader.file()).parent_path() / reader.text("file", "");
+  const float intensity = reader.number("intensity", kIntensity, 1);
+  rig.environment_turn = reader.number("turn_deg", kTurn, 0) * kRadiansPerDegree;
+  reader.refuse_unknown_keys();
+  Image panorama = read_panorama(file);
   for (float& value : panorama.data) {
     value *= intensity;
   }
   rig.environment = std::make_shared<const Image>(std::move(panorama));
 }
 
-LightRig parse_rig(const json& object, const std::string& where) {
-  Reader reader(object, where);
+LightRig parse_rig(Reader reader) {
   reader.text("title", "");
   reader.text("description", "");
-  Reader sky(reader.get("sky"), where + ": sky");
+  Reader sky = reader.child("sky");
   LightRig rig;
-  rig.sky_top = parse_sky(sky.get("top"), where + ": sky top");
-  rig.sky_horizon = parse_sky(sky.get("horizon"), where + ": sky horizon");
-  rig.sky_bottom = parse_sky(sky.get("bottom"), where + ": sky bottom");
+  rig.sky_top = parse_sky(sky.child("top"));
+  rig.sky_horizon = parse_sky(sky.child("horizon"));
+  rig.sky_bottom = parse_sky(sky.child("bottom"));
   sky.refuse_unknown_keys();
-  const json& keys = reader.list("keys");
-  for (size_t i = 0; i < keys.size(); ++i) {
-    rig.keys.push_back(parse_key(keys[i], fmt::format("{}: key light {}", where, i + 1)));
+  for (const Reader& key : reader.children("keys", LightRig::kMostKeys)) {
+    rig.keys.push_back(parse_key(key));
   }
-  if (object.contains("environment")) {
-    parse_environment(reader.get("environment"), where, rig);
+  if (reader.find("environment") != nullptr) {
+    parse_environment(reader.child("environment"), rig);
   }
   reader.refuse_unknown_keys();
   return rig;
@@ -265,6 +309,8 @@ json parse_json(const std::string& text, const std::string& where) {
     return json::parse(text, nullptr, true, /*ignore_comments=*/true);
   } catch (const json::parse_error& e) {
     throw Error("{}: not JSON (near byte {})", where, e.byte);
+  } catch (const json::out_of_range&) {
+    throw Error("{}: not JSON (a number is too large)", where);
   }
 }
 
@@ -306,24 +352,16 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
   preset.description = reader.text("description", "");
   preset.modality = parse_modality(reader.text("modality", "any"), where);
   preset.units = parse_units(reader.text("units", "hu"), where);
-  preset.surface_strength = reader.number("surface_strength");
-  const float phase = reader.number("phase_g", 0);
-  if (const json* const found = reader.find("gradient_opacity")) {
-    preset.gradient_opacity = parse_gradient_opacity(*found, where + ": gradient_opacity");
+  preset.surface_strength = reader.number("surface_strength", kSurfaceStrength);
+  const float phase = reader.number("phase_g", kPhase, 0);
+  if (reader.find("gradient_opacity") != nullptr) {
+    preset.gradient_opacity = parse_gradient_opacity(reader.child("gradient_opacity"));
   }
-  preset.exposure = reader.number("exposure", 1);
-  if (preset.surface_strength < 0 || preset.exposure <= 0 || std::abs(phase) >= 1) {
-    throw Error("{}: surface_strength must be >= 0, exposure > 0 and |phase_g| < 1", where);
-  }
+  preset.exposure = reader.number("exposure", kExposure, 1);
 
   std::vector<TransferPoint> points;
-  const json& list = reader.list("points");
-  for (size_t i = 0; i < list.size(); ++i) {
-    points.push_back(parse_point(list[i], fmt::format("{}: point {}", where, i + 1), phase));
-    const float value = points.back().value;
-    if (preset.units == ValueUnits::kPercentile && (value < 0 || value > 100)) {
-      throw Error("{}: point {}: a percentile must lie in 0..100", where, i + 1);
-    }
+  for (const Reader& point : reader.children("points", kMostPoints)) {
+    points.push_back(parse_point(point, preset.units, phase));
   }
   try {
     preset.transfer = TransferFunction(std::move(points));
@@ -331,8 +369,8 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
     throw Error("{}: {}", where, e.what());
   }
   const json& lights = reader.get("lights");
-  preset.rig = lights.is_string() ? load_rig(lights.get<std::string>())
-                                  : parse_rig(lights, where + ": lights");
+  preset.rig =
+      lights.is_string() ? load_rig(lights.get<std::string>()) : parse_rig(reader.child("lights"));
   reader.refuse_unknown_keys();
   return preset;
 }
@@ -340,7 +378,7 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
 // A panorama alone. Files of this kind come in any unit: its mean is made `studio`'s.
 LightRig rig_of_panorama(const std::filesystem::path& path) {
   constexpr double kMean = 0.6;
-  Image panorama = read_hdr(path);
+  Image panorama = read_panorama(path);
   double sum = 0;
   double weights = 0;
   for (int y = 0; y < panorama.height; ++y) {
@@ -363,21 +401,17 @@ LightRig rig_of_panorama(const std::filesystem::path& path) {
   return rig;
 }
 
-std::pair<int, LabelLook> parse_label(const json& object, const std::string& where) {
-  Reader reader(object, where);
-  const float number = reader.number("label");
-  if (number != std::trunc(number) || std::abs(number) > 0x1p24f) {
-    throw Error("{}: \"label\" must be a whole number", where);
+std::pair<int, LabelLook> parse_label(Reader reader) {
+  const float number = reader.number("label", kLabel);
+  if (number != std::trunc(number)) {
+    reader.fail("label", "must be a whole number");
   }
   LabelLook look;
   reader.text("name", "");  // for people
   if (reader.find("color") != nullptr) {
     look.albedo = reader.color("color");
   }
-  look.opacity = reader.number("opacity", 1);
-  if (look.opacity < 0 || look.opacity > 1) {
-    throw Error("{}: \"opacity\" must lie in 0..1", where);
-  }
+  look.opacity = reader.number("opacity", kShare, 1);
   if (!reader.flag("visible", true)) {
     look.opacity = 0;
   }
@@ -414,17 +448,16 @@ std::pair<int, LabelLook> parse_label(const std::string& text) {
   if (!understood || object.size() == 1) {
     throw Error("label \"{}\": write N=#rrggbb, N=OPACITY, N=#rrggbb,OPACITY or N=hidden", text);
   }
-  return parse_label(object, fmt::format("label \"{}\"", text));
+  return parse_label(Reader(object, fmt::format("label \"{}\"", text)));
 }
 
 LabelLooks load_label_table(const std::filesystem::path& path) {
   const std::string where = path.string();
   const json table = parse_json(read_text(path), where);
   Reader reader(table, where);
-  const json& list = reader.list("labels");
   LabelLooks looks;
-  for (size_t i = 0; i < list.size(); ++i) {
-    const auto [number, look] = parse_label(list[i], fmt::format("{}: entry {}", where, i + 1));
+  for (const Reader& entry : reader.children("labels", kMostLabels)) {
+    const auto [number, look] = parse_label(entry);
     if (!looks.emplace(number, look).second) {
       throw Error("{}: label {} is there twice", where, number);
     }
@@ -444,7 +477,8 @@ LightRig load_rig(const std::string& name_or_path) {
     throw Error("no light rig \"{}\": use one of {}, or the path of a .json or .hdr file",
                 name_or_path, fmt::join(rig_names(), ", "));
   }
-  return parse_rig(parse_json(source->text, source->where), source->where);
+  const json rig = parse_json(source->text, source->where);
+  return parse_rig(Reader(rig, source->where));
 }
 
 Preset parse_preset(const std::string& text, const std::string& name, const std::string& where) {

@@ -27,6 +27,7 @@ struct KeyLight {
 /// Lights of a scene: a smooth sky (vertical gradient along S), any number of key lights, and what
 /// a panorama shows.
 struct LightRig {
+  static constexpr size_t kMostKeys = 8;
   Vec3 sky_top{1};      ///< environment radiance from superior, linear RGB
   Vec3 sky_horizon{1};  ///< … from the horizon
   Vec3 sky_bottom{1};   ///< … from inferior
@@ -44,6 +45,9 @@ enum class ValueUnits {
 
 /// Everything that says how a volume looks: one file of presets/ (docs/presets.md).
 struct Preset {
+  static constexpr float kLeastExposure = 1e-4f;
+  static constexpr float kMostExposure = 1e4f;
+
   std::string name;         ///< file stem, e.g. "skin-and-bone"
   std::string title;        ///< for people
   std::string description;  ///< one sentence

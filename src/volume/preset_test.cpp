@@ -72,9 +72,9 @@ TEST(Preset, ReadsGradientOpacity) {
   EXPECT_EQ(parse_preset(text(R"({"from": 0, "to": 1})"), "s", "s").gradient_opacity->floor, 0);
   for (const char* const wrong : {R"({"from": 60, "to": 60})", R"({"from": -1, "to": 60})",
                                   R"({"from": 0, "to": 60, "floor": 1.1})"}) {
-    EXPECT_THAT(parse_error(text(wrong)), HasSubstr("gradient_opacity: needs 0 <= from < to"));
+    EXPECT_THAT(parse_error(text(wrong)), HasSubstr("small.json: gradient_opacity."));
   }
-  EXPECT_THAT(parse_error(text(R"({"from": 20})")), HasSubstr("\"to\" is missing"));
+  EXPECT_THAT(parse_error(text(R"({"from": 20})")), HasSubstr("gradient_opacity.to is missing"));
   EXPECT_THAT(parse_error(text("[20, 60]")), HasSubstr("gradient_opacity: expected an object"));
   EXPECT_THAT(parse_error(text(R"({"from": 0, "to": 1, "flor": 0})")), HasSubstr("\"flor\""));
 }
@@ -112,19 +112,103 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
   EXPECT_THAT(parse_error("{"), HasSubstr("small.json: not JSON"));
   EXPECT_THAT(parse_error("[]"), HasSubstr("expected an object"));
   EXPECT_THAT(parse_error(with("\"extinction\": 2", "\"extinction\": -2")),
-              HasSubstr("extinction at value 100"));
+              HasSubstr("small.json: points[1].extinction is -2, at least 0 1/mm"));
   EXPECT_THAT(parse_error(with("\"extinction\": 2", "\"extinctoin\": 2")),
-              HasSubstr("point 2: \"extinction\" is missing"));
+              HasSubstr("small.json: points[1].extinction is missing"));
   EXPECT_THAT(parse_error(with("\"specular\"", "\"shine\"")), HasSubstr("unknown key \"shine\""));
-  EXPECT_THAT(parse_error(with("#000000", "black")), HasSubstr("point 1: \"color\""));
-  EXPECT_THAT(parse_error(with("[1, 0.5, 0]", "[1, 2, 0]")), HasSubstr("0..1"));
-  EXPECT_THAT(parse_error(with("[0, 2, 0]", "[0, 0, 0]")), HasSubstr("direction"));
+  EXPECT_THAT(parse_error(with("#000000", "black")), HasSubstr("points[0].color must be"));
+  EXPECT_THAT(parse_error(with("[1, 0.5, 0]", "[1, 2, 0]")),
+              HasSubstr("points[1].color is 2, at most 1"));
+  EXPECT_THAT(parse_error(with("[0, 2, 0]", "[0, 0, 0]")),
+              HasSubstr("lights.keys[0].direction must not be zero"));
   EXPECT_THAT(parse_error(with("\"ct\"", "\"pet\"")), HasSubstr("modality"));
   EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
   EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
   EXPECT_THAT(parse_error(with("\"phase\": -0.2", "\"phase\": -1")),
-              HasSubstr("phase at value 100"));
+              HasSubstr("points[1].phase is -1, at least -0.99"));
   EXPECT_THAT(parse_error(with("\"phase_g\": 0.6", "\"phase_g\": 1")), HasSubstr("phase_g"));
+}
+
+// Nothing that is accepted can make a picture take for ever, or of what is no number.
+TEST(Preset, EveryQuantityIsBounded) {
+  struct Wrong {
+    const char* from;
+    const char* to;
+    const char* says;
+  };
+  for (const Wrong& wrong : {
+           Wrong{"\"extinction\": 2", "\"extinction\": 1e6",
+                 "small.json: points[1].extinction is 1e+06, at most 100 1/mm"},
+           Wrong{"\"extinction\": 2", "\"extinction\": 1e999", "small.json: not JSON"},
+           Wrong{"\"extinction\": 2", "\"extinction\": \"2\"", "must be a finite number"},
+           Wrong{"\"value\": 100", "\"value\": 1e30", "points[1].value is 1e+30, at most 1e+09"},
+           Wrong{"\"specular\": 0.2", "\"specular\": 1.5", "points[1].specular is 1.5, at most 1"},
+           Wrong{"\"roughness\": 0.3", "\"roughness\": 1e-9", "points[1].roughness is 1e-09"},
+           Wrong{"\"phase\": -0.2", "\"phase\": 0.9999999", "points[1].phase is 1, at most 0.99"},
+           Wrong{"\"phase_g\": 0.6", "\"phase_g\": 7", "small.json: phase_g is 7, at most 0.99"},
+           Wrong{"_strength\": 0.5", "_strength\": 1e30", "surface_strength is 1e+30"},
+           Wrong{"\"exposure\": 2", "\"exposure\": 1e9", "exposure is 1e+09, at most 10000"},
+           Wrong{"\"exposure\": 2",
+                 "\"exposure\": 1, \"gradient_opacity\": {\"from\": 0, \"to\": 1e20}",
+                 "gradient_opacity.to is 1e+20, at most 1e+09 per mm"},
+           Wrong{"\"intensity\": 0.5", "\"intensity\": 1e30",
+                 "lights.sky.top.intensity is 1e+30, at most 10000"},
+           Wrong{"\"intensity\": 3", "\"intensity\": -3", "lights.keys[0].intensity is -3"},
+           Wrong{"_deg\": 10", "_deg\": 90",
+                 "keys[0].angular_radius_deg is 90, at most 89 degrees"},
+           Wrong{"_deg\": 10", "_deg\": 1, \"distance\": 1e30", "keys[0].distance is 1e+30"},
+           Wrong{"_deg\": 10", "_deg\": 1, \"distance\": 0.5", "keys[0].distance is 0.5"},
+           Wrong{"[0, 2, 0]", "[0, 1e30, 0]", "lights.keys[0].direction is 1e+30"},
+       }) {
+    EXPECT_THAT(parse_error(with(wrong.from, wrong.to)), HasSubstr(wrong.says));
+  }
+  std::string keys = "[";
+  for (int i = 0; i < 9; ++i) {
+    keys += std::string(i == 0 ? "" : ",") + R"({"direction": [0, 1, 0], "color": "#ffffff"})";
+  }
+  const std::string text = kSmall;
+  const size_t list = text.find("[{\"direction\"");
+  EXPECT_THAT(parse_error(text.substr(0, list) + keys + "]}}"),
+              HasSubstr("small.json: lights.keys holds 9 entries, at most 8"));
+}
+
+TEST(LightRig, PanoramasAreBounded) {
+  const TestFolder folder;
+  const auto rig = [&](const std::string& more) {
+    write_text(folder / "rig.json",
+               R"({"sky": {"top": {"color": "#000000"}, "horizon": {"color": "#000000"},
+                   "bottom": {"color": "#000000"}}, "keys": [],
+                   "environment": {"file": "sky.hdr", )" +
+                   more + "}}");
+    return error_of([&] { load_rig((folder / "rig.json").string()); });
+  };
+  EXPECT_THAT(rig("\"turn_deg\": 1e20"), HasSubstr("rig.json: environment.turn_deg is 1e+20"));
+  EXPECT_THAT(rig("\"intensity\": 1e20"), HasSubstr("environment.intensity is 1e+20"));
+  // One pixel of 2^119: a float, but no light.
+  write_text(folder / "sky.hdr",
+             std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xf8", 53));
+  EXPECT_THAT(rig("\"intensity\": 1"), HasSubstr("sky.hdr: a radiance is"));
+  EXPECT_THAT(error_of([&] { load_rig((folder / "sky.hdr").string()); }), HasSubstr("at most"));
+}
+
+TEST(LabelTable, NamesTheFieldThatIsWrong) {
+  const TestFolder folder;
+  const auto error = [&](const std::string& entry) {
+    write_text(folder / "t.json", "{\"labels\": [{\"label\": 1}, " + entry + "]}");
+    return error_of([&] { load_label_table(folder / "t.json"); });
+  };
+  EXPECT_THAT(error("{\"label\": 2, \"opacity\": 3}"),
+              HasSubstr("t.json: labels[1].opacity is 3, at most 1"));
+  EXPECT_THAT(error("{\"label\": 1e30}"), HasSubstr("labels[1].label is 1e+30"));
+  EXPECT_THAT(error("{\"label\": 1.5}"), HasSubstr("labels[1].label must be a whole number"));
+}
+
+// Photographs are multiplied by the materials' colours.
+TEST(Preset, PhotographsKeepTheirOwnColours) {
+  const Preset photo = load_preset("photo");
+  for (const float value : {20.0f, 50.0f, 128.0f, 255.0f}) {
+    EXPECT_EQ(photo.transfer.at(value).albedo, Vec3(1));
+  }
 }
 
 TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {

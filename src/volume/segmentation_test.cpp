@@ -144,9 +144,9 @@ TEST(LabelLooks, AreReadFromATable) {
   EXPECT_EQ(looks.at(2).opacity, 0);
   EXPECT_EQ(looks.at(3).opacity, 1);
   EXPECT_EQ(looks.at(3).albedo, std::nullopt);
-  for (const auto& [text, says] : {std::pair{"{}", "\"labels\" is missing"},
+  for (const auto& [text, says] : {std::pair{"{}", "labels is missing"},
                                    {R"({"labels": [{"label": 1}, {"label": 1}]})", "twice"},
-                                   {R"({"labels": [{"label": 1.5}]})", "entry 1"},
+                                   {R"({"labels": [{"label": 1.5}]})", "labels[0].label"},
                                    {R"({"labels": [{"label": 1, "colour": "#fff"}]})", "colour"},
                                    {R"({"labels": [{"label": 1, "visible": 0}]})", "visible"},
                                    {"no", "not JSON"}}) {
