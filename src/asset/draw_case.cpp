@@ -1,6 +1,7 @@
 #include "asset/draw_case.h"
 
 #include "core/error.h"
+#include "core/json_reader.h"
 
 namespace clipgs {
 
@@ -59,7 +60,7 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
     throw Error(
         "a neural model is cut by planes of normal {:g},{:g},{:g} alone; make a scene of it with "
         "clipgs bake to cut it at any angle",
-        n.x, n.y, n.z);
+        plain_zero(n.x), plain_zero(n.y), plain_zero(n.z));
   }
   const bool by_layers = !contents.model && options.clip == ClipOperator::kLayers;
   const LayerSwitch layers = by_layers ? switch_layers(contents.scene, cut) : LayerSwitch();

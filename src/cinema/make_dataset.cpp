@@ -12,6 +12,7 @@
 #include "cinema/seed_points.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_reader.h"
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
@@ -91,7 +92,8 @@ Json frame_json(const Frame& frame) {
                {"masked_noise_db", frame.masked_noise_db}};
   if (frame.plane) {
     const Plane& p = *frame.plane;
-    json["clip_plane"] = {p.normal.x, p.normal.y, p.normal.z, p.offset};
+    json["clip_plane"] = {json_number(p.normal.x), json_number(p.normal.y), json_number(p.normal.z),
+                          json_number(p.offset)};
   }
   if (!frame.uncut_file.empty()) {
     json["uncut_file_path"] = frame.uncut_file;

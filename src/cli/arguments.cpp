@@ -12,7 +12,7 @@
 namespace clipgs {
 
 std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,
-                                 const std::string& option) {
+                                 const std::string& option, const Bounds& bounds) {
   std::vector<float> numbers;
   const char* at = text.data();
   const char* end = at + text.size();
@@ -29,6 +29,12 @@ std::vector<float> parse_numbers(const std::string& text, size_t least, size_t m
                                fmt::format("\"{}\" is not {} numbers separated by commas", text,
                                            least == most ? fmt::format("{}", least)
                                                          : fmt::format("{} to {}", least, most)));
+  }
+  for (const float number : numbers) {
+    if (number < bounds.low || number > bounds.high) {
+      throw CLI::ValidationError(
+          option, fmt::format("{:g} does not lie in {:g}..{:g}", number, bounds.low, bounds.high));
+    }
   }
   return numbers;
 }
@@ -70,8 +76,8 @@ IVec3 parse_size(const std::string& text) {
 View parse_view(const std::string& text) {
   const std::vector<float> n = parse_numbers(text, 2, 3, "--view");
   View view{n[0], n[1], n.size() > 2 ? n[2] : 1.0f};
-  if (view.zoom <= 0) {
-    throw CLI::ValidationError("--view", "the zoom must be greater than 0");
+  if (!(view.zoom >= 0.01f && view.zoom <= 1000)) {
+    throw CLI::ValidationError("--view", "the zoom must lie in 0.01..1000");
   }
   return view;
 }

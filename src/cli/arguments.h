@@ -39,9 +39,15 @@ Window parse_window(const std::string& text);
 /// name, so a name that promises something else is refused.
 CLI::Validator ends_in(std::vector<std::string> endings);
 
-/// "a,b,c…": `count` finite numbers; `option` names the flag in the error.
+/// What numbers may be, both ends included.
+struct Bounds {
+  float low = -1e9f;
+  float high = 1e9f;
+};
+
+/// "a,b,c…": `least` to `most` numbers within `bounds`; `option` names the flag in the error.
 std::vector<float> parse_numbers(const std::string& text, size_t least, size_t most,
-                                 const std::string& option);
+                                 const std::string& option, const Bounds& bounds = {});
 
 /// Warns if a plane misses the box: nothing is cut, or everything.
 void warn_if_plane_misses(const Cut& cut, const Box& bounds);

@@ -14,6 +14,7 @@
 #include "cli/commands.h"
 #include "cli/cut_options.h"
 #include "cli/look_options.h"
+#include "cli/view_options.h"
 #include "cli/volume_options.h"
 #include "core/file.h"
 
@@ -30,10 +31,9 @@ struct CinemaArguments {
   std::filesystem::path output;
   LoadOptions load;
   LookArguments look;
-  std::string view = "30,15";
+  ViewArguments view = {.view = "30,15"};
   CutArguments cut;
   AnimationArguments animation;
-  std::string size = "512x512";
   std::string background;
   std::string focus;
   std::string floor;
@@ -51,12 +51,11 @@ Floor make_floor(const VisibleMatter& matter, const Vec3& side) {
 }
 
 void run_cinema(const CinemaArguments& arguments) {
-  const View view = parse_view(arguments.view);
-  const IVec3 size = parse_size(arguments.size);
+  const Viewpoint viewpoint = parse_viewpoint(arguments.view);
   const Cut cut = parse_cut(arguments.cut);
   std::vector<float> background;
   if (!arguments.background.empty()) {
-    background = parse_numbers(arguments.background, 3, 3, "--background");
+    background = parse_numbers(arguments.background, 3, 3, "--background", {0, 1});
   }
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
@@ -81,7 +80,7 @@ void run_cinema(const CinemaArguments& arguments) {
   double samples = 0;
   float noise = kNoNoise;  // of the noisiest picture
   const auto draw = [&](const View& from, const Cut& kept) {
-    const Camera camera = frame_sphere(matter.sphere, from, size.x, size.y);
+    const Camera camera = viewpoint.camera(matter.sphere, from);
     options.lens.focus = camera.to_camera(focus).z;
     const Picture picture = render_picture(scene, camera, kept, options);
     samples += picture.samples;
@@ -94,9 +93,10 @@ void run_cinema(const CinemaArguments& arguments) {
   const auto start = std::chrono::steady_clock::now();
   if (arguments.animation.any()) {
     const auto extent = [&](const Vec3& normal) { return matter.extent(normal); };
-    write_animation(arguments.output, "cinema", arguments.animation, view, cut, extent, draw);
+    write_animation(arguments.output, "cinema", arguments.animation, viewpoint.view, cut, extent,
+                    draw);
   } else {
-    write_png(arguments.output, draw(view, cut), arguments.bits);
+    write_png(arguments.output, draw(viewpoint.view, cut), arguments.bits);
   }
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -107,8 +107,8 @@ void run_cinema(const CinemaArguments& arguments) {
                                          {"noise_db", noise},
                                          {"samples", samples},
                                          {"seconds", seconds},
-                                         {"width", size.x},
-                                         {"height", size.y}};
+                                         {"width", viewpoint.size.x},
+                                         {"height", viewpoint.size.y}};
     fmt::print("{}\n", json.dump(2));
   } else {
     fmt::print("{}: preset {}, noise floor {:.1f} dB, {:.3g} samples in {:.1f} s\n",
@@ -133,10 +133,9 @@ void add_cinema_command(CLI::App& app) {
       ->required();
   add_look_options(*command, arguments->look);
   add_label_options(*command, arguments->look.labels, arguments->load);
-  command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
-      ->capture_default_str();
   add_cut_options(*command, arguments->cut);
   add_animation_options(*command, arguments->animation);
+  add_view_options(*command, arguments->view);
   command->add_option("--spp", arguments->picture.spp, "Most samples a pixel, on average")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
@@ -163,7 +162,6 @@ void add_cinema_command(CLI::App& app) {
                    "A floor on this side of the body that shows only the shadow that falls on it: "
                    "inferior, posterior, left, right, anterior or superior")
       ->check(CLI::IsMember(&kSides));
-  command->add_option("--size", arguments->size, "Width x height in pixels")->capture_default_str();
   command->add_option("--seed", arguments->picture.seed, "Random seed")->capture_default_str();
   command->add_option("--background", arguments->background,
                       "r,g,b in 0..1 (sRGB) behind the picture; transparent if not given");

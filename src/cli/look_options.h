@@ -57,10 +57,9 @@ inline Preset load_look(const LookArguments& look, const Volume& volume) {
     const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
     preset.exposure = automatic_exposure(CinemaScene(volume, preset), matter.sphere);
   } else if (!look.exposure.empty()) {
-    preset.exposure = parse_numbers(look.exposure, 1, 1, "--exposure").front();
-    if (!(preset.exposure > 0)) {
-      throw CLI::ValidationError("--exposure", "must be greater than 0, or auto");
-    }
+    preset.exposure = parse_numbers(look.exposure, 1, 1, "--exposure",
+                                    {Preset::kLeastExposure, Preset::kMostExposure})
+                          .front();
   }
   return preset;
 }

@@ -7,7 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
-#include "core/camera_file.h"
+#include "cli/view_options.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
@@ -20,8 +20,7 @@ namespace {
 struct RenderArguments {
   std::string scene;
   std::string output;
-  std::string view = "0,0";
-  std::string camera;
+  ViewArguments view = {.view = "0,0"};
   CutArguments cut;
   std::optional<int> state;
   AnimationArguments animation;
@@ -31,7 +30,6 @@ struct RenderArguments {
   std::string window = "soft-tissue";
   bool annotate = false;
   std::vector<std::string> pins;
-  std::string size = "512x512";
   bool reference = false;
 };
 
@@ -64,17 +62,12 @@ Cut cut_of_state(int state, const Scene& scene, const std::string& name) {
 }
 
 void run_render(const RenderArguments& arguments) {
-  const View view = parse_view(arguments.view);
-  const IVec3 size = parse_size(arguments.size);
+  const Viewpoint viewpoint = parse_viewpoint(arguments.view);
   Cut cut = parse_cut(arguments.cut);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style = {arguments.grey, parse_window(arguments.window)};
   options.reference = arguments.reference;
-  std::optional<Camera> placed;
-  if (!arguments.camera.empty()) {
-    placed = read_camera(arguments.camera);
-  }
   std::vector<Vec3> pins;
   for (const std::string& text : arguments.pins) {
     const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
@@ -97,8 +90,7 @@ void run_render(const RenderArguments& arguments) {
                value_text(*contents.section, pin));
   }
   const auto draw = [&](const View& from, const Cut& kept) {
-    const Camera camera =
-        placed ? *placed : frame_sphere(contents.scene.sphere, from, size.x, size.y);
+    const Camera camera = viewpoint.camera(contents.scene.sphere, from);
     Image picture = draw_case(contents, camera, kept, options);
     if (arguments.annotate) {
       annotate(picture, *contents.section, camera, kept, options.style, pins);
@@ -107,9 +99,10 @@ void run_render(const RenderArguments& arguments) {
   };
   if (arguments.animation.any()) {
     const auto extent = [&](const Vec3& n) { return project_box(contents.scene.bounds, n); };
-    write_animation(arguments.output, "render", arguments.animation, view, cut, extent, draw);
+    write_animation(arguments.output, "render", arguments.animation, viewpoint.view, cut, extent,
+                    draw);
   } else {
-    write_png(arguments.output, draw(view, cut));
+    write_png(arguments.output, draw(viewpoint.view, cut));
   }
 }
 
@@ -122,13 +115,6 @@ void add_render_command(CLI::App& app) {
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
       ->required();
-  CLI::Option* const view =
-      command->add_option("--view", arguments->view, "Camera: azimuth,elevation[,zoom] in degrees")
-          ->capture_default_str();
-  CLI::Option* const camera = command->add_option("--camera", arguments->camera,
-                                                  "JSON file of any other camera, with the keys of "
-                                                  "a frame of a dataset's transforms.json: w, h, "
-                                                  "fl_x, fl_y, cx, cy and transform_matrix");
   add_cut_options(*command, arguments->cut);
   command
       ->add_option("--state", arguments->state,
@@ -138,7 +124,7 @@ void add_render_command(CLI::App& app) {
       ->excludes("--plane")
       ->excludes("--slab");
   add_animation_options(*command, arguments->animation);
-  camera->excludes(view)->excludes("--turntable");
+  add_view_options(*command, arguments->view);
   command
       ->add_option(
           "--clip", arguments->clip,
@@ -169,9 +155,6 @@ void add_render_command(CLI::App& app) {
                    "Print the value at a point: R,A,S in mm; may be given again")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--size", arguments->size, "Width x height in pixels")
-      ->capture_default_str()
-      ->excludes(camera);
   command->add_flag("--reference", arguments->reference,
                     "Draw with the slow double-precision reference renderers (cinematic faces)");
   command->footer(

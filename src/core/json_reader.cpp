@@ -135,7 +135,9 @@ float JsonReader::finite(const json& value, const char* key) const {
   return value.get<float>();
 }
 
-json json_number(float value) { return std::strtod(fmt::format("{}", value).c_str(), nullptr); }
+json json_number(float value) {
+  return std::strtod(fmt::format("{}", plain_zero(value)).c_str(), nullptr);
+}
 
 json json_vector(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
 

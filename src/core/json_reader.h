@@ -59,7 +59,10 @@ class JsonReader {
   std::string remedy_;
 };
 
-/// The shortest decimal that reads back as the same float, as a JSON number.
+/// −0 as 0, which is how numbers are written, here and for people.
+inline float plain_zero(float x) { return x + 0.0f; }
+
+/// The shortest decimal that reads back as the same float, as a JSON number; 0 for −0.
 nlohmann::json json_number(float value);
 nlohmann::json json_vector(const Vec3& v);  ///< three of them
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/json_reader.h"
 #include "measure/html.h"
 
 namespace clipgs {
@@ -344,7 +345,7 @@ std::string plane_text(const std::optional<Plane>& plane) {
   if (!plane) {
     return "uncut";
   }
-  const auto tidy = [](float v) { return std::round(v * 100) / 100 + 0.0f; };  // no "-0.00"
+  const auto tidy = [](float v) { return plain_zero(std::round(v * 100) / 100); };
   const Vec3& n = plane->normal;
   return fmt::format("plane {:.2f}, {:.2f}, {:.2f} at {:.1f} mm", tidy(n.x), tidy(n.y), tidy(n.z),
                      tidy(plane->offset));

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "cli/arguments.h"
+#include "core/camera.h"
+#include "core/camera_file.h"
+
+namespace clipgs {
+
+/// --view, --size and --camera, which every command that draws a picture understands.
+struct ViewArguments {
+  std::string view;    ///< the default, until parsed
+  std::string camera;  ///< a file; empty: --view
+  std::string size = "512x512";
+};
+
+/// Adds the options; `arguments` must outlive the parsing. Call after add_animation_options: a
+/// turntable has a camera of its own.
+inline void add_view_options(CLI::App& command, ViewArguments& arguments) {
+  CLI::Option* const view =
+      command
+          .add_option("--view", arguments.view, "Camera: azimuth,elevation[,zoom] in degrees")
+          ->capture_default_str();
+  CLI::Option* const size =
+      command.add_option("--size", arguments.size, "Width x height in pixels")
+          ->capture_default_str();
+  command
+      .add_option("--camera", arguments.camera,
+                  "JSON file of any other camera, with the keys of a frame of a dataset's "
+                  "transforms.json: w, h, fl_x, fl_y, cx, cy and transform_matrix")
+      ->excludes(view)
+      ->excludes(size)
+      ->excludes("--turntable");
+}
+
+/// Where a picture is seen from.
+struct Viewpoint {
+  View view;
+  IVec3 size;                    // px
+  std::optional<Camera> placed;  // instead of both
+
+  /// From `from`, which is the view or what an animation makes of it, at the whole sphere.
+  Camera camera(const Sphere& sphere, const View& from) const {
+    return placed ? *placed : frame_sphere(sphere, from, size.x, size.y);
+  }
+};
+
+/// Throws CLI::ValidationError, and Error if the camera's file is none.
+inline Viewpoint parse_viewpoint(const ViewArguments& arguments) {
+  Viewpoint result{parse_view(arguments.view), parse_size(arguments.size), std::nullopt};
+  if (!arguments.camera.empty()) {
+    result.placed = read_camera(arguments.camera);
+    result.size = {result.placed->width, result.placed->height, 0};
+  }
+  return result;
+}
+
+}  // namespace clipgs
