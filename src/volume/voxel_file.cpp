@@ -122,14 +122,14 @@ std::uint64_t skip_header(std::ifstream& file, const VoxelSource& source,
   return std::min(at, file_bytes);
 }
 
-void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::uint64_t file_bytes,
-              const VoxelSource& source, Frame& frame) {
-  const std::uint64_t start = source.at_end ? file_bytes - std::min(part.bytes, file_bytes)
-                                            : std::min(from + source.unpacked_offset, file_bytes);
-  const std::uint64_t there = file_bytes - start;
-  if (there < part.bytes) {
-    throw_missing(part.path.string(), part.bytes - there, part.bytes);
-  }
+/// Where the voxels of a raw file begin.
+std::uint64_t raw_start(const Part& part, std::uint64_t from, std::uint64_t file_bytes,
+                        const VoxelSource& source) {
+  return source.at_end ? file_bytes - std::min(part.bytes, file_bytes)
+                       : std::min(from + source.unpacked_offset, file_bytes);
+}
+
+void read_raw(std::ifstream& file, const Part& part, std::uint64_t start, Frame& frame) {
   constexpr std::uint64_t kPiece = 1 << 20;
   std::vector<std::uint8_t> piece(kPiece);
   std::uint64_t at = std::max(part.begin, frame.begin());
@@ -156,8 +156,7 @@ void read_raw(std::ifstream& file, const Part& part, std::uint64_t from, std::ui
     case Inflater::State::kMismatch:
       throw Error(
           "{}: damaged: its voxels do not match their checksum (CRC) or length; copy or download "
-          "it "
-          "again",
+          "it again",
           where);
     case Inflater::State::kCutOff:
       if (done == part.bytes) {
