@@ -73,7 +73,9 @@ packages=(
   # the viewer's WebAssembly
   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32
 )
-checks=(clang-format-19 clang-tidy-19 chromium fonts-dejavu-core)
+# The browsers that the viewer is tested in, and what drives them and gives them a screen.
+browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri fonts-dejavu-core)
+checks=(clang-format-19 clang-tidy-19 "${browsers[@]}")
 if [ "$with_checks" -eq 1 ]; then
   packages+=("${checks[@]}")
 fi

@@ -76,6 +76,12 @@ fi
 step "scripts" check_scripts
 step "format" bash scripts/format.sh --check
 step "build release" configure_and_build release
+# The tests say themselves which they leave out, too.
+for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGTK; do
+  if ! command -v "${needed%%:*}" >/dev/null; then
+    echo "test: there is no ${needed%%:*}: what is the same in every browser is not tested in ${needed##*:}" >&2
+  fi
+done
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
 step "build asan ubsan" configure_and_build asan core volume cinema splat section train bake asset measure serve

@@ -144,7 +144,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   std::vector<size_t> order;
   json meta = encode_sog(transform(scene.gaussians, world.inverse()), files, &order, room);
   if (!scene.layers.empty()) {
-    block[kStatesKey]["file"] = encode_layers(scene, order, files);
+    block[kStatesKey]["file"] = encode_layers(scene, order, files, meta);
   }
   if (thumbnail != nullptr) {
     files.push_back(std::move(picture));
@@ -161,7 +161,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
     block[kSectionKey] = std::move(section->block);
     files.push_back(std::move(section->file));
   }
-  meta["clipgs"] = std::move(block);
+  meta["clipgs"].update(block);
   const std::string text = text_of(meta);
   files.push_back({kMetaFile, Bytes(text.begin(), text.end())});
   return write_zip(files);
@@ -181,7 +181,7 @@ Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
   if (has_layers(opened.block)) {
     result.scene.layers =
         decode_layers(JsonReader(opened.block, name).child(kStatesKey).text("file"), opened.files,
-                      result.scene, name);
+                      opened.meta, result.scene, name);
   }
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
     result.section = decode_section(*section, opened.files, section_name(name));

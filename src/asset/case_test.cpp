@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <webp/decode.h>
 
 #include "asset/draw_case.h"
 #include "asset/webp.h"
@@ -113,9 +114,9 @@ TEST(Case, OnlyKnownKeysAreWritten) {
   for (const auto& entry : block.items()) {
     keys.push_back(entry.key());
   }
-  EXPECT_THAT(keys,
-              ::testing::UnorderedElementsAre("axis", "bounds", "created", "extent", "generator",
-                                              "preset", "sphere", "title", "version", "world"));
+  EXPECT_THAT(keys, ::testing::UnorderedElementsAre("axis", "bounds", "checksums", "created",
+                                                    "extent", "generator", "preset", "sphere",
+                                                    "title", "version", "world"));
 }
 
 TEST(Case, MetaIsTheLastEntry) {
@@ -362,6 +363,67 @@ TEST(Case, RefusesOtherFilesInOneLine) {
   refuses(changed("/clipgs/world/scene_to_ras_mm/0/0", 0), "scene_to_ras_mm");
 }
 
+/// The case as programs wrote it that knew no checksums.
+Bytes without_checksums(const Bytes& bytes) {
+  json meta = meta_of(bytes);
+  meta["clipgs"].erase("checksums");
+  if (meta["clipgs"].contains("section")) {
+    meta["clipgs"]["section"].erase("checksum");
+  }
+  return with_meta(bytes, meta);
+}
+
+/// The case with one bit of one texel of one of its images, which is whole and lossless, changed.
+Bytes with_other_texel(const Bytes& bytes, const std::string& file) {
+  std::vector<ZipEntry> entries;
+  for (auto [name, content] : read_zip(bytes, "test")) {
+    if (name == file) {
+      int width = 0;
+      int height = 0;
+      WebPGetInfo(content.data(), content.size(), &width, &height);
+      Texels texels = decode_webp(content, width, height, name);
+      texels.rgba[0] ^= 1;
+      content = encode_webp(texels);
+    }
+    entries.push_back({name, content});
+  }
+  return write_zip(entries);
+}
+
+// What a decoder that returns other texels would give: the archive's own checksums are good.
+TEST(Case, RefusesImagesThatDecodeToSomethingElse) {
+  const Bytes whole = encode_case({layered_scene(60, 1, 26), test::ball_section()}, nullptr);
+  int images = 0;
+  for (const auto& [name, content] : read_zip(whole, "test")) {
+    if (!name.ends_with(".webp")) {
+      continue;
+    }
+    ++images;
+    const Bytes other = with_other_texel(whole, name);
+    EXPECT_THAT([&] { read_case(other, "test.sog"); },
+                ThrowsMessage<Error>(
+                    ::testing::AllOf(HasSubstr("test.sog: "), HasSubstr("its checksum differs"))))
+        << name;
+    EXPECT_NO_THROW(read_case(without_checksums(other), "test.sog")) << name;
+  }
+  EXPECT_EQ(images, 9);
+}
+
+TEST(Case, RefusesAnImageWhoseChecksumIsGoneOrNone) {
+  const Bytes whole = encode_case({random_scene(50, 1, 25), test::ball_section()}, nullptr);
+  const auto refuses = [&](const char* key, const json& value) {
+    json meta = meta_of(whole);
+    meta["clipgs"][json::json_pointer(key)] = value;
+    EXPECT_THAT([&] { read_case(with_meta(whole, meta), "test.sog"); },
+                ThrowsMessage<Error>(HasSubstr("its checksum differs")))
+        << key;
+  };
+  refuses("/checksums", json::object());
+  refuses("/checksums", 7);
+  refuses("/checksums/quats.webp", 7);
+  refuses("/section/checksum", "00000000");
+}
+
 TEST(Case, NewKeysAreIgnored) {
   const Bytes whole = encode_case({random_scene(50, 0, 25)}, nullptr);
   json meta = meta_of(whole);
@@ -401,11 +463,12 @@ TEST(CaseFuzz, FlippedBytes) {
   }
 }
 
-// The same inside the entries, whose checksums are right again: this reaches the image decoder and
-// the checks of meta.json.
+// The same inside the entries, whose checksums are right again, and none of decoded images: this
+// reaches the image decoder and the checks of meta.json and of what is decoded.
 TEST(CaseFuzz, FlippedBytesUnderGoodChecksums) {
-  const auto entries =
-      read_zip(encode_case({layered_scene(60, 1, 26), test::ball_section()}, nullptr), "test");
+  const auto entries = read_zip(
+      without_checksums(encode_case({layered_scene(60, 1, 26), test::ball_section()}, nullptr)),
+      "test");
   Rng rng(2);
   for (int iteration = 0; iteration < 600; ++iteration) {
     std::vector<ZipEntry> changed;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "asset/checksum.h"
 #include "asset/webp.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -24,6 +25,7 @@ constexpr size_t kMaxKeys = 8;
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
 constexpr const char* kImageFile = "section.webp";
 constexpr const char* kMetaFile = "section.json";
+constexpr const char* kChecksum = "checksum";
 
 constexpr std::array kModalities = {Modality::kUnknown, Modality::kCt, Modality::kMr,
                                     Modality::kPhoto};
@@ -272,6 +274,7 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
   }
   return {{"version", kVersion},
           {"file", kImageFile},
+          {kChecksum, checksum(decoded)},
           {"dims", {section.dims.x, section.dims.y, section.dims.z}},
           {"tile", {mosaic.tile_width, mosaic.tile_height}},
           {"columns", mosaic.columns},
@@ -328,6 +331,7 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   const Texels texels =
       decode_webp(find_image(reader, files), mosaic.width(), mosaic.height(), name + ": its image");
   section.voxels = to_voxels(texels, mosaic, section.dims, section.channels);
+  require_checksum(object.value(kChecksum, json()), section.voxels, name);
   return section;
 }
 

@@ -20,8 +20,9 @@ constexpr float kLossless = 100;
 /// Throws Error.
 nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files);
 
-/// The section of such JSON. Throws Error, `name` in it, on whatever is missing, out of range or
-/// undecodable; nothing larger than the image warrants is allocated.
+/// The section of such JSON. Throws Error, `name` in it, on whatever is missing, out of range,
+/// undecodable or decoded to something else than its checksum says; nothing larger than the image
+/// warrants is allocated.
 Section decode_section(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
                        const std::string& name);
 

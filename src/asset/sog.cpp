@@ -8,6 +8,7 @@
 #include <numbers>
 #include <tbb/parallel_sort.h>
 
+#include "asset/checksum.h"
 #include "asset/codebook.h"
 #include "asset/palette.h"
 #include "core/error.h"
@@ -270,9 +271,12 @@ struct Writer {
     return areas;
   }
 
-  /// Encodes the images so far and forgets them.
+  /// Encodes the images so far, states their checksums and forgets them.
   std::vector<ZipEntry> encode() {
     std::vector<ZipEntry> files(images.size());
+    for (const auto& [name, texels] : images) {
+      state_checksum(meta, name, texels.rgba);
+    }
     parallel_for(images.size(), 1, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         files[k] = {images[k].first, encode_webp(images[k].second)};
@@ -330,6 +334,7 @@ class MetaReader {
   }
 
   const std::string& name() const { return name_; }
+  const json& meta() const { return meta_; }
 
   [[noreturn]] void fail(const char* key) const {
     throw Error("{}: \"{}\" of meta.json is missing or out of range; the file is corrupt or no SOG",
@@ -428,7 +433,9 @@ class Decoder {
     if (found == files_.end()) {
       throw Error("{}: has no file \"{}\"; it is incomplete", meta_.name(), file);
     }
-    return decode_webp(found->second, width, height, meta_.name() + ": " + file);
+    Texels texels = decode_webp(found->second, width, height, meta_.name() + ": " + file);
+    require_stated_checksum(meta_.meta(), file, texels.rgba, meta_.name());
+    return texels;
   }
 
   void decode_means(const Texels& low, const Texels& high, Gaussians& g) const {

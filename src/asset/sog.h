@@ -21,11 +21,12 @@ struct SogSummary {
 constexpr size_t kMaxSplats = size_t{4} << 20;
 
 /// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
-/// meta.json; face colours are a key of our own in it. Splats come out in Morton order; the result
-/// depends neither on the order they came in nor on the number of threads. `order`, unless null, is
-/// set to the index in `gaussians` of each splat of the SOG. Colours above degree 0 are a palette
-/// with a centroid for every 16 splats, or for as few as 2 where the images then take no more than
-/// `room` bytes. Throws Error if there are no splats, too many, or one that is not finite.
+/// meta.json; face colours and the images' checksums are keys of our own in it. Splats come out in
+/// Morton order; the result depends neither on the order they came in nor on the number of threads.
+/// `order`, unless null, is set to the index in `gaussians` of each splat of the SOG. Colours above
+/// degree 0 are a palette with a centroid for every 16 splats, or for as few as 2 where the images
+/// then take no more than `room` bytes. Throws Error if there are no splats, too many, or one that
+/// is not finite.
 nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
                           std::vector<size_t>* order = nullptr, size_t room = 0);
 
@@ -36,7 +37,7 @@ Texels splat_texels(size_t count);
 SogSummary sog_summary(const nlohmann::json& meta, const std::string& name);
 
 /// The Gaussians (scene space) of a SOG v2. Throws Error, `name` in it, on whatever is missing,
-/// out of range or undecodable.
+/// out of range, undecodable or decoded to something else than its checksum says.
 Gaussians decode_sog(const nlohmann::json& meta, const std::map<std::string, Bytes>& files,
                      const std::string& name);
 

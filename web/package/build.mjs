@@ -33,8 +33,12 @@ function licenceOf(folder) {
     existsSync(`${folder}/${one}`),
   );
   const text = file ? readFileSync(`${folder}/${file}`, "utf8").trim() : license;
-  return `${name} ${version}\n\n${text}\n`;
+  const held = kHeld[name] ? `\n${readFileSync(kHeld[name], "utf8")}` : "";
+  return `${name} ${version}\n\n${text}\n${held}`;
 }
+
+/** Of what packages hold besides their own. */
+const kHeld = { "@cwasm/webp": "package/LICENSE-libwebp" };
 
 /** Takes over a file of types, and those that it names. */
 function copyTypes(name) {

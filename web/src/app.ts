@@ -21,6 +21,7 @@ import { CaseClient } from "./worker/case_client";
 import { Headset, offeredSurroundings } from "./xr/headset";
 
 const kStatsIntervalMs = 250;
+const kNoCase = "No case";
 
 const kHeadsetTitles: Record<Surroundings, string> = {
   "immersive-vr": "Show it in the headset (V)",
@@ -65,7 +66,7 @@ export class App {
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
-  readonly #title = h("span", { class: "title" }, "No case");
+  readonly #title = h("span", { class: "title" }, kNoCase);
   readonly #stats = h("output", { class: "stats", "aria-label": "Statistics", "aria-live": "off" });
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
@@ -186,6 +187,8 @@ export class App {
       this.actions.forget();
     } catch (error) {
       if (opening === this.#opening) {
+        this.#title.textContent = this.title || kNoCase; // it may have been shown before its section failed
+        this.#update();
         this.fail(failureText(name, error), again);
       }
       throw error;

@@ -30,7 +30,7 @@ import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import type { CaseClient, DecodedSection } from "./worker/case_client";
-import type { ClipOperator } from "./worker/protocol";
+import { type ClipOperator, kSuperseded } from "./worker/protocol";
 
 export interface ViewerState extends Style {
   view: View;
@@ -226,7 +226,7 @@ export class Viewer {
     this.setCuts(this.state.cuts, this.state.active);
     begin();
     void this.#nextPicture().then(() => this.#case === opened && performance.mark(kPictureMark));
-    if (loaded.hasSection) {
+    if (loaded.section) {
       await this.#complete(opened, loaded.ticket);
     }
     await this.#nextPicture();
@@ -240,16 +240,32 @@ export class Viewer {
   /** Gives a case its section, after its first picture: both wait for the GPU. */
   async #complete(opened: OpenCase, ticket: number): Promise<void> {
     await this.#nextPicture();
-    let decoded: DecodedSection | null = null;
+    let decoded: DecodedSection;
     try {
       decoded = await this.#client.section(ticket);
-    } finally {
-      if (this.#case === opened) {
-        opened.setSection(decoded?.section ?? null, this.#renderer);
-        this.stats.sectionBytes = opened.faces?.bytes ?? 0;
-        this.stats.sectionMs = decoded?.milliseconds ?? 0;
-        this.#touch();
+    } catch (error) {
+      if ((error as CaseError).message !== kSuperseded) {
+        this.#refuse(opened);
       }
+      throw error;
+    }
+    if (this.#case === opened) {
+      await opened.setSection(decoded.section, this.#renderer);
+    }
+    if (this.#case === opened) {
+      this.stats.sectionBytes = opened.faces?.bytes ?? 0;
+      this.stats.sectionMs = decoded.milliseconds;
+      this.#touch();
+    }
+  }
+
+  /** Shows nothing rather than a case without the section that it was made with: behind faces its splats are hollow. */
+  #refuse(refused: OpenCase): void {
+    if (this.#case === refused) {
+      refused.free();
+      this.#case = null;
+      this.stats.total = 0;
+      this.#touch();
     }
   }
 

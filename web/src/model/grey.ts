@@ -18,11 +18,7 @@ function windowBetween(low: number, high: number): Window {
 }
 
 /** From the 1st to the 99th percentile of what is not air around the body. */
-function autoWindow({ voxels, curve }: Section): Window {
-  const counts = new Array<number>(kCodes).fill(0);
-  for (const code of voxels) {
-    ++counts[code]!;
-  }
+function autoWindow({ counts, curve }: Section): Window {
   const total = counts.reduce((sum, n, code) => (code >= kFirstInside ? sum + n : sum), 0);
   const percentile = (share: number): number => {
     let below = 0;

@@ -59,6 +59,7 @@ export class OpenCase {
   readonly #client: CaseClient;
   readonly #ticket: number;
   readonly #view = new Float32Array(kViewFloats); // that the worker is told
+  #coming: SectionFaces | null = null; // what `faces` will be
   #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 
   /** Throws CaseError. */
@@ -71,23 +72,23 @@ export class OpenCase {
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
-    this.awaitsSection = loaded.hasSection;
-    this.noSection = loaded.hasSection ? null : "This case has no section volume: its splats draw the faces.";
+    this.awaitsSection = loaded.section !== null;
+    this.noSection = loaded.section ? null : "This case has no section volume: its splats draw the faces.";
     this.#client = client;
     this.#ticket = loaded.ticket;
     this.#spare = new Uint32Array(scene.capacity);
   }
 
-  /** Draws faces from the volume from now on, if there is one (null: it is damaged) and `renderer` can hold it. */
-  setSection(section: Section | null, renderer: WebGLRenderer): void {
-    this.awaitsSection = false;
-    this.noSection = section
-      ? whyNoSection(section, renderer)
-      : "The section volume of this case is damaged: splats draw the faces.";
-    if (section && !this.noSection) {
-      this.faces = new SectionFaces(section);
+  /** Draws faces from the volume once `renderer` holds it, if it can. */
+  async setSection(section: Section, renderer: WebGLRenderer): Promise<void> {
+    this.noSection = whyNoSection(section, renderer);
+    if (!this.noSection) {
+      this.#coming = new SectionFaces(section);
+      await this.#coming.upload(renderer);
+      this.faces = this.#coming;
       this.windows = windowPresets(section);
     }
+    this.awaitsSection = false;
   }
 
   /**
@@ -162,6 +163,6 @@ export class OpenCase {
   /** Frees what the GPU holds. */
   free(): void {
     this.mesh.free();
-    this.faces?.free();
+    this.#coming?.free();
   }
 }

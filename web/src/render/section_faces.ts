@@ -8,6 +8,7 @@ import {
   DoubleSide,
   FrontSide,
   GLSL3,
+  FloatType,
   HalfFloatType,
   type IUniform,
   LessDepth,
@@ -20,11 +21,12 @@ import {
   RawShaderMaterial,
   RedFormat,
   RGBAFormat,
-  type TextureDataType,
+  RGBFormat,
   UnsignedByteType,
   Vector2,
   Vector3,
   Vector4,
+  type WebGLRenderer,
 } from "three";
 
 import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
@@ -45,33 +47,28 @@ const kMostShade = 1000; // as good as infinite, where half floats are still fin
 /** Columns of the table of materials, evenly over the values of the curve; as face.glsl is told. */
 const kColumns = 2048;
 
-function volumeTexture(
-  data: Uint8Array | Uint16Array,
-  { dims, channels }: Section,
-  type: TextureDataType,
-): Data3DTexture {
-  const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, ...dims);
-  texture.format = channels === 3 ? RGBAFormat : RedFormat;
-  texture.type = type;
+/** At least as many bytes as this go to the GPU at once: more would stop the page for too long. */
+const kUploadBytes = 4e6;
+
+function volumeTexture(data: Uint8Array, { dims, channels }: Section, depth = dims[2]): Data3DTexture {
+  const [width, height] = dims;
+  const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, depth);
+  texture.format = channels === 3 ? RGBFormat : RedFormat;
+  texture.internalFormat = channels === 3 ? "RGB8" : "R8";
+  texture.type = UnsignedByteType;
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }
 
-/**
- * Values as half floats from 0 to 1. Interpolated between voxels they end where the volume's own do; codes, whose
- * curve bends, would not.
- */
-function valueTexture(section: Section): Data3DTexture {
-  const { curve, voxels } = section;
+/** Values of the codes from 0 to 1. */
+function curveTexture(curve: readonly number[]): DataTexture {
   const low = curve[0]!;
   const range = curve[kCodes - 1]! - low;
-  const halves = Uint16Array.from(curve, (value) => DataUtils.toHalfFloat((value - low) / range));
-  const data = new Uint16Array(voxels.length);
-  for (let i = 0; i < data.length; ++i) {
-    data[i] = halves[voxels[i]!]!;
-  }
-  return volumeTexture(data, section, HalfFloatType);
+  const values = Float32Array.from(curve, (value) => (value - low) / range);
+  const texture = new DataTexture(values, kCodes, 1, RedFormat, FloatType);
+  texture.needsUpdate = true;
+  return texture;
 }
 
 /** Values of the columns of the table of materials. */
@@ -163,23 +160,23 @@ export class SectionFaces {
   readonly partial: FaceMesh;
   readonly section: Section;
   readonly #uniforms: Record<string, IUniform>;
-  /** On the GPU: sRGB, or codes and their values. */
+  /** Of its volume, on the GPU; the section's own voxels are as many. */
   readonly bytes: number;
   /** The sides of the volume that are faces. */
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
+  #freed = false;
 
   constructor(section: Section) {
     this.section = section;
-    this.bytes = section.voxels.length * (section.channels === 3 ? 1 : 3);
+    this.bytes = section.voxels.length;
     const steps = planSteps(section);
     const first = steps[0]!.length;
-    const voxels = volumeTexture(section.voxels, section, UnsignedByteType);
     this.#uniforms = {
       uPatientFromWorld: { value: new Matrix4() },
       uIndexFromPatient: { value: indexFromPatient(section) },
-      uVoxels: { value: voxels },
-      uValues: { value: section.channels === 3 ? voxels : valueTexture(section) },
+      uVoxels: { value: volumeTexture(section.voxels, section) },
+      uCurve: { value: curveTexture(section.curve) },
       uMaterials: { value: materialTexture(section, first) },
       uSteps: { value: steps.map(({ middle, length }) => new Vector2(middle, length / first)) },
       uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
@@ -193,6 +190,35 @@ export class SectionFaces {
     this.opaque = faceMesh(this.#uniforms, true, section.channels);
     this.partial = faceMesh(this.#uniforms, false, section.channels);
     this.ends = sectionEnds(section);
+  }
+
+  /** Gives the volume to the GPU, piece by piece, so that the page can do other things in between. */
+  async upload(renderer: WebGLRenderer): Promise<void> {
+    const { section } = this;
+    const [nx, ny, nz] = section.dims;
+    const sliceBytes = nx * ny * section.channels;
+    const slices = Math.ceil(kUploadBytes / sliceBytes);
+    const texture = this.#uniforms["uVoxels"]!.value as Data3DTexture;
+    texture.source.dataReady = false; // only memory is asked for
+    let lost = false;
+    const lose = (): void => void (lost = true);
+    renderer.domElement.addEventListener("webglcontextlost", lose);
+    for (let z = 0; z < nz && !this.#freed; z += slices) {
+      const depth = Math.min(slices, nz - z);
+      const voxels = section.voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes);
+      renderer.copyTextureToTexture(
+        volumeTexture(voxels, section, depth),
+        texture,
+        null,
+        new Vector3(0, 0, z),
+      );
+      await new Promise((resolve) => setTimeout(resolve));
+    }
+    renderer.domElement.removeEventListener("webglcontextlost", lose);
+    texture.source.dataReady = true; // from now on three.js gives all of it to a new context
+    if (lost) {
+      texture.needsUpdate = true;
+    }
   }
 
   /** Rays a pixel. */
@@ -263,8 +289,9 @@ export class SectionFaces {
 
   /** Frees what the GPU holds. */
   free(): void {
+    this.#freed = true;
     this.#uniforms["uVoxels"]!.value.dispose();
-    this.#uniforms["uValues"]!.value.dispose();
+    this.#uniforms["uCurve"]!.value.dispose();
     this.#uniforms["uMaterials"]!.value.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry.dispose();

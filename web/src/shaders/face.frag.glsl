@@ -16,7 +16,7 @@ uniform vec3 cameraPosition;  // world
 uniform mat4 uPatientFromWorld;
 uniform mat4 uIndexFromPatient;
 uniform sampler3D uVoxels;  // codes, or sRGB
-uniform sampler3D uValues;  // from 0 to 1, or sRGB
+uniform highp sampler2D uCurve;  // values of the codes, from 0 to 1
 uniform sampler2D uMaterials;
 uniform vec2 uSteps[kTaps];
 uniform vec4 uPlanes[kMaxPlanes];
@@ -66,10 +66,10 @@ void main() {
                     distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
     if (uGrey < 1.0) {
-      march(ray, uValues, uMaterials, uSteps, uGlossy, sum);
+      march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
     }
     if (uGrey > 0.0) {
-      grey += greyAt(ray.start, uVoxels, uValues, uMaterials);
+      grey += greyAt(ray.start, uVoxels, uCurve, uMaterials);
     }
   }
   float rays = float(uRays);

@@ -65,16 +65,43 @@ float valueOf(vec4 voxel) {
   return kChannels == 1 ? voxel.r : dot(voxel.rgb, vec3(0.2126, 0.7152, 0.0722));
 }
 
+// Value of a voxel, 0…1: that of its code.
+float valueAt(ivec3 voxel, highp sampler3D voxels, highp sampler2D curve) {
+  int code = int(255.0 * texelFetch(voxels, voxel, 0).r + 0.5);
+  return texelFetch(curve, ivec2(code, 0), 0).r;
+}
+
+// What is at an index: a value, 0…1, or sRGB. Values are interpolated, not codes: the curve bends, and matter would
+// end elsewhere than in the volume.
+vec4 sampleAt(vec3 index, highp sampler3D voxels, highp sampler2D curve) {
+  ivec3 size = textureSize(voxels, 0);
+  if (kChannels == 3) {
+    return texture(voxels, (index + 0.5) / vec3(size));
+  }
+  vec3 at = clamp(index, vec3(0.0), vec3(size - 1));
+  ivec3 a = ivec3(at);
+  ivec3 b = min(a + 1, size - 1);
+  vec3 share = at - vec3(a);
+  vec4 near = vec4(valueAt(a, voxels, curve), valueAt(ivec3(a.x, b.y, a.z), voxels, curve),
+                   valueAt(ivec3(a.xy, b.z), voxels, curve), valueAt(ivec3(a.x, b.yz), voxels, curve));
+  vec4 far = vec4(valueAt(ivec3(b.x, a.yz), voxels, curve), valueAt(ivec3(b.xy, a.z), voxels, curve),
+                  valueAt(ivec3(b.x, a.y, b.z), voxels, curve), valueAt(b, voxels, curve));
+  vec4 alongX = mix(near, far, share.x);
+  vec2 alongY = mix(alongX.xz, alongX.yw, share.y);
+  return vec4(mix(alongY.x, alongY.y, share.z), 0.0, 0.0, 1.0);
+}
+
 // Where the table of materials has a value.
 float materialColumn(float value) { return (value * float(kColumns - 1) + 0.5) / float(kColumns); }
 
 // What a ray meets on the face in grey: premultiplied display sRGB and alpha.
-vec4 greyAt(vec3 index, highp sampler3D voxels, highp sampler3D values, sampler2D materials) {
+vec4 greyAt(vec3 index, highp sampler3D voxels, highp sampler2D curve, sampler2D materials) {
   vec3 at = (index + 0.5) / vec3(textureSize(voxels, 0));
   vec4 voxel = texture(voxels, at);
   float code = valueOf(voxel);
   float alpha = clamp((code - kLowestInside) / (kSurelyInside - kLowestInside), 0.0, 1.0);
-  vec3 shade = vec3(clamp(texture(materials, vec2(materialColumn(texture(values, at).r), kGlossRow)).b, 0.0, 1.0));
+  float value = valueOf(sampleAt(index, voxels, curve));
+  vec3 shade = vec3(clamp(texture(materials, vec2(materialColumn(value), kGlossRow)).b, 0.0, 1.0));
   return alpha * vec4(kChannels == 3 ? voxel.rgb : shade, 1.0);
 }
 
@@ -119,11 +146,8 @@ float distanceToCut(vec3 position, vec3 direction, vec4 planes[kMaxPlanes], int 
 }
 
 // Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first.
-void march(FaceRay ray, highp sampler3D values, sampler2D materials, vec2 steps[kTaps], bool glossy,
-           inout FaceSum sum) {
-  vec3 texel = 1.0 / vec3(textureSize(values, 0));
-  vec3 start = (ray.start + 0.5) * texel;
-  vec3 stride = ray.stride * texel;
+void march(FaceRay ray, highp sampler3D voxels, highp sampler2D curve, sampler2D materials, vec2 steps[kTaps],
+           bool glossy, inout FaceSum sum) {
   float transmittance = 1.0;
   for (int i = 0; i < kTaps; ++i) {
     float depth = steps[i].x;
@@ -131,7 +155,7 @@ void march(FaceRay ray, highp sampler3D values, sampler2D materials, vec2 steps[
       break;
     }
     bool surface = depth * ray.slope < ray.surface;
-    vec4 voxel = texture(values, start + depth * stride);
+    vec4 voxel = sampleAt(ray.start + depth * ray.stride, voxels, curve);
     float column = materialColumn(valueOf(voxel));
     vec4 material = texture(materials, vec2(column, surface ? kSurfaceRow : kInteriorRow));
     if (material.a <= 0.0 || (!surface && transmittance == 1.0)) {

@@ -1,5 +1,7 @@
 import type { Triple } from "../model/geometry";
+import { requireChecksum } from "./checksum";
 import { JsonReader } from "./json_reader";
+import type { Texels } from "./sog";
 import { CaseError } from "./zip";
 
 export const kCodes = 256;
@@ -36,6 +38,8 @@ export interface FaceMaterials {
 /** The `section` block of a case (docs/format.md), checked: plain data, to be passed between threads. */
 export interface SectionInfo {
   file: string;
+  /** Of the voxels; absent in older cases. */
+  checksum: string | undefined;
   dims: Triple;
   channels: 1 | 3;
   mosaic: Mosaic;
@@ -54,7 +58,8 @@ export interface SectionInfo {
 
 /** The volume that faces are drawn from. */
 export interface Section extends SectionInfo {
-  voxels: Uint8Array; // [nz, ny, nx] codes, or [nz, ny, nx, 4] sRGB and 255
+  voxels: Uint8Array; // [nz, ny, nx] codes, or [nz, ny, nx, 3] sRGB
+  counts: number[]; // how often each byte is there
 }
 
 /** Code of a voxel: of photographs, their luma (Rec. 709). */
@@ -62,7 +67,7 @@ export function codeOfVoxel({ dims, channels, voxels }: Section, x: number, y: n
   const at = (z * dims[1] + y) * dims[0] + x;
   return channels === 1
     ? voxels[at]!
-    : 0.2126 * voxels[4 * at]! + 0.7152 * voxels[4 * at + 1]! + 0.0722 * voxels[4 * at + 2]!;
+    : 0.2126 * voxels[3 * at]! + 0.7152 * voxels[3 * at + 1]! + 0.0722 * voxels[3 * at + 2]!;
 }
 
 /** How slices of constant z lie in the image: row by row, each in a tile of whole blocks. */
@@ -158,6 +163,7 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
   }
   return {
     file,
+    checksum: reader.has("checksum") ? reader.text("checksum") : undefined,
     dims,
     channels: channels as 1 | 3,
     mosaic: readMosaic(reader, dims),
@@ -174,35 +180,40 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
   };
 }
 
-/** An empty volume for `copySlices` to fill. */
-export function makeVoxels({ dims, channels }: SectionInfo): Uint8Array {
-  return new Uint8Array(dims[0] * dims[1] * dims[2] * (channels === 3 ? 4 : 1));
-}
-
 /**
- * Copies `count` slices from `z` on out of a row of tiles, given as RGBA texels, into a section's voxels.
+ * The section of its image, whose slices lie as `info.mosaic` says. Throws CaseError where the image has another size,
+ * or its voxels are not what was written.
  */
-export function copySlices(
-  { dims, channels, mosaic }: SectionInfo,
-  tiles: Uint8Array,
-  z: number,
-  count: number,
-  voxels: Uint8Array,
-): void {
-  const [nx, ny] = dims;
-  const size = channels === 3 ? 4 : 1;
-  const stride = 4 * count * mosaic.tileWidth;
-  for (let slice = 0; slice < count; ++slice) {
+export function readVoxels(info: SectionInfo, { width, height, rgba }: Texels): Section {
+  const { dims, channels, mosaic, file } = info;
+  const [nx, ny, nz] = dims;
+  if (width !== mosaic.columns * mosaic.tileWidth || height !== mosaic.rows * mosaic.tileHeight) {
+    throw new CaseError(
+      `${file} is ${width}×${height}, which does not fit the section; build the case again`,
+    );
+  }
+  const voxels = new Uint8Array(nx * ny * nz * channels);
+  for (let z = 0, to = 0; z < nz; ++z) {
+    const left = (z % mosaic.columns) * mosaic.tileWidth;
+    const top = Math.floor(z / mosaic.columns) * mosaic.tileHeight;
     for (let y = 0; y < ny; ++y) {
-      const from = y * stride + 4 * slice * mosaic.tileWidth;
-      const to = ((z + slice) * ny + y) * nx * size;
-      if (size === 4) {
-        voxels.set(tiles.subarray(from, from + 4 * nx), to);
-      } else {
-        for (let x = 0; x < nx; ++x) {
-          voxels[to + x] = tiles[from + 4 * x]!;
+      const from = 4 * ((top + y) * width + left);
+      for (let at = from; at < from + 4 * nx; at += 4) {
+        for (let c = 0; c < channels; ++c) {
+          voxels[to++] = rgba[at + c]!;
         }
       }
     }
   }
+  requireChecksum(info.checksum, voxels, file);
+  return { ...info, voxels, counts: countCodes(voxels) };
+}
+
+/** How often each byte is there. */
+export function countCodes(voxels: Uint8Array): number[] {
+  const counts = new Array<number>(kCodes).fill(0);
+  for (const code of voxels) {
+    ++counts[code]!;
+  }
+  return counts;
 }

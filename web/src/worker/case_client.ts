@@ -1,6 +1,13 @@
 import type { Section } from "../sog/section";
 import { CaseError } from "../sog/zip";
-import type { LoadedCase, Reply, Request } from "./protocol";
+import {
+  type CodedSection,
+  kSuperseded,
+  type LoadedCase,
+  type Reply,
+  type Request,
+  type SectionReply,
+} from "./protocol";
 
 export interface Sorted {
   order: Uint32Array;
@@ -28,11 +35,18 @@ interface Expected {
   progress: (share: number) => void;
 }
 
-/** The main thread's end of case_worker.ts. */
+/** A section that is being decoded, by a worker of its own. */
+interface Decoding {
+  ticket: number;
+  decoded: Promise<Section>;
+}
+
+/** The main thread's end of case_worker.ts and section_worker.ts. */
 export class CaseClient {
   readonly #worker: Worker;
   readonly #loads = new Map<number, Waiting<LoadedCase> & { progress: (share: number) => void }>();
-  readonly #sections = new Map<number, Waiting<DecodedSection>>();
+  #decoding: Decoding | null = null; // of the case that was loaded last
+  #stopDecoding: (message: string) => void = () => {};
   #sorted: ((value: Sorted) => void) | null = null;
   #sorting: Promise<Sorted> | null = null;
   #tickets = 0;
@@ -66,12 +80,14 @@ export class CaseClient {
     return expected.loaded;
   }
 
-  /** The section of a case that was loaded and has one. Once; rejects with CaseError. */
-  section(ticket: number): Promise<DecodedSection> {
-    return new Promise((resolve, reject) => {
-      this.#sections.set(ticket, { resolve, reject });
-      this.#post({ kind: "section", ticket });
-    });
+  /** The section of the case that was loaded last and has one. Rejects with CaseError. */
+  async section(ticket: number): Promise<DecodedSection> {
+    const start = performance.now();
+    if (this.#decoding?.ticket !== ticket) {
+      throw new CaseError(kSuperseded);
+    }
+    const section = await this.#decoding.decoded;
+    return { section, milliseconds: performance.now() - start };
   }
 
   /** Fetches what may be loaded next. */
@@ -95,6 +111,7 @@ export class CaseClient {
 
   dispose(): void {
     this.#worker.terminate();
+    this.#stopDecoding("the viewer is gone");
     this.#fail("the viewer is gone");
   }
 
@@ -111,10 +128,30 @@ export class CaseClient {
   }
 
   #fail(message: string): void {
-    for (const waiting of [this.#loads, this.#sections]) {
-      waiting.forEach(({ reject }) => reject(new CaseError(message)));
-      waiting.clear();
-    }
+    this.#loads.forEach(({ reject }) => reject(new CaseError(message)));
+    this.#loads.clear();
+  }
+
+  /** Begins to decode a section: its worker ends with it, and its memory goes with the worker. */
+  #decode(ticket: number, coded: CodedSection): void {
+    const worker = new Worker(new URL("./section_worker.ts", import.meta.url), { type: "module" });
+    const decoded = new Promise<Section>((resolve, reject) => {
+      const end = (message: string): void => {
+        worker.terminate();
+        reject(new CaseError(message));
+      };
+      this.#stopDecoding = end;
+      worker.onerror = () => end(`${coded.info.file} cannot be decoded: its worker stopped; reload the page`);
+      worker.onmessage = ({ data }: MessageEvent<SectionReply>) => {
+        if ("section" in data) {
+          resolve(data.section);
+        }
+        end("message" in data ? data.message : kSuperseded);
+      };
+    });
+    decoded.catch(() => {}); // said when it is asked for
+    this.#decoding = { ticket, decoded };
+    worker.postMessage(coded, [coded.webp.buffer]);
   }
 
   #receive(reply: Reply): void {
@@ -127,19 +164,18 @@ export class CaseClient {
     }
     const { ticket } = reply;
     const load = this.#loads.get(ticket);
-    const section = this.#sections.get(ticket);
     if (reply.kind === "progress") {
       load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
     } else if (reply.kind === "loaded") {
       this.#loads.delete(ticket);
+      this.#stopDecoding(kSuperseded);
+      if (reply.section) {
+        this.#decode(ticket, reply.section);
+      }
       load?.resolve(reply);
-    } else if (reply.kind === "section") {
-      this.#sections.delete(ticket);
-      section?.resolve(reply);
     } else {
       this.#loads.delete(ticket);
-      this.#sections.delete(ticket);
-      (load ?? section)?.reject(new CaseError(reply.message));
+      load?.reject(new CaseError(reply.message));
     }
   }
 }

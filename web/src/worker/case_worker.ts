@@ -1,13 +1,15 @@
 // Fetches and decodes cases, and culls and sorts their splats, off the main thread.
 
-import wasmUrl from "@wasm/splat_order.wasm?url";
+import libwebpUrl from "@cwasm/webp/webp.wasm?url";
+import splatOrderUrl from "@wasm/splat_order.wasm?url";
 
-import { decodeBitmap, ImageDecoder } from "../sog/images";
-import { parseSection, type SectionInfo } from "../sog/section";
-import { packScene, parseSogMeta, type SogImages, type SogMeta } from "../sog/sog";
+import { requireTexelChecksum } from "../sog/checksum";
+import { parseSection } from "../sog/section";
+import { packScene, parseSogMeta, type SogImages, type SogMeta, type Texels } from "../sog/sog";
+import { WebpDecoder } from "../sog/webp";
 import { CaseError, readZip } from "../sog/zip";
 import { FileCache } from "./file_cache";
-import type { Reply, Request } from "./protocol";
+import { kSuperseded, type Reply, type Request } from "./protocol";
 import { SplatOrder } from "./splat_order";
 
 // What a worker's global object has of DedicatedWorkerGlobalScope, whose types clash with the page's.
@@ -17,14 +19,12 @@ const worker = self as unknown as {
 };
 
 const files = new FileCache();
-let module: Promise<WebAssembly.Module> | null = null;
-let current: {
-  ticket: number;
-  order: SplatOrder;
-  section: { info: SectionInfo; bitmap: Promise<ImageBitmap> } | null; // until it is asked for
-} | null = null;
-let newestLoad = -1;
-const kSuperseded = "another case was chosen meanwhile";
+const modules = Promise.all(
+  [splatOrderUrl, libwebpUrl].map((url) => WebAssembly.compileStreaming(fetch(url))),
+) as Promise<[WebAssembly.Module, WebAssembly.Module]>;
+modules.catch(() => {}); // said by whatever is loaded
+let current: { ticket: number; order: SplatOrder } | null = null;
+let newest = { ticket: -1, superseded: new AbortController() }; // load
 
 function reply(message: Reply, transfer: Transferable[] = []): void {
   worker.postMessage(message, transfer);
@@ -35,76 +35,59 @@ function fail(ticket: number, error: unknown): void {
   reply({ kind: "failed", ticket, message });
 }
 
-async function compile(): Promise<WebAssembly.Module> {
-  module ??= WebAssembly.compileStreaming(fetch(wasmUrl));
-  return module;
-}
-
-/** With a decoder that is freed afterwards. */
-async function decoding<T>(use: (decoder: ImageDecoder) => Promise<T>): Promise<T> {
-  const decoder = new ImageDecoder();
-  try {
-    return await use(decoder);
-  } finally {
-    decoder.dispose();
-  }
-}
-
-async function decodeImages(
-  decoder: ImageDecoder,
+function decodeImages(
+  decoder: WebpDecoder,
   meta: SogMeta,
-  archive: Map<string, Uint8Array>,
-): Promise<SogImages> {
-  const decode = (name: string) => decoder.decode(archive.get(name)!, name);
-  const palette = async (meta: { files: string[] } | null) => {
-    const [centroids, labels] = await Promise.all(meta ? meta.files.map(decode) : []);
-    return centroids && labels ? { centroids, labels } : null;
+  archive: ReadonlyMap<string, Uint8Array>,
+): SogImages {
+  const decode = (name: string): Texels =>
+    decoder.decode(archive.get(name)!, name, ({ width, height, rgba }) => {
+      requireTexelChecksum(meta.clipgs, rgba, name);
+      return { width, height, rgba: rgba.slice() };
+    });
+  const palette = (meta: { files: string[] } | null) =>
+    meta && { centroids: decode(meta.files[0]!), labels: decode(meta.files[1]!) };
+  return {
+    meansLow: decode(meta.means.files[0]!),
+    meansHigh: decode(meta.means.files[1]!),
+    scales: decode(meta.scales.files[0]!),
+    quats: decode(meta.quats.files[0]!),
+    sh0: decode(meta.sh0.files[0]!),
+    shN: palette(meta.shN),
+    faces: palette(meta.faces),
+    layers: meta.layers && decode(meta.layers.file),
   };
-  const [meansLow, meansHigh, scales, quats, sh0, shN, faces, layers] = await Promise.all([
-    decode(meta.means.files[0]!),
-    decode(meta.means.files[1]!),
-    decode(meta.scales.files[0]!),
-    decode(meta.quats.files[0]!),
-    decode(meta.sh0.files[0]!),
-    palette(meta.shN),
-    palette(meta.faces),
-    meta.layers ? decode(meta.layers.file) : null,
-  ]);
-  return { meansLow, meansHigh, scales, quats, sh0, shN, faces, layers };
 }
 
 /** Throws CaseError once another case was asked for. */
 function checkNewest(ticket: number): void {
-  if (ticket !== newestLoad) {
+  if (ticket !== newest.ticket) {
     throw new CaseError(kSuperseded);
   }
 }
 
 async function load(ticket: number, url: string): Promise<void> {
-  newestLoad = ticket;
+  newest.superseded.abort();
+  newest = { ticket, superseded: new AbortController() };
+  const { signal } = newest.superseded;
   try {
-    const [bytes, wasm] = await Promise.all([
-      files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total })),
-      compile(),
+    const [bytes, [splatOrder, libwebp]] = await Promise.all([
+      files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total }), signal),
+      modules,
     ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
     const info = parseSection(meta.clipgs, archive);
-    const scene = packScene(meta, await decoding((decoder) => decodeImages(decoder, meta, archive)));
     checkNewest(ticket);
-    const order = new SplatOrder(wasm); // a new instance: the memory of the case before is given back
+    const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
+    const order = new SplatOrder(splatOrder); // a new instance: the memory of the case before is given back
     order.load(scene);
-    current?.section?.bitmap.then(
-      (bitmap) => bitmap.close(), // nobody asked for it
-      () => {},
-    );
-    current = {
-      ticket,
-      order,
-      section: info && { info, bitmap: decodeBitmap(archive.get(info.file)!, info.file) },
-    };
-    current.section?.bitmap.catch(() => {}); // said when it is asked for
+    current = { ticket, order };
+    const section = info && { info, webp: archive.get(info.file)!.slice(), libwebp };
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
+    if (section) {
+      transfer.push(section.webp.buffer);
+    }
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
     }
@@ -115,28 +98,7 @@ async function load(ticket: number, url: string): Promise<void> {
       transfer.push(scene.layers.buffer);
     }
     const { clipgs } = meta;
-    reply(
-      { kind: "loaded", ticket, scene, hasSection: info !== null, clipgs, bytes: bytes.length },
-      transfer,
-    );
-  } catch (error) {
-    fail(ticket, error);
-  }
-}
-
-async function sendSection(ticket: number): Promise<void> {
-  const start = performance.now();
-  try {
-    if (current?.ticket !== ticket) {
-      throw new CaseError(kSuperseded);
-    }
-    const { info, bitmap } = current.section!;
-    current.section = null;
-    const image = await bitmap;
-    const section = { ...info, voxels: await decoding((decoder) => decoder.readSection(image, info)) };
-    checkNewest(ticket);
-    const milliseconds = performance.now() - start;
-    reply({ kind: "section", ticket, section, milliseconds }, [section.voxels.buffer]);
+    reply({ kind: "loaded", ticket, scene, section, clipgs, bytes: bytes.length }, transfer);
   } catch (error) {
     fail(ticket, error);
   }
@@ -153,8 +115,6 @@ worker.onmessage = (event) => {
   const request = event.data;
   if (request.kind === "load") {
     void load(request.ticket, request.url);
-  } else if (request.kind === "section") {
-    void sendSection(request.ticket);
   } else if (request.kind === "prefetch") {
     void files.prefetch(request.url);
   } else {

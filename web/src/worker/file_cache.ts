@@ -1,9 +1,17 @@
 import { CaseError } from "../sog/zip";
+import { kSuperseded } from "./protocol";
 
 /** Of files that are kept, together: a dozen cases. */
 const kMostBytes = 64e6;
 
 type Progress = (loaded: number, total: number) => void;
+
+/** A download, and how many want it: it ends when nobody does. */
+interface Running {
+  readonly bytes: Promise<Uint8Array>;
+  readonly unwanted: AbortController;
+  wanted: number;
+}
 
 interface Kept {
   etag: string;
@@ -13,33 +21,63 @@ interface Kept {
 /** Whole files of the server: the newest are kept, and only asked for again whether they changed. */
 export class FileCache {
   readonly #kept = new Map<string, Kept>(); // the one used last at the end
-  readonly #running = new Map<string, Promise<Uint8Array>>();
+  readonly #running = new Map<string, Running>();
+  #prefetching = new AbortController();
 
-  /** Throws CaseError. */
-  async get(url: string, progress: Progress): Promise<Uint8Array> {
-    const running = this.#running.get(url);
-    if (running) {
-      return running;
-    }
-    const download = this.#download(url, progress).finally(() => this.#running.delete(url));
-    this.#running.set(url, download);
-    return download;
+  /**
+   * A file, unless `signal` says that it is not wanted any more: it is not downloaded to its end then, unless others
+   * want it. What was being prefetched, and is not this, ends, too. Throws CaseError.
+   */
+  async get(url: string, progress: Progress, signal: AbortSignal): Promise<Uint8Array> {
+    const bytes = this.#want(url, progress, signal);
+    this.#prefetching.abort();
+    return bytes;
   }
 
   /** Fetches a file that may be wanted next; that it cannot is said when it is. */
   async prefetch(url: string): Promise<void> {
+    this.#prefetching.abort();
+    this.#prefetching = new AbortController();
     if (!this.#kept.has(url)) {
-      await this.get(url, () => {}).catch(() => {});
+      await this.#want(url, () => {}, this.#prefetching.signal).catch(() => {});
     }
   }
 
-  async #download(url: string, progress: Progress): Promise<Uint8Array> {
+  #want(url: string, progress: Progress, signal: AbortSignal): Promise<Uint8Array> {
+    const running = this.#running.get(url) ?? this.#start(url, progress);
+    ++running.wanted;
+    signal.addEventListener("abort", () => {
+      if (--running.wanted === 0) {
+        this.#forget(url, running); // who wants it again meanwhile begins anew
+        running.unwanted.abort();
+      }
+    });
+    return running.bytes;
+  }
+
+  #start(url: string, progress: Progress): Running {
+    const unwanted = new AbortController();
+    const bytes = this.#download(url, progress, unwanted.signal);
+    const running = { bytes, unwanted, wanted: 0 };
+    const end = (): void => this.#forget(url, running);
+    bytes.then(end, end);
+    this.#running.set(url, running);
+    return running;
+  }
+
+  #forget(url: string, running: Running): void {
+    if (this.#running.get(url) === running) {
+      this.#running.delete(url);
+    }
+  }
+
+  async #download(url: string, progress: Progress, signal: AbortSignal): Promise<Uint8Array> {
     const kept = this.#kept.get(url);
     let response: Response;
     try {
-      response = await fetch(url, kept ? { headers: { "If-None-Match": kept.etag } } : {});
+      response = await fetch(url, { signal, headers: kept ? { "If-None-Match": kept.etag } : {} });
     } catch {
-      throw new CaseError("the server does not answer; is it still running?");
+      throw new CaseError(signal.aborted ? kSuperseded : "the server does not answer; is it still running?");
     }
     if (kept && response.status === 304) {
       this.#keep(url, kept);
@@ -54,7 +92,7 @@ export class FileCache {
           : `the server has no such case (status ${response.status}); choose another`,
       );
     }
-    const bytes = await readBody(response, response.body, progress);
+    const bytes = await readBody(response, response.body, progress, signal);
     const etag = response.headers.get("etag");
     if (etag) {
       this.#keep(url, { etag, bytes });
@@ -80,6 +118,7 @@ async function readBody(
   response: Response,
   body: ReadableStream<Uint8Array>,
   progress: Progress,
+  signal: AbortSignal,
 ): Promise<Uint8Array> {
   const total = Number(response.headers.get("content-length") ?? 0);
   let bytes = new Uint8Array(total || 1 << 20);
@@ -97,7 +136,9 @@ async function readBody(
       progress(loaded, total);
     }
   } catch {
-    throw new CaseError("the connection broke while the case was loading; try again");
+    throw new CaseError(
+      signal.aborted ? kSuperseded : "the connection broke while the case was loading; try again",
+    );
   }
   return bytes.subarray(0, loaded);
 }

@@ -1,12 +1,25 @@
 import { kMaxPlanes } from "../model/cut";
-import type { Section } from "../sog/section";
+import type { Section, SectionInfo } from "../sog/section";
 import type { PackedScene } from "../sog/sog";
 
-/** A case, decoded, but for its section: that takes longer, and is asked for by itself. */
+/** Why there is nothing of a case, to whoever waited for it. */
+export const kSuperseded = "another case was chosen meanwhile";
+
+/** A section's image, and what decodes it. */
+export interface CodedSection {
+  info: SectionInfo;
+  webp: Uint8Array;
+  libwebp: WebAssembly.Module;
+}
+
+/** What decoding it gives, or why it cannot be shown. */
+export type SectionReply = { section: Section } | { message: string };
+
+/** A case, decoded, but for its section: that takes longer, and has a worker of its own. */
 export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
-  hasSection: boolean;
+  section: CodedSection | null;
   /** The `clipgs` block of meta.json, unchecked. */
   clipgs: unknown;
   bytes: number;
@@ -22,8 +35,6 @@ export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 2 + 4 * kMaxPlanes;
 /** To the worker. */
 export type Request =
   | { kind: "load"; ticket: number; url: string }
-  /** Decodes the section of the case that was loaded with this ticket. */
-  | { kind: "section"; ticket: number }
   /** Fetches what may be loaded next; nothing answers. */
   | { kind: "prefetch"; url: string }
   /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */
@@ -33,7 +44,5 @@ export type Request =
 export type Reply =
   | { kind: "progress"; ticket: number; loaded: number; total: number }
   | ({ kind: "loaded" } & LoadedCase)
-  /** `milliseconds`: what was left of decoding took. */
-  | { kind: "section"; ticket: number; section: Section; milliseconds: number }
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };

@@ -76,7 +76,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     const png = join(session.folder, "eye.png");
     writeFileSync(file, JSON.stringify(camera));
     await clipgs("render", join(session.cases, "phantom.sog"), "-o", png, "--camera", file, ...cut);
-    return readPng(page, png);
+    return readPng(png);
   }
 
   /** That both eyes see what `clipgs render` makes for their poses. Returns what they see. */

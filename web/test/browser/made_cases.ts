@@ -1,9 +1,9 @@
 import { cpSync } from "node:fs";
 import { inject } from "vitest";
 
-import type { Session } from "./session";
+import type { Server } from "./server";
 
-/** Copies the cases that all tests have (cases.ts), and what they are made of, to where a session serves them. */
-export function copyMadeCases(session: Session): void {
-  cpSync(inject("made"), session.folder, { recursive: true });
+/** Copies the cases that all tests have (cases.ts), and what they are made of, to where a server serves them. */
+export function copyMadeCases(server: Server): void {
+  cpSync(inject("made"), server.folder, { recursive: true });
 }

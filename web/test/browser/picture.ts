@@ -1,5 +1,7 @@
 import { readFileSync } from "node:fs";
-import type { Page } from "playwright-core";
+import { PNG } from "pngjs";
+
+import type { Evaluates } from "./tab";
 
 export interface Picture {
   width: number;
@@ -7,34 +9,19 @@ export interface Picture {
   data: Uint8Array; // RGBA
 }
 
-/** An RGBA PNG, decoded by the page itself without touching its colours. */
-export async function readPng(page: Page, path: string): Promise<Picture> {
-  const base64 = readFileSync(path).toString("base64");
-  const { width, height, data } = await page.evaluate(async (text) => {
-    const blob = new Blob([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], { type: "image/png" });
-    const bitmap = await createImageBitmap(blob, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
-    const gl = new OffscreenCanvas(1, 1).getContext("webgl2")!;
-    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, gl.createFramebuffer());
-    gl.framebufferTexture2D(
-      gl.FRAMEBUFFER,
-      gl.COLOR_ATTACHMENT0,
-      gl.TEXTURE_2D,
-      gl.getParameter(gl.TEXTURE_BINDING_2D) as WebGLTexture,
-      0,
-    );
-    const pixels = new Uint8Array(bitmap.width * bitmap.height * 4);
-    gl.readPixels(0, 0, bitmap.width, bitmap.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-    return { width: bitmap.width, height: bitmap.height, data: Array.from(pixels) };
-  }, base64);
-  return { width, height, data: Uint8Array.from(data) };
+export function readPng(path: string): Picture {
+  return decodePng(readFileSync(path));
+}
+
+export function decodePng(bytes: Buffer): Picture {
+  const { width, height, data } = PNG.sync.read(bytes);
+  return { width, height, data };
 }
 
 /** What `window.clipgs.renderToPixels` gives. */
-export async function pagePicture(page: Page, width: number, height: number): Promise<Picture> {
+export async function pagePicture(page: Evaluates, width: number, height: number): Promise<Picture> {
   const data = await page.evaluate(
-    async ([w, h]) => Array.from((await window.clipgs.renderToPixels(w!, h!)).data),
+    async ([w, h]: number[]) => Array.from((await window.clipgs.renderToPixels(w!, h!)).data),
     [width, height],
   );
   return { width, height, data: Uint8Array.from(data) };

@@ -26,7 +26,7 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
   async function saved(save: () => Promise<void>): Promise<Picture> {
     const [download] = await Promise.all([page.waitForEvent("download"), save()]);
     expect(download.suggestedFilename()).toBe("phantom.png");
-    return readPng(page, await download.path());
+    return readPng(await download.path());
   }
 
   /** A part of a picture. */
@@ -51,7 +51,7 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
     const path = `${session.folder}/shown.png`;
     await page.screenshot({ path });
     const [x, y, w, h] = [150, 120, 300, 360] as const;
-    const shown = await readPng(page, path);
+    const shown = readPng(path);
     expect(psnr(crop(plain, x, y, w, h), crop(shown, x, y, w, h)).color).toBeGreaterThan(35);
 
     // Text lies on its box at the bottom left and at the top left.

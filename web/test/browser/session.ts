@@ -1,11 +1,8 @@
-import { spawn, type ChildProcess } from "node:child_process";
-import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
-import { createInterface } from "node:readline";
+import { resolve } from "node:path";
 import { type Browser, chromium, type Page } from "playwright-core";
 
-import { kChromium, kProgram } from "./program";
+import { kChromium } from "./program";
+import { Server } from "./server";
 
 /** Of what waits for the page: long, as pictures are drawn without a GPU. Tests have more time (vite.config.ts). */
 const kPageMs = 120_000;
@@ -44,27 +41,15 @@ export async function loseGpu(page: Page): Promise<void> {
   });
 }
 
-/** A served folder of cases and a browser that looks at it. */
-export class Session {
-  readonly folder = mkdtempSync(join(tmpdir(), "clipgs-browser-"));
-  readonly cases = join(this.folder, "cases");
-  url = "";
-  #server!: ChildProcess;
+/** A served folder of cases and Chromium, which looks at it. */
+export class Session extends Server {
   #browser!: Browser;
 
-  /** Serves what `makeCases` puts into the folder of cases, with more options of `clipgs serve`. */
-  async start(makeCases: (cases: string) => Promise<void> | void, ...options: string[]): Promise<void> {
-    mkdirSync(this.cases, { recursive: true });
-    await makeCases(this.cases);
-    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json", ...options], {
-      stdio: ["ignore", "pipe", "inherit"],
-      env: { ...process.env, XDG_STATE_HOME: this.folder },
-    });
-    const line = await new Promise<string>((done, fail) => {
-      createInterface(this.#server.stdout!).once("line", done);
-      this.#server.once("exit", () => fail(new Error("clipgs serve ended before it served")));
-    });
-    this.url = (JSON.parse(line) as { url: string }).url;
+  override async start(
+    makeCases: (cases: string) => Promise<void> | void,
+    ...options: string[]
+  ): Promise<void> {
+    await super.start(makeCases, ...options);
     this.#browser = await launchBrowser();
   }
 
@@ -109,16 +94,8 @@ export class Session {
     return page;
   }
 
-  /** How the server ends when it is asked to. */
-  async stop(): Promise<number | null> {
+  override async stop(): Promise<number | null> {
     await this.#browser?.close();
-    if (this.#server?.exitCode === null) {
-      const ended = new Promise((done) => this.#server.once("exit", done));
-      this.#server.kill("SIGTERM");
-      await ended;
-    }
-    const status = this.#server?.exitCode ?? null;
-    rmSync(this.folder, { recursive: true, force: true });
-    return status;
+    return super.stop();
   }
 }

@@ -1,11 +1,11 @@
 import { join } from "node:path";
-import type { Page } from "playwright-core";
 
 import type { FaceSource } from "../../src/model/faces";
 import type { ClipOperator } from "../../src/worker/protocol";
 import { type Picture, readPng } from "./picture";
 import { clipgs } from "./program";
-import type { Session } from "./session";
+import type { Server } from "./server";
+import type { Evaluates } from "./tab";
 
 /** What a picture shows. */
 export interface Shot {
@@ -25,7 +25,7 @@ export function facesOf(shot: Shot): Shot[] {
 }
 
 /** Shows a case, unless it is shown. */
-export async function choose(page: Page, name: string): Promise<void> {
+export async function choose(page: Evaluates, name: string): Promise<void> {
   await page.evaluate(
     (wanted) => (window.clipgs.state.case === wanted ? undefined : window.clipgs.open(wanted)),
     name,
@@ -33,7 +33,7 @@ export async function choose(page: Page, name: string): Promise<void> {
 }
 
 /** Shows a shot of the case that is open. */
-export async function show(page: Page, shot: Shot): Promise<void> {
+export async function show(page: Evaluates, shot: Shot): Promise<void> {
   const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
   await page.evaluate(
     ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width]]) => {
@@ -52,19 +52,23 @@ export async function show(page: Page, shot: Shot): Promise<void> {
 }
 
 /** What `clipgs render` makes of a shot. */
-export async function rendered(page: Page, session: Session, shot: Shot, size: string): Promise<Picture> {
-  return (await renderedAndPrinted(page, session, shot, size)).picture;
+export async function rendered(
+  server: Server,
+  shot: Shot,
+  size: string,
+  options: string[] = [],
+): Promise<Picture> {
+  return (await renderedAndPrinted(server, shot, size, options)).picture;
 }
 
 /** The same, with what it prints. */
 export async function renderedAndPrinted(
-  page: Page,
-  session: Session,
+  server: Server,
   { name = "phantom", view, plane, more = [], clip, section, grey, shades }: Shot,
   size: string,
   options: string[] = [],
 ): Promise<{ picture: Picture; printed: string }> {
-  const path = join(session.folder, "render.png");
+  const path = join(server.folder, "render.png");
   const cut = [...(plane ? [plane] : []), ...more].flatMap((numbers) => [
     numbers.length > 4 ? "--slab" : "--plane",
     numbers.join(),
@@ -72,7 +76,7 @@ export async function renderedAndPrinted(
   const source = section ? ["--section", section] : [];
   const printed = await clipgs(
     "render",
-    join(session.cases, `${name}.sog`),
+    join(server.cases, `${name}.sog`),
     "-o",
     path,
     "--view",
@@ -87,5 +91,5 @@ export async function renderedAndPrinted(
     ...(shades ? ["--window", shades.join()] : []),
     ...options,
   );
-  return { picture: await readPng(page, path), printed };
+  return { picture: await readPng(path), printed };
 }

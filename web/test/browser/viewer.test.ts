@@ -38,7 +38,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await framed.keyboard.press("h");
     await settled(framed);
     await framed.screenshot({ path, clip: { x: 0, y: 0, width: 256, height: 256 } });
-    const shown = await readPng(framed, path);
+    const shown = readPng(path);
     expect(psnr(shown, { ...picture, data: onBlack(picture.data) }).color).toBeGreaterThan(kMinPsnr);
     expect(await framed.evaluate(() => window.clipgs.state.clip)).toBe("soft");
     await framed.close();
@@ -371,7 +371,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       ["tilted", 17, "exact", "splats"],
     ] as const) {
       const shot: Shot = { name, view: [35, 20, 1], plane: null, clip, section };
-      const { picture: truth, printed } = await renderedAndPrinted(page, session, shot, "210x154", [
+      const { picture: truth, printed } = await renderedAndPrinted(session, shot, "210x154", [
         "--state",
         String(state),
       ]);

@@ -12,8 +12,8 @@ import {
   surfaceDepth,
 } from "../../src/model/faces";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
-import { kCodes, kFirstInside, type LightRig, makeVoxels, parseSection } from "../../src/sog/section";
-import { makeSectionBlock } from "./section_fixture";
+import { kCodes, kFirstInside, type LightRig, parseSection } from "../../src/sog/section";
+import { makeSectionBlock, withVoxels } from "./section_fixture";
 import { makeRandom } from "./sog_fixture";
 
 const section = parseSection({ section: makeSectionBlock() }, new Map([["section.webp", null]]))!;
@@ -190,13 +190,13 @@ describe("facePolygons", () => {
 
 describe("sectionEnds", () => {
   it("are the sides that matter reaches", () => {
-    const voxels = makeVoxels(section);
+    const voxels = new Uint8Array(5 * 18 * 7);
     const at = (x: number, y: number, z: number) => x + 5 * (y + 18 * z);
     voxels[at(2, 9, 3)] = 200;
-    expect(sectionEnds({ ...section, voxels })).toEqual([]);
+    expect(sectionEnds(withVoxels(section, voxels))).toEqual([]);
     voxels[at(2, 9, 6)] = 200;
     voxels[at(0, 9, 3)] = 200;
-    const ends = sectionEnds({ ...section, voxels });
+    const ends = sectionEnds(withVoxels(section, voxels));
     expect(ends.map(({ normal }) => normal.toArray().map((v) => v + 0))).toEqual([
       [0, 1, 0],
       [0, 0, -1],

@@ -5,6 +5,7 @@ import { afterAll, beforeAll, beforeEach, describe, expect, it } from "vitest";
 import { FileCache } from "../../src/worker/file_cache";
 
 const kLarge = 30_000_000;
+const wanted = new AbortController().signal;
 
 describe("the cache of files", () => {
   let server: Server;
@@ -35,7 +36,7 @@ describe("the cache of files", () => {
   });
 
   const text = async (cache: FileCache, path: string) =>
-    new TextDecoder().decode(await cache.get(url + path, () => {}));
+    new TextDecoder().decode(await cache.get(url + path, () => {}, wanted));
 
   it("fetches a file once, and again when it changed", async () => {
     const cache = new FileCache();
@@ -57,13 +58,13 @@ describe("the cache of files", () => {
     const cache = new FileCache();
     await cache.prefetch(`${url}missing`);
     await expect(text(cache, "missing")).rejects.toThrow("it is broken");
-    await expect(cache.get("http://127.0.0.1:1/", () => {})).rejects.toThrow(/does not answer/);
+    await expect(cache.get("http://127.0.0.1:1/", () => {}, wanted)).rejects.toThrow(/does not answer/);
   });
 
   it("keeps no more than it may, the oldest go", async () => {
     const cache = new FileCache();
     for (const path of ["large1", "large2", "large1", "large3", "large1", "large2"]) {
-      expect((await cache.get(url + path, () => {})).length).toBe(kLarge);
+      expect((await cache.get(url + path, () => {}, wanted)).length).toBe(kLarge);
     }
     expect(answers).toEqual([200, 200, 304, 200, 304, 200]);
   });

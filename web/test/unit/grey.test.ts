@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 
 import { draggedWindow, shades, windowPresets } from "../../src/model/grey";
-import { makeSection } from "./section_fixture";
+import { makeSection, withVoxels } from "./section_fixture";
 
 describe("windows", () => {
   const section = makeSection();
@@ -14,13 +14,14 @@ describe("windows", () => {
   });
 
   it("leave out the air around the body, and single bright voxels", () => {
-    const mr = makeSection({ modality: "MR", curve: Array.from({ length: 256 }, (_, i) => 10 * i) });
-    mr.voxels.fill(0).fill(100, 0, 300).fill(120, 300, 400);
-    mr.voxels[400] = 255;
+    const section = makeSection({ modality: "MR", curve: Array.from({ length: 256 }, (_, i) => 10 * i) });
+    const voxels = section.voxels.fill(0).fill(100, 0, 300).fill(120, 300, 400);
+    voxels[400] = 255;
+    const mr = withVoxels(section, voxels);
     expect(windowPresets(mr).get("Auto")).toEqual({ center: 1100, width: 200 });
     expect(windowPresets(mr).get("Full")).toEqual({ center: 1355, width: 2390 });
-    mr.voxels.fill(0);
-    expect(windowPresets(mr).get("Auto")!.width).toBeGreaterThan(0);
+    const air = withVoxels(section, voxels.fill(0));
+    expect(windowPresets(air).get("Auto")!.width).toBeGreaterThan(0);
   });
 
   it("run from black to white", () => {

@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 
-import { copySlices, makeVoxels, parseSection, type SectionInfo } from "../../src/sog/section";
-import { CaseError } from "../../src/sog/zip";
+import { parseSection, readVoxels, type SectionInfo } from "../../src/sog/section";
+import type { Texels } from "../../src/sog/sog";
+import { CaseError, crc32 } from "../../src/sog/zip";
 import { makeSectionBlock, withValue } from "./section_fixture";
 
 const archive = new Map([["section.webp", new Uint8Array(4)]]);
@@ -83,41 +84,55 @@ describe("parseSection", () => {
   });
 });
 
-describe("copySlices", () => {
+describe("readVoxels", () => {
   /** What voxel (x, y, z) of the fixture holds. */
   const value = (x: number, y: number, z: number) => (x + 5 * y + 90 * z) % 251;
 
-  /** A row of tiles with slices from z on, row by row; 99 where there is no voxel. */
-  function tiles({ dims, mosaic }: SectionInfo, z: number, count: number): Uint8Array {
-    const rgba = new Uint8Array(4 * count * mosaic.tileWidth * mosaic.tileHeight).fill(99);
-    for (let i = 0; i < rgba.length / 4; ++i) {
-      const column = i % (count * mosaic.tileWidth);
-      const x = column % mosaic.tileWidth;
-      const y = Math.floor(i / (count * mosaic.tileWidth));
-      if (x < dims[0] && y < dims[1]) {
-        const v = value(x, y, z + Math.floor(column / mosaic.tileWidth));
-        rgba.set([v, 255 - v, v >> 1, 255], 4 * i);
+  /** The image of its slices; 99 where there is no voxel. */
+  function mosaic({ dims, mosaic: { tileWidth, tileHeight, columns, rows } }: SectionInfo): Texels {
+    const width = columns * tileWidth;
+    const height = rows * tileHeight;
+    const rgba = new Uint8Array(4 * width * height).fill(99);
+    for (let z = 0; z < dims[2]; ++z) {
+      for (let y = 0; y < dims[1]; ++y) {
+        for (let x = 0; x < dims[0]; ++x) {
+          const row = Math.floor(z / columns) * tileHeight + y;
+          const v = value(x, y, z);
+          rgba.set([v, 255 - v, v >> 1, 255], 4 * (row * width + (z % columns) * tileWidth + x));
+        }
       }
     }
-    return rgba;
+    return { width, height, rgba };
   }
 
   for (const channels of [1, 3]) {
-    it(`puts every voxel in its place, whole rows or parts of them (${channels} channels)`, () => {
+    it(`puts every voxel in its place and checks them (${channels} channels)`, () => {
       const info = parse({ ...makeSectionBlock(), channels });
-      for (const most of [1, 2, 3]) {
-        const voxels = makeVoxels(info);
-        for (let z = 0; z < 7; z += most) {
-          const count = Math.min(most, 7 - z);
-          copySlices(info, tiles(info, z, count), z, count, voxels);
-        }
-        const size = channels === 3 ? 4 : 1;
-        for (let i = 0; i < voxels.length / size; ++i) {
-          const v = value(i % 5, Math.floor(i / 5) % 18, Math.floor(i / 90));
-          const expected = size === 4 ? [v, 255 - v, v >> 1, 255] : [v];
-          expect([...voxels.subarray(size * i, size * (i + 1))]).toEqual(expected);
-        }
+      const { voxels, counts } = readVoxels(info, mosaic(info));
+      expect(voxels.length).toBe(5 * 18 * 7 * channels);
+      for (let i = 0; i < voxels.length / channels; ++i) {
+        const v = value(i % 5, Math.floor(i / 5) % 18, Math.floor(i / 90));
+        const expected = channels === 3 ? [v, 255 - v, v >> 1] : [v];
+        expect([...voxels.subarray(channels * i, channels * (i + 1))]).toEqual(expected);
       }
+      expect(counts.reduce((sum, n) => sum + n)).toBe(voxels.length);
+      expect(counts[7]).toBe(voxels.filter((v) => v === 7).length);
+
+      const checksum = crc32(voxels).toString(16).padStart(8, "0");
+      const checked = parse({ ...makeSectionBlock(), channels, checksum });
+      expect(readVoxels(checked, mosaic(checked)).voxels).toEqual(voxels);
+      const shifted = mosaic(checked);
+      shifted.rgba.copyWithin(4, 0); // as by a decoder that loses an offset
+      expect(() => readVoxels(checked, shifted)).toThrow(/section\.webp .* checksum differs.*not shown/);
+      const other = mosaic(checked);
+      other.rgba[0]! ^= 1;
+      expect(() => readVoxels(checked, other)).toThrow(CaseError);
     });
   }
+
+  it("takes no image of another size", () => {
+    const info = parse(makeSectionBlock());
+    const { width, height, rgba } = mosaic(info);
+    expect(() => readVoxels(info, { width: height, height: width, rgba })).toThrow(/does not fit/);
+  });
 });

@@ -1,4 +1,4 @@
-import { kCodes, makeVoxels, parseSection, type Section } from "../../src/sog/section";
+import { countCodes, kCodes, parseSection, type Section, type SectionInfo } from "../../src/sog/section";
 import { makeRandom } from "./sog_fixture";
 
 const ramp = (from: number, to: number) =>
@@ -67,10 +67,18 @@ export function withValue<T extends object>(object: T, path: string, value: unkn
   return copy;
 }
 
+export function withVoxels(info: SectionInfo, voxels: Uint8Array): Section {
+  return { ...info, voxels, counts: countCodes(voxels) };
+}
+
 /** The fixture with random voxels. */
 export function makeSection(changes: object = {}): Section {
   const block = { ...makeSectionBlock(), ...changes };
   const info = parseSection({ section: block }, new Map([["section.webp", null]]))!;
   const random = makeRandom(5);
-  return { ...info, voxels: makeVoxels(info).map(() => Math.floor(256 * random())) };
+  const [nx, ny, nz] = info.dims;
+  return withVoxels(
+    info,
+    Uint8Array.from({ length: nx * ny * nz * info.channels }, () => Math.floor(256 * random())),
+  );
 }

@@ -21,8 +21,7 @@ describe("values", () => {
     for (const channels of [1, 3]) {
       const section = makeSection({ channels });
       const at = (x: number, y: number, z: number): number => {
-        const size = channels === 3 ? 4 : 1;
-        const v = section.voxels.subarray(size * (x + 5 * (y + 18 * z)));
+        const v = section.voxels.subarray(channels * (x + 5 * (y + 18 * z)));
         return channels === 3 ? 0.2126 * v[0]! + 0.7152 * v[1]! + 0.0722 * v[2]! : v[0]!;
       };
       const sample = (x: number, y: number, z: number) =>

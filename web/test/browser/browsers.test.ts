@@ -1,0 +1,433 @@
+// What must be the same in every browser: pictures, values and links.
+
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+import type { Triple } from "../../src/model/geometry";
+import { shader } from "../../src/render/shaders";
+import { readZip } from "../../src/sog/zip";
+import { makeZip } from "../unit/sog_fixture";
+import { kBrowsers, missingFor, startBrowser } from "./browsers";
+import { copyMadeCases } from "./made_cases";
+import { normalCdf, runNormalCdf } from "./normal_cdf";
+import { coverage, decodePng, pagePicture, type Picture, psnr } from "./picture";
+import { clipgs, missing } from "./program";
+import { Server } from "./server";
+import { choose, facesOf, rendered, type Shot, show } from "./shot";
+import { type Browser, type Evaluates, type Tab, waitFor } from "./tab";
+
+const kMinAlike = 50; // dB of pictures that are drawn alike, pixel by pixel
+const kMinShown = 35; // dB of what a page shows, whose edges are drawn anew
+/** From the middle of the body to its right and forward, mm. */
+const kPins = [
+  [0, 0],
+  [31, 12],
+  [-20, 24],
+] as const;
+const kPoints: Triple[] = [
+  [-12, 14, -30],
+  [24, -8, 12.5],
+  [3, 30, 41],
+  [-31, 2, 3],
+];
+
+const kViews: Shot["view"][] = [
+  [0, 0, 1],
+  [35, 20, 1],
+  [-110, -30, 1.6],
+  [0, 90, 1],
+];
+const kPlanes: Shot["plane"][] = [
+  [0, -1, 0, 0],
+  [0.5, 0.3, -0.6, 10],
+];
+/** Every plane with its faces drawn from the volume and by splats. */
+const kShots: Shot[] = [
+  ...kViews.map((view): Shot => ({ view, plane: null, clip: "exact" })),
+  ...kPlanes.flatMap((plane) =>
+    (["hard", "soft", "exact"] as const).flatMap((clip, i) => facesOf({ view: kViews[i]!, plane, clip })),
+  ),
+  ...facesOf({ view: [60, 10, 3], plane: [-1, 0, 0, -20], clip: "exact" }),
+  // A slab and two planes more; a second plane alone.
+  ...(["hard", "soft", "exact"] as const).flatMap((clip) =>
+    facesOf({
+      view: [30, 35, 1],
+      plane: [0, 0, -1, -40],
+      more: [
+        [0.2, -1, 0.1, -20, 45],
+        [1, 0.1, 0, -60],
+      ],
+      clip,
+    }),
+  ),
+  ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
+  // Face colours, at one plane and at three.
+  ...(["hard", "soft", "exact"] as const).map(
+    (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
+  ),
+  {
+    name: "solid",
+    view: [-40, 30, 1.1],
+    plane: [0, -1, 0, 0],
+    more: [
+      [0, 0, -1, -30],
+      [1, 0.1, 0, -20, 30],
+    ],
+    clip: "exact",
+    section: "splats",
+  },
+  ...[0, 1].map(
+    (grey): Shot => ({
+      name: "photo",
+      view: [35, 20, 1],
+      plane: [0.2, -1, 0.3, 5],
+      clip: "exact",
+      section: "volume",
+      grey,
+    }),
+  ),
+  { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", grey: 1, shades: [40, 400] },
+  {
+    view: [20, 60, 1],
+    plane: [0.1, 0, -1, 10],
+    clip: "exact",
+    section: "volume",
+    grey: 0.5,
+    shades: [-300, 900],
+  },
+];
+
+/** What a shot shows, in words. */
+function nameOf({ name, view, plane, more = [], clip, section, grey, shades }: Shot): string {
+  const style = `${grey ? `, grey ${grey} ${shades?.join() ?? ""}` : ""}${name ? `, ${name}` : ""}`;
+  const others = more.map((numbers) => ` and ${numbers.join()}`).join("");
+  const cut = plane ? `plane ${plane.join()}${others}, ${clip}, ${section}` : "uncut";
+  return `view ${view.join()}, ${cut}${style}`;
+}
+
+/** What a case says of its images. */
+interface Block {
+  checksums?: Record<string, string>;
+  section: { checksum?: string };
+}
+
+const server = new Server();
+const truths = new Map<string, Promise<Picture>>();
+
+/** What `clipgs render` makes of a shot, once for all browsers. */
+function truthOf(shot: Shot, size: string, ...options: string[]): Promise<Picture> {
+  const key = JSON.stringify([shot, size, options]);
+  const truth = truths.get(key) ?? rendered(server, shot, size, options);
+  truths.set(key, truth);
+  return truth;
+}
+
+/** From now on what goes wrong in the page is remembered. */
+async function watchErrors(page: Evaluates): Promise<void> {
+  await page.evaluate(() => {
+    const errors: string[] = [];
+    Object.assign(window, { errors });
+    addEventListener("error", (event) => errors.push(event.message));
+    addEventListener("unhandledrejection", (event) => errors.push(String(event.reason)));
+  });
+}
+
+/** Opens the viewer; `hash` as in a link. */
+async function openViewer(page: Tab, hash: string): Promise<void> {
+  await page.open("about:blank"); // else a new hash alone would not open anything
+  await page.open(server.url + hash);
+  await waitFor(page, () => window.clipgs !== undefined, undefined);
+  await watchErrors(page);
+  await page.evaluate(() => window.clipgs.ready);
+}
+
+const hashOf = (page: Evaluates): Promise<string> => page.evaluate(() => location.hash);
+
+/** What of an element is seen; null: none is there, or not seen. */
+function textOf(page: Evaluates, selector: string): Promise<string | null> {
+  return page.evaluate((wanted: string) => {
+    const element = document.querySelector(wanted);
+    return element?.checkVisibility() ? element.textContent : null;
+  }, selector);
+}
+
+describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is missing)` : ""}`, () => {
+  beforeAll(() =>
+    server.start(async (cases) => {
+      copyMadeCases(server);
+      const phantom = join(cases, "phantom.sog");
+      await remake(phantom, join(cases, "other-voxels.sog"), ({ section }) => {
+        section.checksum = "00000000";
+      });
+      await remake(phantom, join(cases, "other-texels.sog"), ({ checksums }) => {
+        checksums!["quats.webp"] = "00000000";
+      });
+      await remake(phantom, join(cases, "older.sog"), (block) => {
+        delete block.checksums;
+        delete block.section.checksum;
+      });
+    }),
+  );
+
+  afterAll(async () => {
+    expect(await server.stop(), "exit status of clipgs serve").toBe(0);
+  });
+
+  for (const name of kBrowsers) {
+    const lacking = missingFor(name);
+    describe.skipIf(lacking !== undefined)(`${name}${lacking ? ` (${lacking})` : ""}`, () => {
+      let browser: Browser;
+      let page: Tab;
+      let least = Infinity; // dB
+
+      beforeAll(async () => {
+        browser = await startBrowser(name);
+        page = browser.tab;
+        // What the page itself shows is small: it is drawn, too, whenever something changes.
+        await openViewer(page, "#case=phantom&size=64x64");
+      });
+
+      afterAll(async () => {
+        console.log(
+          `${browser?.version}: pictures equal those of clipgs render to ${least.toFixed(1)} dB or more`,
+        );
+        try {
+          expect(await page.evaluate(() => (window as unknown as { errors: string[] }).errors)).toEqual([]);
+        } finally {
+          await browser?.close();
+        }
+      });
+
+      for (const shot of kShots) {
+        it(`equals clipgs render: ${nameOf(shot)}`, async () => {
+          const truth = await truthOf(shot, "210x154");
+          await choose(page, shot.name ?? "phantom");
+          await show(page, shot);
+          const got = await pagePicture(page, truth.width, truth.height);
+          expect(coverage(truth)).toBeGreaterThan(0.03);
+          const { color, alpha } = psnr(got, truth);
+          least = Math.min(least, color, alpha);
+          expect(color).toBeGreaterThan(kMinAlike);
+          expect(alpha).toBeGreaterThan(kMinAlike);
+        });
+      }
+
+      it("draws states by layers as clipgs render does, and other cuts exactly", async () => {
+        await choose(page, "layered");
+        const none: Shot = {
+          name: "layered",
+          view: [25, 30, 1],
+          plane: null,
+          clip: "layers",
+          section: "splats",
+        };
+        for (const state of [60, 110, 150]) {
+          const truth = await truthOf(none, "210x154", "--state", String(state));
+          await show(page, none);
+          await page.evaluate((k: number) => window.clipgs.setState(k), state);
+          const got = await pagePicture(page, truth.width, truth.height);
+          expect(coverage(truth)).toBeGreaterThan(0.03);
+          expect(psnr(got, truth).color, `state ${state}`).toBeGreaterThan(kMinAlike);
+          expect(psnr(got, truth).alpha, `state ${state}`).toBeGreaterThan(kMinAlike);
+          await page.evaluate(() => window.clipgs.setClip("exact"));
+          const exact = await pagePicture(page, truth.width, truth.height);
+          expect(psnr(exact, truth).color, `state ${state}`).toBeLessThan(kMinAlike - 5);
+        }
+        const pictures = [];
+        for (const clip of ["layers", "exact"] as const) {
+          await show(page, { ...none, plane: [0.2, -1, -0.1, 0], clip });
+          pictures.push(await pagePicture(page, 160, 160));
+        }
+        expect(pictures[0]!.data).toEqual(pictures[1]!.data);
+        await choose(page, "phantom");
+      });
+
+      it("cuts more or less as the plane moves", async () => {
+        const at = async (offset: number) => {
+          await show(page, { view: [0, 0, 1], plane: [0, 0, -1, offset], clip: "exact" });
+          return pagePicture(page, 160, 160);
+        };
+        const most = await at(-120);
+        const half = await at(0);
+        const little = await at(120);
+        expect(coverage(most)).toBeGreaterThan(1.3 * coverage(half));
+        expect(coverage(half)).toBeGreaterThan(1.3 * coverage(little));
+        expect(psnr(most, half).color).toBeLessThan(20);
+      });
+
+      it("has no holes in a face wherever its plane is", async () => {
+        for (let step = 0; step < 12; ++step) {
+          const shot: Shot = { view: [20, 40, 1], plane: [0, 0.1, -1, 7.3 - 3.1 * step], clip: "exact" };
+          const truth = await truthOf(shot, "128x128");
+          await show(page, shot);
+          const got = await pagePicture(page, 128, 128);
+          let holes = 0;
+          for (let i = 3; i < got.data.length; i += 4) {
+            holes += truth.data[i]! === 255 && got.data[i]! < 230 ? 1 : 0;
+          }
+          expect(holes, `plane ${shot.plane!.join()}`).toBe(0);
+          expect(psnr(got, truth).alpha).toBeGreaterThan(kMinAlike);
+          expect(psnr(got, truth).color).toBeGreaterThan(kMinAlike);
+        }
+      });
+
+      it("has a Φ that is the normal distribution's to 1.5e-4", async () => {
+        const at = Array.from({ length: 1601 }, (_, i) => 0.01 * i - 8);
+        const got = await page.evaluate(runNormalCdf, { text: shader("gaussian.glsl"), at });
+        at.forEach((z, i) => {
+          expect(Math.abs(got[i]! - normalCdf(z)), `Φ(${z.toFixed(2)}) = ${got[i]}`).toBeLessThan(1.5e-4);
+        });
+      });
+
+      it("tells the three operators apart", async () => {
+        const pictures = [];
+        for (const clip of ["hard", "soft", "exact"] as const) {
+          await show(page, { view: [0, 0, 1], plane: [0, -1, 0, 0], clip, section: "splats" });
+          pictures.push(await pagePicture(page, 160, 160));
+        }
+        for (const [a, b] of [
+          [0, 1],
+          [1, 2],
+          [0, 2],
+        ] as const) {
+          const { color } = psnr(pictures[a]!, pictures[b]!);
+          expect(color).toBeGreaterThan(20); // a cut of the same thing
+          expect(color).toBeLessThan(58); // equal pictures have no error at all
+        }
+      });
+
+      it("says values under the pointer and of pins as clipgs render does", async () => {
+        await openViewer(page, "#case=phantom");
+        await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+        const [r, a] = await page.evaluate(() =>
+          window.clipgs.bounds!.min.map((low, k) => 0.5 * (low + window.clipgs.bounds!.max[k]!)),
+        );
+        for (const [toRight, forward] of kPins) {
+          const point: Triple = [r! + toRight, a! + forward, 0];
+          const at = (await page.evaluate((p: Triple) => window.clipgs.project(p), point))!;
+          await page.move(at);
+          await waitFor(
+            page,
+            () => document.querySelector("[aria-label='Value under the pointer']")?.checkVisibility(),
+            undefined,
+          );
+          await page.press("i");
+          const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
+          expect(Math.abs(pin.point[0] - point[0])).toBeLessThan(1.5); // the mouse is at a whole pixel
+          expect(pin.point[2]).toBeCloseTo(0, 3);
+          expect(pin.text.replace("\u2212", "-")).toBe(await valueAt(pin.point));
+          expect(await textOf(page, "[aria-label='Value under the pointer']")).toContain(pin.text);
+        }
+        await waitFor(page, () => location.hash.split("pin=").length === 4, undefined);
+        const pins = await page.evaluate(() => window.clipgs.pins);
+        await openViewer(page, await hashOf(page));
+        const followed = await page.evaluate(() => window.clipgs.pins);
+        expect(followed.map(({ text }) => text)).toEqual(pins.map(({ text }) => text));
+      });
+
+      it("refuses what does not decode to what was written, and shows nothing of it", async () => {
+        const failure = (wanted: string) =>
+          page.evaluate(
+            (one: string) =>
+              window.clipgs.open(one).then(
+                () => "",
+                (error: Error) => error.message,
+              ),
+            wanted,
+          );
+        await choose(page, "phantom");
+        expect(await failure("other-texels")).toMatch(/^quats\.webp .*its checksum differs.*not shown/);
+        expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+        expect(await failure("other-voxels")).toMatch(/^section\.webp .*its checksum differs.*not shown/);
+        expect(await textOf(page, "[role=alert]")).toContain("section.webp");
+        expect(await page.evaluate(() => window.clipgs.state.case)).toBeNull();
+        expect(await textOf(page, ".title")).toBe("No case");
+        expect(await failure("older")).toBe("");
+        expect(await textOf(page, "[role=alert]")).toBeNull();
+        await choose(page, "phantom");
+      });
+
+      it("gives points the same values as clipgs render", async () => {
+        for (const point of kPoints) {
+          const text = await page.evaluate((p: Triple) => {
+            const there = window.clipgs.addPin(p);
+            const said = there ? window.clipgs.pins.at(-1)!.text : null;
+            window.clipgs.removePin(window.clipgs.pins.length - 1);
+            return said;
+          }, point);
+          expect(text?.replace("\u2212", "-")).toBe(await valueAt(point));
+        }
+      });
+
+      it("follows links, and writes them", async () => {
+        await openViewer(page, "#case=solid&view=12,34,1.5&plane=0,0,-1,5&slab=0,1,0,-20,35&clip=hard");
+        const state = () => page.evaluate(() => window.clipgs.state);
+        expect(await state()).toMatchObject({
+          case: "solid",
+          view: { azimuth: 12, elevation: 34, zoom: 1.5 },
+          clip: "hard",
+          cuts: [
+            { normal: [0, 0, -1], offset: 5 },
+            { normal: [0, 1, 0], offset: -20, thickness: 35 },
+          ],
+        });
+        await page.evaluate(() => window.clipgs.setPlane({ normal: [1, 0, 0], offset: 3 }));
+        await waitFor(page, () => location.hash.includes("plane=1,0,0,3"), undefined);
+        expect(await hashOf(page)).toBe("#case=solid&view=12,34,1.5&plane=1,0,0,3&clip=hard");
+        await page.evaluate(() => void (location.hash = "#case=phantom&state=42"));
+        await waitFor(
+          page,
+          () => window.clipgs.state.case === "phantom" && window.clipgs.state.state === 42,
+          undefined,
+        );
+      });
+
+      it("shows on the page what it gives to scripts", async () => {
+        await openViewer(page, "#case=phantom&view=35,20&plane=0,-1,0,0&size=160x160");
+        await page.evaluate(() =>
+          document.head.append(
+            Object.assign(document.createElement("style"), { textContent: "footer { display: none }" }),
+          ),
+        );
+        await page.press("h"); // without the handle
+        const picture = await pagePicture(page, 160, 160);
+        await waitFor(page, () => window.clipgs.stats.settled, undefined);
+        await page.evaluate(
+          () =>
+            new Promise<void>((drawn) => requestAnimationFrame(() => requestAnimationFrame(() => drawn()))),
+        );
+        const shown = decodePng(await page.screenshot());
+        expect(psnr(topLeft(shown, 160, 160), onBlack(picture)).color).toBeGreaterThan(kMinShown);
+      });
+    });
+  }
+});
+
+/** Of a point, as `clipgs render` prints it. */
+async function valueAt(point: readonly number[]): Promise<string> {
+  const path = join(server.folder, "pin.png");
+  const case_ = join(server.cases, "phantom.sog");
+  const printed = await clipgs("render", case_, "-o", path, "--size", "16x16", "--pin", point.join());
+  return printed.trim().split("mm: ")[1]!;
+}
+
+function topLeft({ width, data }: Picture, w: number, h: number): Picture {
+  const rows = Array.from({ length: h }, (_, y) => data.subarray(4 * width * y, 4 * (width * y + w)));
+  return { width: w, height: h, data: Uint8Array.from(rows.flatMap((row) => [...row])) };
+}
+
+/** The case with its `clipgs` block changed. */
+async function remake(from: string, to: string, change: (block: Block) => void): Promise<void> {
+  const entries = await readZip(Uint8Array.from(readFileSync(from)));
+  const meta = JSON.parse(new TextDecoder().decode(entries.get("meta.json"))) as { clipgs: Block };
+  change(meta.clipgs);
+  entries.set("meta.json", new TextEncoder().encode(JSON.stringify(meta)));
+  writeFileSync(to, makeZip(Object.fromEntries(entries)));
+}
+
+/** Opaque. */
+function onBlack({ width, height, data }: Picture): Picture {
+  const over = data.map((v, i) => (i % 4 === 3 ? 255 : Math.round((v * data[i - (i % 4) + 3]!) / 255)));
+  return { width, height, data: over };
+}

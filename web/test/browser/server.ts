@@ -1,0 +1,42 @@
+import { type ChildProcess, spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+
+import { kProgram } from "./program";
+
+/** A folder of cases that `clipgs serve` serves. */
+export class Server {
+  readonly folder = mkdtempSync(join(tmpdir(), "clipgs-browser-"));
+  readonly cases = join(this.folder, "cases");
+  url = "";
+  #server!: ChildProcess;
+
+  /** Serves what `makeCases` puts into the folder of cases, with more options of `clipgs serve`. */
+  async start(makeCases: (cases: string) => Promise<void> | void, ...options: string[]): Promise<void> {
+    mkdirSync(this.cases, { recursive: true });
+    await makeCases(this.cases);
+    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json", ...options], {
+      stdio: ["ignore", "pipe", "inherit"],
+      env: { ...process.env, XDG_STATE_HOME: this.folder },
+    });
+    const line = await new Promise<string>((done, fail) => {
+      createInterface(this.#server.stdout!).once("line", done);
+      this.#server.once("exit", () => fail(new Error("clipgs serve ended before it served")));
+    });
+    this.url = (JSON.parse(line) as { url: string }).url;
+  }
+
+  /** How it ends when it is asked to. */
+  async stop(): Promise<number | null> {
+    if (this.#server?.exitCode === null) {
+      const ended = new Promise((done) => this.#server.once("exit", done));
+      this.#server.kill("SIGTERM");
+      await ended;
+    }
+    const status = this.#server?.exitCode ?? null;
+    rmSync(this.folder, { recursive: true, force: true });
+    return status;
+  }
+}
