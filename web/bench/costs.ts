@@ -14,6 +14,7 @@ import { kClipOperators, kViewFloats } from "../src/worker/protocol";
 import { SplatOrder } from "../src/worker/splat_order";
 import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
+import { kCountVolumes, volumesOf } from "../test/browser/volume_memory";
 import { Wearer } from "../test/browser/wearer";
 import { median, table } from "./measure";
 
@@ -242,6 +243,33 @@ async function garbage(session: Session): Promise<string[]> {
   return ["garbage a frame in a headset", `${kilobytes.toFixed(0)} KB`, ""];
 }
 
+/** What the section takes: of the page and its workers, and on the GPU. */
+async function sectionMemory(session: Session): Promise<string[][]> {
+  const scene = join(session.folder, "bare.ply");
+  execFileSync(kProgram, ["--quiet", "unpack", file, "-o", scene]);
+  execFileSync(kProgram, ["--quiet", "pack", scene, "--no-section", "-o", join(session.cases, "bare.sog")]);
+  const small = { width: 64, height: 64 };
+  const measured = [];
+  for (const name of ["first", "bare"]) {
+    const page = await session.open(`#case=${name}&size=64x64`, [], small, [kCountVolumes]);
+    await page.evaluate(() => window.clipgs.ready);
+    const { sectionBytes } = await page.evaluate(() => window.clipgs.stats);
+    const { bytes } = (await page.evaluate("performance.measureUserAgentSpecificMemory()")) as {
+      bytes: number;
+    };
+    const volumes = (await volumesOf(page)).bytes.reduce((sum, n) => sum + n, 0);
+    measured.push({ sectionBytes, bytes, volumes });
+    await page.close();
+  }
+  const [whole, bare] = measured as [(typeof measured)[0], (typeof measured)[0]];
+  const megabytes = (bytes: number) => `${(bytes / 1e6).toFixed(1)} MB`;
+  const voxels = megabytes(whole.sectionBytes);
+  return [
+    [`memory of a section of ${voxels}`, megabytes(whole.bytes - bare.bytes), "60 MB"],
+    ["... on the GPU", megabytes(whole.volumes), "60 MB"],
+  ];
+}
+
 function overdraw(session: Session): string[] {
   const scene = join(session.folder, "scene.ply");
   execFileSync(kProgram, ["--quiet", "unpack", file, "-o", scene]);
@@ -258,7 +286,7 @@ await session.start((cases) => {
 });
 try {
   rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
-  rows.push(await garbage(session), overdraw(session));
+  rows.push(await garbage(session), ...(await sectionMemory(session)), overdraw(session));
 } finally {
   process.exitCode = (await session.stop()) ?? 0;
 }

@@ -44,21 +44,6 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await framed.close();
   });
 
-  it("shows the body before its section is there, once", async () => {
-    const opened = await session.open("#case=phantom", errors);
-    const times = await opened.evaluate(async () => {
-      const { clipgs } = window;
-      await clipgs.ready;
-      const whole = performance.now();
-      const seen = performance.getEntriesByName("clipgs: picture").map(({ startTime }) => startTime);
-      return { whole, seen, section: clipgs.stats.sectionMs };
-    });
-    expect(times.seen).toHaveLength(1);
-    expect(times.section).toBeGreaterThan(0);
-    expect(times.whole - times.seen[0]!).toBeGreaterThan(times.section);
-    await opened.close();
-  });
-
   it("draws faces from the volume unless the link or a button says otherwise", async () => {
     const state = () => page.evaluate(() => window.clipgs.state.section);
     await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
@@ -532,120 +517,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await hashOf(page)).toBe("#case=phantom&view=12,34,1.5&plane=0,0,-1,5&clip=hard");
   });
 
-  it("shows why a case cannot be opened, and goes on", async () => {
-    const whole = readFileSync(join(session.cases, "phantom.sog"));
-    writeFileSync(join(session.cases, "truncated.sog"), whole.subarray(0, whole.length / 2));
-    writeFileSync(join(session.cases, "page.sog"), "<html>not a case</html>");
-    copyFileSync(join(session.cases, "phantom.sog"), join(session.cases, "second.sog"));
-    const visitor = await session.open("#case=truncated", errors);
-    const alert = visitor.getByRole("alert");
-    await alert.waitFor();
-    expect(await alert.textContent()).toContain("truncated");
-    await expect(visitor.evaluate(() => window.clipgs.ready)).rejects.toThrow();
-
-    await alert.getByRole("button", { name: "Choose a case" }).click();
-    const menu = visitor.getByRole("dialog", { name: "Cases" });
-    await menu.locator(".card").nth(6).waitFor(); // the list is fetched anew when the menu opens
-    expect(await menu.locator(".card").count()).toBe(7);
-    expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
-    await menu.locator('[data-case="page"]').click();
-    await expect.poll(() => alert.textContent()).toContain("page");
-
-    await visitor.keyboard.press("m");
-    await menu.locator('[data-case="second"]').click();
-    await visitor.waitForFunction(() => window.clipgs.state.case === "second");
-    expect(await alert.isVisible()).toBe(false);
-    expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
-
-    await expect(visitor.evaluate(() => window.clipgs.open("nobody"))).rejects.toThrow(/no such case/);
-    expect(await alert.textContent()).toContain("nobody");
-    await visitor.close();
-  });
-
-  it("says that the folder of the cases is gone, until it is back", async () => {
-    const away = join(session.folder, "away");
-    renameSync(session.cases, away);
-    const visitor = await session.open("", errors);
-    const alert = visitor.getByRole("alert");
-    await alert.waitFor();
-    expect(await alert.textContent()).toContain("the folder of the cases cannot be read");
-    await expect(visitor.evaluate(() => window.clipgs.open("phantom"))).rejects.toThrow(/cannot be read/);
-    renameSync(away, session.cases);
-    await visitor.evaluate(() => window.clipgs.open("phantom"));
-    expect(await alert.isVisible()).toBe(false);
-    await visitor.close();
-  });
-
-  it("finds damage that the server's index does not look for", async () => {
-    const bytes = Uint8Array.from(readFileSync(join(session.cases, "phantom.sog")));
-    const visitor = await session.open("#case=phantom", errors);
-    await visitor.evaluate(() => window.clipgs.ready);
-    const failure = async (body: Uint8Array): Promise<string> => {
-      await visitor.route("**/cases/phantom.sog*", (route) => route.fulfill({ body: Buffer.from(body) }));
-      const message = await visitor.evaluate(() =>
-        window.clipgs.open("phantom").then(
-          () => "",
-          (e: Error) => e.message,
-        ),
-      );
-      await visitor.unroute("**/cases/phantom.sog*");
-      expect(await visitor.getByRole("alert").textContent()).toContain(message);
-      return message;
-    };
-    expect(await failure(bytes.slice(0, 5000))).toMatch(/too early/);
-    const flipped = bytes.slice();
-    flipped[300]! ^= 0x10;
-    expect(await failure(flipped)).toMatch(/damaged/);
-    expect(await failure(new TextEncoder().encode("<!doctype html>"))).toMatch(/not a SOG file/);
-    await visitor.evaluate(() => window.clipgs.open("phantom"));
-    expect(await visitor.getByRole("alert").isVisible()).toBe(false);
-    await visitor.close();
-  });
-
   it("draws the same after the GPU was lost", async () => {
     await show(page, { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" });
     const before = await pagePicture(page, 128, 128);
     await loseGpu(page);
     expect(psnr(await pagePicture(page, 128, 128), before).color).toBeGreaterThan(60);
-  });
-
-  it("frees what it held when cases are switched, fifty times", async () => {
-    const script = {
-      content: `window.held = { textures: 0, buffers: 0 };
-        for (const kind of ["Texture", "Buffer"]) {
-          const { prototype } = WebGL2RenderingContext;
-          for (const [verb, step] of [["create", 1], ["delete", -1]]) {
-            const original = prototype[verb + kind];
-            prototype[verb + kind] = function (...args) {
-              window.held[kind.toLowerCase() + "s"] += step;
-              return original.apply(this, args);
-            };
-          }
-        }`,
-    };
-    const small = { width: 200, height: 150 };
-    const visitor = await session.open("#case=phantom&size=64x64", errors, small, [script]);
-    await visitor.evaluate(() => window.clipgs.ready);
-    const devtools = await visitor.context().newCDPSession(visitor);
-    const switchCases = async (times: number) => {
-      await visitor.evaluate(async (n) => {
-        for (let i = 0; i < n; ++i) {
-          await window.clipgs.open(i % 2 === 0 ? "solid" : "phantom");
-        }
-      }, times);
-      await devtools.send("HeapProfiler.collectGarbage");
-      const heap = (await devtools.send("Runtime.getHeapUsage")) as {
-        usedSize: number;
-        backingStorageSize: number;
-      };
-      return { heap, gpu: await visitor.evaluate("window.held") };
-    };
-    const before = await switchCases(4);
-    const after = await switchCases(50);
-    expect(after.gpu).toEqual(before.gpu);
-    expect(after.heap.usedSize - before.heap.usedSize).toBeLessThan(1e6);
-    expect(after.heap.backingStorageSize - before.heap.backingStorageSize).toBeLessThan(1e6);
-    await visitor.close();
   });
 
   it("leaves no error in the page", () => {

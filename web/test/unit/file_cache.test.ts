@@ -61,6 +61,75 @@ describe("the cache of files", () => {
     await expect(cache.get("http://127.0.0.1:1/", () => {}, wanted)).rejects.toThrow(/does not answer/);
   });
 
+  describe("that takes its time", () => {
+    const kParts = 400;
+    const part = Buffer.alloc(1 << 16, 7);
+    let slow: Server;
+    let slowUrl = "";
+    let given = 0; // bytes
+    let ended: Promise<void>; // the answer, or its connection
+
+    beforeAll(async () => {
+      slow = createServer((_request, response) => {
+        given = 0;
+        response.writeHead(200, { "content-length": kParts * part.length, etag: '"1"' });
+        const timer = setInterval(() => {
+          response.write(part);
+          given += part.length;
+          if (given === kParts * part.length) {
+            clearInterval(timer);
+            response.end();
+          }
+        }, 2);
+        ended = new Promise((done) => response.once("close", done)).then(() => clearInterval(timer));
+      });
+      await new Promise<void>((listening) => slow.listen(0, "127.0.0.1", listening));
+      slowUrl = `http://127.0.0.1:${(slow.address() as AddressInfo).port}/`;
+    });
+
+    afterAll(() => {
+      slow.closeAllConnections();
+      slow.close();
+    });
+
+    /** Begins, and resolves with what comes of it once some of the file is there. */
+    const begun = (cache: FileCache, path: string, signal: AbortSignal) =>
+      new Promise<{ file: Promise<Uint8Array> }>((resolve) => {
+        const file: Promise<Uint8Array> = cache.get(slowUrl + path, () => resolve({ file }), signal);
+        file.catch(() => {});
+      });
+
+    it("does not download what nobody wants any more", async () => {
+      const unwanted = new AbortController();
+      const { file } = await begun(new FileCache(), "a", unwanted.signal);
+      unwanted.abort();
+      await expect(file).rejects.toThrow("another case was chosen meanwhile");
+      await ended;
+      expect(given).toBeLessThan(0.5 * kParts * part.length);
+    });
+
+    it("goes on where somebody else wants it", async () => {
+      const cache = new FileCache();
+      const unwanted = new AbortController();
+      const { file } = await begun(cache, "b", unwanted.signal);
+      const same = cache.get(`${slowUrl}b`, () => {}, wanted);
+      unwanted.abort();
+      expect((await same).length).toBe(kParts * part.length);
+      expect(await file).toBe(await same);
+    });
+
+    it("ends a prefetch when another file is chosen", async () => {
+      given = 0;
+      const cache = new FileCache();
+      const prefetched = cache.prefetch(`${slowUrl}c`);
+      await expect.poll(() => given).toBeGreaterThan(0);
+      expect(await text(cache, "d")).toBe("version 1");
+      await prefetched;
+      await ended;
+      expect(given).toBeLessThan(0.5 * kParts * part.length);
+    });
+  });
+
   it("keeps no more than it may, the oldest go", async () => {
     const cache = new FileCache();
     for (const path of ["large1", "large2", "large1", "large3", "large1", "large2"]) {

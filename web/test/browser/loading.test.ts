@@ -1,0 +1,189 @@
+import { copyFileSync, readFileSync, renameSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+import { copyMadeCases } from "./made_cases";
+import { coverage, pagePicture } from "./picture";
+import { missing } from "./program";
+import { Session } from "./session";
+import { startSlowProxy } from "./slow_proxy";
+import { kCountVolumes, volumesOf } from "./volume_memory";
+
+describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is missing)` : ""}`, () => {
+  const session = new Session();
+  const errors: string[] = [];
+
+  beforeAll(() => session.start(() => copyMadeCases(session)));
+
+  afterAll(async () => {
+    expect(errors).toEqual([]);
+    await session.stop();
+  });
+
+  it("shows the body before its section is there, once", async () => {
+    const opened = await session.open("#case=phantom", errors);
+    const times = await opened.evaluate(async () => {
+      const { clipgs } = window;
+      await clipgs.ready;
+      const whole = performance.now();
+      const seen = performance.getEntriesByName("clipgs: picture").map(({ startTime }) => startTime);
+      return { whole, seen, section: clipgs.stats.sectionMs };
+    });
+    expect(times.seen).toHaveLength(1);
+    expect(times.section).toBeGreaterThan(0);
+    expect(times.whole - times.seen[0]!).toBeGreaterThan(times.section);
+    await opened.close();
+  });
+
+  it("shows why a case cannot be opened, and goes on", async () => {
+    const whole = readFileSync(join(session.cases, "phantom.sog"));
+    writeFileSync(join(session.cases, "truncated.sog"), whole.subarray(0, whole.length / 2));
+    writeFileSync(join(session.cases, "page.sog"), "<html>not a case</html>");
+    copyFileSync(join(session.cases, "phantom.sog"), join(session.cases, "second.sog"));
+    const visitor = await session.open("#case=truncated", errors);
+    const alert = visitor.getByRole("alert");
+    await alert.waitFor();
+    expect(await alert.textContent()).toContain("truncated");
+    await expect(visitor.evaluate(() => window.clipgs.ready)).rejects.toThrow();
+
+    await alert.getByRole("button", { name: "Choose a case" }).click();
+    const menu = visitor.getByRole("dialog", { name: "Cases" });
+    await menu.locator(".card").nth(5).waitFor(); // the list is fetched anew when the menu opens
+    expect(await menu.locator(".card").count()).toBe(6);
+    expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
+    await menu.locator('[data-case="page"]').click();
+    await expect.poll(() => alert.textContent()).toContain("page");
+
+    await visitor.keyboard.press("m");
+    await menu.locator('[data-case="second"]').click();
+    await visitor.waitForFunction(() => window.clipgs.state.case === "second");
+    expect(await alert.isVisible()).toBe(false);
+    expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
+
+    await expect(visitor.evaluate(() => window.clipgs.open("nobody"))).rejects.toThrow(/no such case/);
+    expect(await alert.textContent()).toContain("nobody");
+    await visitor.close();
+  });
+
+  it("says that the folder of the cases is gone, until it is back", async () => {
+    const away = join(session.folder, "away");
+    renameSync(session.cases, away);
+    const visitor = await session.open("", errors);
+    const alert = visitor.getByRole("alert");
+    await alert.waitFor();
+    expect(await alert.textContent()).toContain("the folder of the cases cannot be read");
+    await expect(visitor.evaluate(() => window.clipgs.open("phantom"))).rejects.toThrow(/cannot be read/);
+    renameSync(away, session.cases);
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    expect(await alert.isVisible()).toBe(false);
+    await visitor.close();
+  });
+
+  it("finds damage that the server's index does not look for", async () => {
+    const bytes = Uint8Array.from(readFileSync(join(session.cases, "phantom.sog")));
+    const visitor = await session.open("#case=phantom", errors);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const failure = async (body: Uint8Array): Promise<string> => {
+      await visitor.route("**/cases/phantom.sog*", (route) => route.fulfill({ body: Buffer.from(body) }));
+      const message = await visitor.evaluate(() =>
+        window.clipgs.open("phantom").then(
+          () => "",
+          (e: Error) => e.message,
+        ),
+      );
+      await visitor.unroute("**/cases/phantom.sog*");
+      expect(await visitor.getByRole("alert").textContent()).toContain(message);
+      return message;
+    };
+    expect(await failure(bytes.slice(0, 5000))).toMatch(/too early/);
+    const flipped = bytes.slice();
+    flipped[300]! ^= 0x10;
+    expect(await failure(flipped)).toMatch(/damaged/);
+    expect(await failure(new TextEncoder().encode("<!doctype html>"))).toMatch(/not a SOG file/);
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    expect(await visitor.getByRole("alert").isVisible()).toBe(false);
+    await visitor.close();
+  });
+
+  it("does not download a case to its end when another is chosen", async () => {
+    const proxy = await startSlowProxy(session.url, "/cases/phantom.sog");
+    const visitor = await session.openPage(`${proxy.url}#case=solid&size=64x64`, errors);
+    await visitor.waitForFunction(() => window.clipgs !== undefined);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const superseded = visitor.evaluate(() =>
+      window.clipgs.open("phantom").then(
+        () => "",
+        (error: Error) => error.message,
+      ),
+    );
+    await expect.poll(() => proxy.given()).toBeGreaterThan(0);
+    await visitor.evaluate(() => window.clipgs.open("photo"));
+    expect(await superseded).toBe("another case was chosen meanwhile");
+    await proxy.ended();
+    expect(proxy.given()).toBeLessThan(0.5 * proxy.whole());
+    await visitor.close();
+    proxy.stop();
+  });
+
+  it("holds the section once on the GPU, a byte a voxel, and gives it there in pieces", async () => {
+    for (const [name, channels] of [
+      ["phantom", 1],
+      ["photo", 3],
+    ] as const) {
+      const visitor = await session.open(`#case=${name}&size=64x64`, errors, { width: 64, height: 64 }, [
+        kCountVolumes,
+      ]);
+      await visitor.evaluate(() => window.clipgs.ready);
+      await pagePicture(visitor, 64, 64);
+      const { bytes, pieces } = await volumesOf(visitor);
+      const { sectionBytes } = await visitor.evaluate(() => window.clipgs.stats);
+      const [, dims] = /"dims":\[(\d+,\d+,\d+)\]/.exec(
+        readFileSync(join(session.cases, `${name}.sog`)).toString("latin1"),
+      )!;
+      const voxels = dims!.split(",").reduce((product, n) => product * Number(n), 1);
+      expect(sectionBytes).toBe(channels * voxels);
+      expect(bytes).toEqual([channels * voxels]);
+      expect(pieces.reduce((sum, n) => sum + n)).toBe(channels * voxels);
+      await visitor.close();
+    }
+  });
+
+  it("frees what it held when cases are switched, fifty times", async () => {
+    const script = {
+      content: `window.held = { textures: 0, buffers: 0 };
+        for (const kind of ["Texture", "Buffer"]) {
+          const { prototype } = WebGL2RenderingContext;
+          for (const [verb, step] of [["create", 1], ["delete", -1]]) {
+            const original = prototype[verb + kind];
+            prototype[verb + kind] = function (...args) {
+              window.held[kind.toLowerCase() + "s"] += step;
+              return original.apply(this, args);
+            };
+          }
+        }`,
+    };
+    const small = { width: 200, height: 150 };
+    const visitor = await session.open("#case=phantom&size=64x64", errors, small, [script]);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const devtools = await visitor.context().newCDPSession(visitor);
+    const switchCases = async (times: number) => {
+      await visitor.evaluate(async (n) => {
+        for (let i = 0; i < n; ++i) {
+          await window.clipgs.open(i % 2 === 0 ? "solid" : "phantom");
+        }
+      }, times);
+      await devtools.send("HeapProfiler.collectGarbage");
+      const heap = (await devtools.send("Runtime.getHeapUsage")) as {
+        usedSize: number;
+        backingStorageSize: number;
+      };
+      return { heap, gpu: await visitor.evaluate("window.held") };
+    };
+    const before = await switchCases(4);
+    const after = await switchCases(50);
+    expect(after.gpu).toEqual(before.gpu);
+    expect(after.heap.usedSize - before.heap.usedSize).toBeLessThan(1e6);
+    expect(after.heap.backingStorageSize - before.heap.backingStorageSize).toBeLessThan(1e6);
+    await visitor.close();
+  });
+});
