@@ -48,8 +48,7 @@ struct Seen {
 /// A ball from the side of +x, where nothing else is in the way.
 Seen look_at_ball(const CinemaScene& scene, const Vec3& center) {
   constexpr int kPixels = 32;
-  const Camera camera =
-      look_at(center + Vec3(60, 0, 0), center, Vec3(0, 0, 1), kPixels, kPixels);
+  const Camera camera = look_at(center + Vec3(60, 0, 0), center, Vec3(0, 0, 1), kPixels, kPixels);
   const PathTracer tracer(scene, camera, Cut(), 3);
   Rng rng(5);
   std::vector<PathStart> starts(40000);

@@ -31,7 +31,7 @@ Volume photographed(float blur, const std::function<Vec3(const IVec3&)>& color) 
         for (int c = 0; c < 3; ++c) {
           volume.rgb.push_back(static_cast<std::uint8_t>(rgb[c]));
         }
-        volume.values[volume.offset(x, y, z)] = glm::dot(rgb, kLuminance);
+        volume.values.unpack()[volume.offset(x, y, z)] = glm::dot(rgb, kLuminance);
       }
     }
   }
@@ -53,8 +53,8 @@ std::vector<PathStart> starts(int count) {
   Rng rng(5);
   std::vector<PathStart> result;
   for (int i = 0; i < count; ++i) {
-    result.push_back({32 + 14 * (2 * rng.uniform() - 1), 32 + 14 * (2 * rng.uniform() - 1),
-                      rng.next(), 0});
+    result.push_back(
+        {32 + 14 * (2 * rng.uniform() - 1), 32 + 14 * (2 * rng.uniform() - 1), rng.next(), 0});
   }
   return result;
 }
@@ -101,8 +101,7 @@ TEST(MatterColors, OnlyVoxelsBesideEmptyOnesChange) {
   const Volume volume = photographed(1, [&](const IVec3&) {
     return Vec3(120 + 100 * rng.uniform(), 90 + 100 * rng.uniform(), 80 + 100 * rng.uniform());
   });
-  const std::vector<std::uint8_t> colors =
-      matter_colors(volume, load_preset("photo").transfer);
+  const std::vector<std::uint8_t> colors = matter_colors(volume, load_preset("photo").transfer);
   ASSERT_EQ(colors.size(), volume.rgb.size());
   size_t changed = 0;
   for (int z = 0; z < 33; ++z) {
@@ -141,8 +140,8 @@ TEST(MatterColors, PathTracerAgreesWithTheReference) {
   const ReferenceTracer slow(volume, preset, camera(), {}, 4);
   std::array<Mean, 3> of_slow;
   for (const PathStart& start : starts(10000)) {
-    const PathSample sample = slow.trace(start.x - 0.5f + rng.uniform(),
-                                         start.y - 0.5f + rng.uniform(), rng);
+    const PathSample sample =
+        slow.trace(start.x - 0.5f + rng.uniform(), start.y - 0.5f + rng.uniform(), rng);
     for (int c = 0; c < 3; ++c) {
       of_slow[static_cast<size_t>(c)].add(sample.radiance[c]);
     }

@@ -21,7 +21,8 @@ using testing_support::run_clipgs;
 
 class CameraTest : public testing::Test {
  protected:
-  CameraTest() : folder_(fs::path(testing::TempDir()) / ("clipgs-camera-" + std::to_string(getpid()))) {
+  CameraTest()
+      : folder_(fs::path(testing::TempDir()) / ("clipgs-camera-" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
     EXPECT_EQ(run_clipgs({"phantom", at("phantom.nrrd"), "--size", "40"}).status, 0);
   }
@@ -64,9 +65,9 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
     for (const json& number : frame["clip_plane"]) {
       plane += (plane.empty() ? "" : ",") + number.dump();
     }
-    const std::vector<std::string> command = {"cinema", at("phantom.nrrd"), "-o", at("again.png"),
-                                              "--camera", at("frame.json"), "--spp", "256",
-                                              "--seed", "9", "--json"};
+    const std::vector<std::string> command = {
+        "cinema", at("phantom.nrrd"), "-o", at("again.png"), "--camera", at("frame.json"), "--spp",
+        "256",    "--seed",           "9",  "--json"};
     std::vector<std::string> cut = command;
     cut.insert(cut.end(), {"--plane", plane});
     const Finished traced = run_clipgs(cut);
@@ -86,8 +87,8 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
 TEST_F(CameraTest, StandsAloneAndMustBeOne) {
   write_text(at("camera.json"), R"({"w": 32, "h": 20, "fl_x": 40, "fl_y": 40, "cx": 16, "cy": 10,
       "transform_matrix": [[1,0,0,0],[0,0,-1,-600],[0,1,0,0],[0,0,0,1]]})");
-  const std::vector<std::string> command = {"cinema", at("phantom.nrrd"), "-o", at("x.png"),
-                                            "--spp", "1", "--camera"};
+  const std::vector<std::string> command = {
+      "cinema", at("phantom.nrrd"), "-o", at("x.png"), "--spp", "1", "--camera"};
   const auto with = [&](const std::vector<std::string>& more) {
     std::vector<std::string> all = command;
     all.insert(all.end(), more.begin(), more.end());
@@ -110,11 +111,17 @@ TEST_F(CameraTest, NumbersAreBounded) {
         .status;
   };
   EXPECT_EQ(status("--exposure", "2"), 0);
-  for (const auto& [option, value] :
-       {std::pair{"--exposure", "0"}, {"--exposure", "1e9"}, {"--view", "0,0,1e9"},
-        {"--view", "1e30,0"}, {"--focus", "1e30,0,0"}, {"--background", "2,0,0"},
-        {"--plane", "0,0,1e30,1"}, {"--gradient-opacity", "1,1e30"}, {"--lens", "1e9"},
-        {"--spp", "2000000"}, {"--bounces", "5000"}}) {
+  for (const auto& [option, value] : {std::pair{"--exposure", "0"},
+                                      {"--exposure", "1e9"},
+                                      {"--view", "0,0,1e9"},
+                                      {"--view", "1e30,0"},
+                                      {"--focus", "1e30,0,0"},
+                                      {"--background", "2,0,0"},
+                                      {"--plane", "0,0,1e30,1"},
+                                      {"--gradient-opacity", "1,1e30"},
+                                      {"--lens", "1e9"},
+                                      {"--spp", "2000000"},
+                                      {"--bounces", "5000"}}) {
     EXPECT_EQ(status(option, value), 2) << option << " " << value;
   }
 }
@@ -124,8 +131,8 @@ TEST_F(CameraTest, PresetsWithoutMeasureAreRefused) {
              R"({"surface_strength": 1, "lights": "studio", "points": [
                  {"value": 0, "color": "#ffffff", "extinction": 0},
                  {"value": 100, "color": "#ffffff", "extinction": 1e6}]})");
-  const Finished dense = run_clipgs(
-      {"cinema", at("phantom.nrrd"), "-o", at("x.png"), "--preset", at("dense.json")});
+  const Finished dense =
+      run_clipgs({"cinema", at("phantom.nrrd"), "-o", at("x.png"), "--preset", at("dense.json")});
   EXPECT_EQ(dense.status, 1);
   EXPECT_THAT(dense.err,
               HasSubstr("dense.json: points[1].extinction is 1e+06, at most 100 1/mm\n"));

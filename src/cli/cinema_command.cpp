@@ -31,7 +31,7 @@ struct CinemaArguments {
   std::filesystem::path output;
   LoadOptions load;
   LookArguments look;
-  ViewArguments view = {.view = "30,15"};
+  ViewArguments view{"30,15"};
   CutArguments cut;
   AnimationArguments animation;
   std::string background;

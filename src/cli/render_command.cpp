@@ -20,7 +20,7 @@ namespace {
 struct RenderArguments {
   std::string scene;
   std::string output;
-  ViewArguments view = {.view = "0,0"};
+  ViewArguments view{"0,0"};
   CutArguments cut;
   std::optional<int> state;
   AnimationArguments animation;

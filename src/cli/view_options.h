@@ -12,7 +12,9 @@ namespace clipgs {
 
 /// --view, --size and --camera, which every command that draws a picture understands.
 struct ViewArguments {
-  std::string view;    ///< the default, until parsed
+  explicit ViewArguments(const char* default_view) : view(default_view) {}
+
+  std::string view;
   std::string camera;  ///< a file; empty: --view
   std::string size = "512x512";
 };
@@ -21,8 +23,7 @@ struct ViewArguments {
 /// turntable has a camera of its own.
 inline void add_view_options(CLI::App& command, ViewArguments& arguments) {
   CLI::Option* const view =
-      command
-          .add_option("--view", arguments.view, "Camera: azimuth,elevation[,zoom] in degrees")
+      command.add_option("--view", arguments.view, "Camera: azimuth,elevation[,zoom] in degrees")
           ->capture_default_str();
   CLI::Option* const size =
       command.add_option("--size", arguments.size, "Width x height in pixels")

@@ -31,8 +31,8 @@ struct LayerSwitch {
   }
 };
 
-/// Whether the layers of a scene that has some can draw `cut`: one plane across the scene's axis that
-/// keeps the side that its states keep, or none.
+/// Whether the layers of a scene that has some can draw `cut`: one plane across the scene's axis
+/// that keeps the side that its states keep, or none.
 bool switches_layers(const Scene& scene, const Cut& cut);
 
 /// The layers of `scene` at `cut`, which refers to those of the scene. Throws Error for a scene

@@ -93,10 +93,12 @@ std::int64_t whole_number(std::string_view text, std::int64_t least, std::int64_
 double millimetres_of(std::string_view unit) {
   using Unit = std::pair<std::string_view, double>;
   constexpr std::array kUnits{
-      Unit{"mm", 1},        Unit{"millimeter", 1}, Unit{"millimeters", 1}, Unit{"millimetre", 1},
-      Unit{"cm", 10},       Unit{"centimeter", 10}, Unit{"m", 1000},       Unit{"meter", 1000},
-      Unit{"metre", 1000},  Unit{"um", 1e-3},      Unit{"\xc2\xb5m", 1e-3}, Unit{"\xce\xbcm", 1e-3},
-      Unit{"micron", 1e-3}, Unit{"microns", 1e-3}, Unit{"micrometer", 1e-3}, Unit{"nm", 1e-6}};
+      Unit{"mm", 1},         Unit{"millimeter", 1},   Unit{"millimeters", 1},
+      Unit{"millimetre", 1}, Unit{"cm", 10},          Unit{"centimeter", 10},
+      Unit{"m", 1000},       Unit{"meter", 1000},     Unit{"metre", 1000},
+      Unit{"um", 1e-3},      Unit{"\xc2\xb5m", 1e-3}, Unit{"\xce\xbcm", 1e-3},
+      Unit{"micron", 1e-3},  Unit{"microns", 1e-3},   Unit{"micrometer", 1e-3},
+      Unit{"nm", 1e-6}};
   const std::string lower = lower_case(unit);
   const auto* const found =
       std::ranges::find(kUnits, std::string_view(lower), [](const Unit& u) { return u.first; });
@@ -113,7 +115,8 @@ std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t
   std::from_chars(&pattern[percent] + 1, pattern.data() + pattern.size(), width);
   if (letter == std::string::npos || pattern[letter] != 'd' || width > 9 ||
       pattern.find('%', letter) != std::string::npos) {
-    throw Error("{}: names its data files \"{}\"; one number like %03d is needed", where, printable(pattern));
+    throw Error("{}: names its data files \"{}\"; one number like %03d is needed", where,
+                printable(pattern));
   }
   const bool zeros = pattern[percent + 1] == '0';
   const std::int64_t count = step == 0 ? 0 : (last - first) / step + 1;
@@ -124,9 +127,10 @@ std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t
   std::vector<std::string> names;
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t number = first + i * step;
-    names.push_back(pattern.substr(0, percent) +
-                    (zeros ? fmt::format("{:0{}}", number, width) : fmt::format("{:{}}", number, width)) +
-                    pattern.substr(letter + 1));
+    names.push_back(
+        pattern.substr(0, percent) +
+        (zeros ? fmt::format("{:0{}}", number, width) : fmt::format("{:{}}", number, width)) +
+        pattern.substr(letter + 1));
   }
   return names;
 }

@@ -29,8 +29,8 @@ struct VoxelSource {
 /// What the header of a NIfTI, NRRD or MetaImage file says. Every number was checked: sizes can be
 /// multiplied and allocated, the geometry is finite, bounded, and perpendicular.
 struct ImageHeader {
-  IVec3 dims{0};   ///< at most kMaxVoxels in all
-  int frames = 1;  ///< volumes, one after the other
+  IVec3 dims{0};     ///< at most kMaxVoxels in all
+  int frames = 1;    ///< volumes, one after the other
   int channels = 1;  ///< numbers a voxel: 1, or 3 (RGB) or 4 (RGBA) of ScalarType::kUint8
   ScalarType type = ScalarType::kUint8;
   bool big_endian = false;

@@ -90,12 +90,12 @@ bool is_true(const Fields& fields, std::initializer_list<const char*> names, boo
 
 void set_type(const Fields& fields, ImageHeader& image, const std::string& where) {
   static const std::map<std::string_view, ScalarType> types{
-      {"MET_CHAR", ScalarType::kInt8},      {"MET_UCHAR", ScalarType::kUint8},
-      {"MET_SHORT", ScalarType::kInt16},    {"MET_USHORT", ScalarType::kUint16},
-      {"MET_INT", ScalarType::kInt32},      {"MET_UINT", ScalarType::kUint32},
-      {"MET_LONG", ScalarType::kInt32},     {"MET_ULONG", ScalarType::kUint32},
+      {"MET_CHAR", ScalarType::kInt8},       {"MET_UCHAR", ScalarType::kUint8},
+      {"MET_SHORT", ScalarType::kInt16},     {"MET_USHORT", ScalarType::kUint16},
+      {"MET_INT", ScalarType::kInt32},       {"MET_UINT", ScalarType::kUint32},
+      {"MET_LONG", ScalarType::kInt32},      {"MET_ULONG", ScalarType::kUint32},
       {"MET_LONG_LONG", ScalarType::kInt64}, {"MET_ULONG_LONG", ScalarType::kUint64},
-      {"MET_FLOAT", ScalarType::kFloat32},  {"MET_DOUBLE", ScalarType::kFloat64}};
+      {"MET_FLOAT", ScalarType::kFloat32},   {"MET_DOUBLE", ScalarType::kFloat64}};
   const std::string* text = fields.find({"ElementType"});
   if (text == nullptr) {
     throw Error("{}: corrupt: its header gives no ElementType", where);
@@ -170,8 +170,8 @@ double unit_of(const Fields& fields, ImageHeader& image, const std::string& wher
   if (unit > 0) {
     return unit;
   }
-  image.warnings.push_back(fmt::format("{}: its DistanceUnits \"{}\" are no unit of length; taken as mm",
-                                       where, printable(*text)));
+  image.warnings.push_back(fmt::format(
+      "{}: its DistanceUnits \"{}\" are no unit of length; taken as mm", where, printable(*text)));
   return 1;
 }
 
@@ -238,7 +238,10 @@ void place(const Fields& fields, size_t axes, ImageHeader& image, const std::str
     origin = glm::dvec3(stored[0], stored[1], stored[2]) * unit;
   }
   set_geometry(image, steps, origin,
-               {{"ElementSpacing[0]", "ElementSpacing[1]", "ElementSpacing[2]"}, "TransformMatrix", "Offset"}, where);
+               {{"ElementSpacing[0]", "ElementSpacing[1]", "ElementSpacing[2]"},
+                "TransformMatrix",
+                "Offset"},
+               where);
 }
 
 }  // namespace
@@ -263,10 +266,9 @@ ImageHeader parse_meta_header(std::span<const std::uint8_t> bytes, const std::st
   set_source(fields, image, where);
   const std::string* channels = fields.find({"ElementNumberOfChannels"});
   set_channels(image,
-               channels == nullptr
-                   ? 1
-                   : static_cast<double>(
-                         whole_number(*channels, 1, 1 << 16, "ElementNumberOfChannels", where)),
+               channels == nullptr ? 1
+                                   : static_cast<double>(whole_number(
+                                         *channels, 1, 1 << 16, "ElementNumberOfChannels", where)),
                where);
   set_rescale(fields, image, where);
   set_sizes(image, finite_numbers(*sizes, axes, "DimSize", where), "DimSize", where);

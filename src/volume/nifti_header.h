@@ -15,10 +15,10 @@ constexpr size_t kNiftiHeaderBytes = 540;
 /// Data Format Working Group, in either byte order.
 ///
 /// Orientation: the sform (srow_x, srow_y, srow_z) if sform_code > 0, whatever the qform and pixdim
-/// say; else the qform (quatern_*, qoffset_*, pixdim) if qform_code > 0; else voxels of pixdim, with
-/// axes to the right, front and top, as the standard's method 1 has it. A sheared sform yields to a
-/// qform where there is one. Where both forms are there and disagree by more than half a voxel, a
-/// warning says so. Lengths are in the unit of xyzt_units, mm if that gives none.
+/// say; else the qform (quatern_*, qoffset_*, pixdim) if qform_code > 0; else voxels of pixdim,
+/// with axes to the right, front and top, as the standard's method 1 has it. A sheared sform yields
+/// to a qform where there is one. Where both forms are there and disagree by more than half a
+/// voxel, a warning says so. Lengths are in the unit of xyzt_units, mm if that gives none.
 ///
 /// `detached`: the voxels lie in the .img file beside (magic "ni1"). Throws Error.
 struct NiftiHeader {

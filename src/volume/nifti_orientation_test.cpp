@@ -203,8 +203,8 @@ constexpr std::array kAllForms{Forms::kSform,
 
 Bytes nifti_file(const Layout& layout, const Orientation& orientation, const Orientation& other,
                  Forms forms) {
-  const bool sform = forms != Forms::kQform && forms != Forms::kQfac &&
-                     forms != Forms::kQformNegativePixdim;
+  const bool sform =
+      forms != Forms::kQform && forms != Forms::kQfac && forms != Forms::kQformNegativePixdim;
   const bool qform = forms != Forms::kSform && forms != Forms::kSformNegativePixdim;
   const bool negative = forms >= Forms::kSformNegativePixdim;
   const Orientation& of_qform = forms == Forms::kDisagreeing ? other : orientation;
@@ -278,7 +278,8 @@ TEST_P(NiftiOrientation, MarkersLieWhereTheStandardPutsThem) {
   ASSERT_EQ(orientations.size(), 48);
   for (size_t i = 0; i < orientations.size(); ++i) {
     for (const Forms forms : kAllForms) {
-      const Bytes bytes = nifti_file(GetParam(), orientations[i], orientations[(i + 17) % 48], forms);
+      const Bytes bytes =
+          nifti_file(GetParam(), orientations[i], orientations[(i + 17) % 48], forms);
       write_plainly(folder / "v.nii", bytes);
       testing::internal::CaptureStderr();
       const Volume volume = load_volume(folder / "v.nii");
@@ -313,9 +314,7 @@ const Layout kFirst;
 
 ImageHeader parsed(const Bytes& bytes) { return parse_nifti_header(bytes, "v.nii").image; }
 
-Bytes plain_file(Forms forms) {
-  return nifti_file(kFirst, Orientation{}, Orientation{}, forms);
-}
+Bytes plain_file(Forms forms) { return nifti_file(kFirst, Orientation{}, Orientation{}, forms); }
 
 TEST(NiftiHeader, UnitsScaleEveryLength) {
   const std::vector<std::pair<int, double>> units{{0, 1}, {1, 1000}, {2, 1}, {3, 1e-3}};
@@ -341,8 +340,7 @@ TEST(NiftiHeader, SizesNoBodyHasAreSaidByTheirField) {
               testing::ElementsAre(testing::AllOf(testing::HasSubstr("srow_*"),
                                                   testing::HasSubstr("too large for a body"))));
   bytes[123] = 3;
-  EXPECT_THAT(parsed(bytes).warnings,
-              testing::ElementsAre(testing::HasSubstr("small for a body")));
+  EXPECT_THAT(parsed(bytes).warnings, testing::ElementsAre(testing::HasSubstr("small for a body")));
   bytes = plain_file(Forms::kQform);
   bytes[123] = 1;
   EXPECT_THAT(parsed(bytes).warnings, testing::ElementsAre(testing::HasSubstr("pixdim[")));
@@ -367,7 +365,8 @@ TEST(NiftiHeader, AShearedSformYieldsToTheQform) {
   Bytes bytes = plain_file(Forms::kBoth);
   put_real(bytes, kFirst, 284, 5);
   EXPECT_EQ(parsed(bytes).direction[1], glm::dvec3(0, -1, 0));
-  EXPECT_THAT(parsed(bytes).warnings, testing::ElementsAre(testing::HasSubstr("not perpendicular")));
+  EXPECT_THAT(parsed(bytes).warnings,
+              testing::ElementsAre(testing::HasSubstr("not perpendicular")));
   bytes = plain_file(Forms::kSform);
   put_real(bytes, kFirst, 284, 5);
   EXPECT_THAT(error_of([&] { parsed(bytes); }), testing::HasSubstr("not perpendicular"));

@@ -13,8 +13,8 @@ namespace clipgs {
 /// source.offset becomes its length where the voxels follow it.
 ///
 /// Space: RAS, LAS or LPS by name (or LPS, with a warning, where the header names none); lengths in
-/// "space units" or "units", mm if there are none. A fourth axis that changes slowest counts frames,
-/// one that changes fastest counts colours. Encodings: raw, gzip and text. Throws Error.
+/// "space units" or "units", mm if there are none. A fourth axis that changes slowest counts
+/// frames, one that changes fastest counts colours. Encodings: raw, gzip and text. Throws Error.
 ImageHeader parse_nrrd_header(std::span<const std::uint8_t> bytes, const std::string& where);
 
 }  // namespace clipgs

@@ -38,7 +38,8 @@ std::uint64_t VolumeSize::loading() const {
 void require_supported(const VolumeSize& size, const std::string& where) {
   if (size.padded_voxels() > kMaxVoxels) {
     throw Error(
-        "{}: {} x {} x {} voxels; at most 2^32, with a border, are supported; crop or downsample it",
+        "{}: {} x {} x {} voxels; at most 2^32, with a border, are supported; crop or downsample "
+        "it",
         where, size.dims.x, size.dims.y, size.dims.z);
   }
 }

@@ -221,7 +221,7 @@ describe("face.glsl", () => {
     expect(Number(value(glsl, /kSurelyInside = (\S+) \/ 255/))).toBe(0.75 * inside);
     const cut = readFileSync("../src/core/cut.h", "utf8");
     expect(value(glsl, /kMaxPlanes = (\d+)/)).toBe(value(cut, /kMostPlanes = (\d+)/));
-    const lights = readFileSync("../src/cinema/lights.h", "utf8");
-    expect(value(glsl, /kMaxKeys = (\d+)/)).toBe(value(lights, /kMaxKeys = (\d+)/));
+    const lights = readFileSync("../src/volume/preset.h", "utf8");
+    expect(value(glsl, /kMaxKeys = (\d+)/)).toBe(value(lights, /kMostKeys = (\d+)/));
   });
 });
