@@ -71,7 +71,8 @@ Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json matrix_of(const Mat4& m) {
   Json rows = Json::array();
   for (int r = 0; r < 4; ++r) {
-    rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+    rows.push_back(
+        {plain_zero(m[0][r]), plain_zero(m[1][r]), plain_zero(m[2][r]), plain_zero(m[3][r])});
   }
   return rows;
 }

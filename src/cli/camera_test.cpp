@@ -56,7 +56,8 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
   const std::string text = read_text(at("dataset/transforms.json"));
   EXPECT_THAT(text, testing::Not(testing::ContainsRegex("-0(\\.0)?[],\n ]")));
   int again = 0;
-  for (const json& frame : json::parse(text)["frames"]) {
+  const json dataset = json::parse(text);
+  for (const json& frame : dataset["frames"]) {
     if (frame["split"] == "train") {
       continue;
     }
