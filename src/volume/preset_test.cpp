@@ -186,7 +186,7 @@ TEST(LightRig, PanoramasAreBounded) {
   EXPECT_THAT(rig("\"intensity\": 1e20"), HasSubstr("environment.intensity is 1e+20"));
   // One pixel of 2^119: a float, but no light.
   write_text(folder / "sky.hdr",
-             std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xf8", 53));
+             "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xf8");
   EXPECT_THAT(rig("\"intensity\": 1"), HasSubstr("sky.hdr: a radiance is"));
   EXPECT_THAT(error_of([&] { load_rig((folder / "sky.hdr").string()); }), HasSubstr("at most"));
 }
