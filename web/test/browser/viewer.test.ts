@@ -29,7 +29,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("shows on the page what it gives to scripts", async () => {
-    const framed = await session.open("#case=phantom&view=35,20&plane=0,-1,0,0&clip=soft&size=256x256", errors);
+    const framed = await session.open(
+      "#case=phantom&view=35,20&plane=0,-1,0,0&clip=soft&size=256x256",
+      errors,
+    );
     await framed.evaluate(() => window.clipgs.ready);
     const picture = await pagePicture(framed, 256, 256);
     const path = join(session.folder, "page.png");
