@@ -1,59 +1,59 @@
-// libFuzzer's entry to everything that reads a case or a PLY:
-//   cmake -B build/fuzz -DCMAKE_CXX_COMPILER=clang++-19 -DCLIPGS_FUZZ=ON -DCLIPGS_WERROR=OFF
-//         -DCLIPGS_SANITIZE=address,undefined,fuzzer-no-link
-//   cmake --build build/fuzz --target case_fuzz && build/fuzz/src/asset/case_fuzz
-#include <cstddef>
-#include <cstdint>
-#include <span>
-
+// libFuzzer's entry to a case: the file as it is, or, where the first byte says so, one entry of it
+// under checksums that hold, past the archive's own checks, which a mutation hardly ever survives.
 #include "asset/case.h"
-#include "core/error.h"
+#include "asset/zip.h"
+#include "core/fuzz.h"
 #include "section/test_section.h"
-#include "splat/ply.h"
 #include "splat/test_scene.h"
+
+namespace clipgs::fuzz {
 
 namespace {
 
-using clipgs::Bytes;
-using clipgs::ZipEntry;
-
-/// A valid case with entry `which` replaced, under checksums that hold: past the archive's own
-/// checks, which a mutation hardly ever survives.
-Bytes case_with(std::span<const std::uint8_t> content, size_t which) {
-  static const auto kEntries = [] {
-    clipgs::Scene scene = clipgs::layered_scene(40, 1, 1);
-    scene.gaussians = clipgs::random_faces(40, 1, 1);
-    return clipgs::read_zip(
-        clipgs::encode_case({std::move(scene), clipgs::test::ball_section()}, nullptr), "seed");
+const Bytes& seed_case() {
+  static const Bytes kCase = [] {
+    Scene scene = layered_scene(40, 1, 1);
+    scene.gaussians = random_faces(40, 1, 1);
+    return encode_case({std::move(scene), test::ball_section()}, nullptr);
   }();
+  return kCase;
+}
+
+const auto& seed_entries() {
+  static const auto kEntries = read_zip(seed_case(), "seed");
+  return kEntries;
+}
+
+Bytes case_with(std::span<const std::uint8_t> content, size_t which) {
   std::vector<ZipEntry> entries;
-  for (const auto& [name, bytes] : kEntries) {
-    const bool replaced = entries.size() == which % kEntries.size();
+  for (const auto& [name, bytes] : seed_entries()) {
+    const bool replaced = entries.size() == which % seed_entries().size();
     entries.push_back({name, replaced ? Bytes(content.begin(), content.end()) : bytes});
   }
-  return clipgs::write_zip(entries);
+  return write_zip(entries);
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, size_t size) {
-  if (size < 1) {
-    return 0;
+std::vector<Bytes> seeds() {
+  std::vector<Bytes> result{seed_case()};
+  std::uint8_t which = 0;
+  for (const auto& [name, bytes] : seed_entries()) {
+    result.push_back({which++});
+    result.back().insert(result.back().end(), bytes.begin(), bytes.end());
   }
-  const std::span<const std::uint8_t> content(data + 1, size - 1);
-  try {
-    switch (data[0] % 3) {
-      case 0:
-        clipgs::read_case(content, "fuzz.sog");
-        break;
-      case 1:
-        clipgs::read_ply(content, "fuzz.ply");
-        break;
-      default:
-        clipgs::read_case(case_with(content, data[0] / 3), "fuzz.sog");
-    }
-  } catch (const clipgs::Error&) {
-    return 0;
-  }
-  return 0;
+  return result;
 }
+
+void read(std::span<const std::uint8_t> input) {
+  if (input.empty()) {
+    return;
+  }
+  if (input[0] < seed_entries().size()) {
+    read_case(case_with(input.subspan(1), input[0]), "fuzz.sog");
+  } else {
+    read_case(input, "fuzz.sog");
+  }
+}
+
+}  // namespace clipgs::fuzz

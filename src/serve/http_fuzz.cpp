@@ -1,0 +1,75 @@
+// libFuzzer's entry to what answers HTTP requests: after a byte that says who is asked comes what a
+// client sends.
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "core/file.h"
+#include "core/fuzz.h"
+#include "serve/site.h"
+#include "serve/test_cases.h"
+
+namespace clipgs::fuzz {
+
+namespace {
+
+constexpr const char* kToken = "k3v9q-txw7h-23456-abcde-fghijk";
+/// The byte before a request to a site that everyone may ask, to one on a loopback address, and to
+/// one that wants the token.
+constexpr char kOpen = 0;
+constexpr char kLocal = 1;
+constexpr char kSecret = 2;
+
+/// A folder with a case and a link out of it, to what nobody may have.
+std::filesystem::path make_folder() {
+  const std::filesystem::path folder = scratch_folder() / "cases";
+  std::filesystem::create_directories(folder);
+  clipgs::test::write_small_case(folder / "head.sog", "A head");
+  write_text(scratch_folder() / "secret.sog", "nobody may have this");
+  std::filesystem::create_symlink("../secret.sog", folder / "link.sog");
+  return folder;
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  const std::string end = " HTTP/1.1\r\nHost: localhost:8080\r\n";
+  const std::vector<std::string> requests = {
+      kOpen + ("GET /" + end + "Accept-Encoding: gzip;q=0.5, br, *;q=0\r\n\r\n"),
+      kOpen + ("GET /cases/link.sog" + end + "\r\n"),
+      kOpen + ("GET /cases/..%2Fsecret.sog" + end + "\r\n"),
+      kOpen + ("POST /api/cases" + end + "Content-Length: 3\r\n\r\nabc"),
+      kLocal + ("GET /cases/head.sog" + end + "Range: bytes=4-9,-5\r\nIf-Range: \"1\"\r\n\r\n"),
+      kLocal + ("HEAD /cases/head/thumbnail?v=1" + end + "If-None-Match: W/\"a\", *\r\n\r\n"),
+      kLocal + std::string("GET /api/cases HTTP/1.0\r\nHost: [::ffff:127.0.0.1]:80\r\n\r\n"),
+      kSecret + (std::string("GET /") + kToken + end + "\r\n"),
+      kSecret + ("GET /api/cases" + end + "Cookie: a=1; __Host-clipgs=" + kToken + "\r\n\r\n"),
+  };
+  std::vector<Bytes> result;
+  for (const std::string& request : requests) {
+    result.push_back(bytes_of(request));
+  }
+  return result;
+}
+
+void read(std::span<const std::uint8_t> input) {
+  static const std::filesystem::path kFolder = make_folder();
+  static Site sites[] = {
+      Site({kFolder, "", {}, "http://127.0.0.1/"}),
+      Site({kFolder, "", "localhost", "http://127.0.0.1/"}),
+      Site({kFolder, kToken, {}, "https://127.0.0.1/"}),
+  };
+  if (input.empty()) {
+    return;
+  }
+  const size_t who = input.front() % std::size(sites);
+  const std::string request = text_of(input.subspan(1));
+  const std::string answer = sites[who].answer_bytes(request);
+  const bool entered = who == kSecret && request.find(kToken) == std::string::npos &&
+                       answer.starts_with("HTTP/1.1 200");
+  if (entered || answer.find("nobody may have this") != std::string::npos) {
+    std::abort();
+  }
+}
+
+}  // namespace clipgs::fuzz
