@@ -13,7 +13,7 @@ export function normalCdf(z: number): number {
 
 /** In the page: what the shaders' normalCdf gives, as the GPU computes it. */
 export function runNormalCdf({ text, at }: { text: string; at: number[] }): number[] {
-  const gl = new OffscreenCanvas(1, 1).getContext("webgl2")!;
+  const gl = document.createElement("canvas").getContext("webgl2")!;
   const program = gl.createProgram();
   const add = (type: number, source: string) => {
     const one = gl.createShader(type)!;
