@@ -41,7 +41,10 @@ std::array<float, 256> linear_table() {
 
 std::uint64_t tracing_memory(const VolumeSize& size) {
   constexpr std::uint64_t kPictures = std::uint64_t{1} << 28;
-  return VoxelGrid::bytes(size) + MajorantGrid::bytes(size.dims) + kPictures;
+  // matter_colors(): the scene's, and those of the seed points with what makes them.
+  constexpr std::uint64_t kColours = 3 + 3 + 5;
+  return VoxelGrid::bytes(size) + MajorantGrid::bytes(size.dims) +
+         (size.rgb ? kColours * size.voxels() : 0) + kPictures;
 }
 
 CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
