@@ -1,5 +1,5 @@
-// Before anything else where clang compiles ITK's headers: Debian's know the compiler that they were
-// built with, GCC, and refuse every other, although clang compiles them as they are.
+// Before anything else where clang compiles ITK's headers: Debian's know the compiler that they
+// were built with, GCC, and refuse every other, although clang compiles them as they are.
 #pragma once
 
 #pragma push_macro("__clang__")
