@@ -20,7 +20,7 @@ readonly node_wanted=18 # as web/package.json says
 
 if ! command -v apt-get >/dev/null; then
   echo "setup: this script speaks apt only; on other systems install the libraries that" >&2
-  echo "setup: CMakeLists.txt names (ITK 5, oneTBB, Highway, GLM, fmt, CLI11, libwebp, ...)" >&2
+  echo "setup: CMakeLists.txt names (GDCM 3, oneTBB, Highway, GLM, fmt, CLI11, libwebp, ...)" >&2
   exit 1
 fi
 
@@ -66,7 +66,7 @@ packages=(
   # build
   g++ cmake ninja-build ccache pkg-config
   # libraries
-  libinsighttoolkit5-dev libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
+  libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libeigen3-dev
   libboost-dev libssl-dev libqrencode-dev libstb-dev
   libgtest-dev libgmock-dev libbenchmark-dev libcpp-httplib-dev

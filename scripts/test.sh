@@ -34,15 +34,12 @@ count_tests() {
   tests=$((tests + ${line##* }))
 }
 
-# configure_and_build PRESET [ROOM...]: everything, or only the tests of some rooms.
+# configure_and_build PRESET [TARGET...]: everything, or only some targets.
 configure_and_build() {
-  local preset="$1" room targets=()
+  local preset="$1"
   shift
   cmake --preset "$preset" -DCLIPGS_TESTS=ON
-  for room in "$@"; do
-    targets+=("${room}_test")
-  done
-  cmake --build --preset "$preset" "${targets[@]/#/--target=}"
+  cmake --build --preset "$preset" "${@/#/--target=}"
 }
 
 run_tests() {
@@ -84,13 +81,13 @@ for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGT
 done
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan core volume cinema splat section train bake asset measure serve
+step "build asan ubsan" configure_and_build asan fuzz {core,volume,cinema,splat,section,train,bake,asset,measure,serve}_test
 # Statistics over many samples, finite differences and the same again at other thread counts take minutes there,
 # through code that other tests go through as well.
-step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
+step "tests asan ubsan" run_tests asan -L 'fast|fuzz' -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
 count_tests "tests asan ubsan"
 # The rooms that work on several threads.
-step "build tsan" configure_and_build tsan core cinema splat section train measure
+step "build tsan" configure_and_build tsan {core,cinema,splat,section,train,measure}_test
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.

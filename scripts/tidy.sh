@@ -14,6 +14,5 @@ folders=("$@")
 if [ "${#folders[@]}" -eq 0 ]; then
   folders=(src)
 fi
-# ITK's headers alone take clang-tidy half a minute.
-find "${folders[@]}" -name '*.cpp' ! -name '*_test.cpp' ! -name '*_bench.cpp' ! -name '*fuzz*' ! -name 'itk_*' -print0 |
+find "${folders[@]}" -name '*.cpp' ! -name '*_test.cpp' ! -name '*_bench.cpp' ! -name '*fuzz*' -print0 |
   xargs -0 -n 1 -P "$(nproc)" clang-tidy-19 -p build/release --quiet

@@ -216,7 +216,7 @@ TEST_F(HandedOut, GzipsOfDicomAreRead) {
 
 TEST_F(HandedOut, AFileOfManyFramesIsReadFromAnywhere) {
   FixtureSlice frames;
-  frames.texts = {{0x0028, 0x0008, "3", true}};
+  frames.texts = {{0x0028, 0x0008, "3", true}, {0x0018, 0x0088, "2"}};
   for (int frame = 0; frame < 3; ++frame) {
     FixtureSlice one;
     fill(one, 10 * frame);
@@ -225,6 +225,7 @@ TEST_F(HandedOut, AFileOfManyFramesIsReadFromAnywhere) {
   write_dicom(folder_ / "frames.dcm", frames);
   const Volume plain = load_volume(folder_ / "frames.dcm");
   EXPECT_EQ(plain.dims, IVec3(16, 12, 3));
+  EXPECT_EQ(plain.spacing, Vec3(1, 1, 2));
   files_ = {{"DOE", read_file(folder_ / "frames.dcm")}};
   EXPECT_EQ(load_volume(zipped()).values, plain.values);
   const Bytes packed = gzip(files_[0].bytes);

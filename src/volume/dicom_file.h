@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/dicom_elements.h"
 #include "volume/dicom_source.h"
 
 namespace clipgs {
@@ -21,7 +22,7 @@ struct DicomMarks {
   std::string image_type{};            ///< "ORIGINAL\\PRIMARY\\M", ...
 };
 
-/// What the header of one DICOM image says; nothing that tells who the patient is.
+/// What is said of one DICOM image; nothing that tells who the patient is.
 struct DicomHeader {
   DicomSource source;
   std::string series_uid;
@@ -30,7 +31,8 @@ struct DicomHeader {
   int instance = 0;
   int columns = 0;
   int rows = 0;
-  int frames = 1;
+  int frames = 1;                  ///< images in the file
+  int frame = 0;                   ///< this one's number, from 0
   bool placed = false;             ///< it has a position and an orientation
   glm::dvec3 position{0};          ///< LPS mm of the centre of the first pixel
   glm::dvec3 row{1, 0, 0};         ///< LPS direction along a row (growing column index)
@@ -47,15 +49,12 @@ struct DicomHeader {
   double intercept = 0;
 };
 
-/// Walks all data elements of a DICOM file (PS3.5: explicit and implicit VR, nested sequences,
-/// native and encapsulated pixels) and checks that every length lies inside the file, so that a
-/// decoder gets to see whole files only. Nothing for files that hold no image (reports, DICOMDIR).
-/// Throws Error for truncated and corrupt files.
-std::optional<DicomHeader> read_dicom_header(const DicomSource& source);
-
-/// Pixels of a single-frame grey image, slope and intercept applied, row by row. Only the pixels
-/// and the few facts above ever reach the decoder of compressed pixels. Throws Error.
-std::vector<float> read_dicom_pixels(const DicomHeader& known);
+/// The images of a file: one, or its frames, each with its place as its functional groups say, or
+/// as one distance or a list of distances between frames does. Of many frames without places only
+/// the first, not placed. Nothing for files that hold no image (reports, DICOMDIR). Throws Error
+/// for corrupt files.
+std::vector<DicomHeader> dicom_headers(const DicomElements& elements, const DicomSource& source);
+std::vector<DicomHeader> read_dicom_headers(const DicomSource& source);
 
 /// A DICOM file that cannot be read: a slice of a series, if it could be read up to there.
 struct UnreadableDicom {

@@ -40,6 +40,18 @@ void fill(FixtureSlice& slice, double added = 0);
 /// Writes an uncompressed DICOM file.
 void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice);
 
+/// How a file of many frames is written.
+struct FixtureFrames {
+  bool defined_lengths = false;      ///< of sequences and items; else delimiters end them
+  bool rle = false;                  ///< compressed, one piece a frame
+  std::vector<std::uint32_t> times;  ///< temporal position index of each frame, if any
+};
+
+/// Writes one file (enhanced, by PS3.3 C.7.6.16) of the slices, in their order. The first one's
+/// orientation, pixels, slope and intercept hold for all.
+void write_frames(const std::filesystem::path& path, const std::vector<FixtureSlice>& slices,
+                  const FixtureFrames& how = {});
+
 /// Writes one filled slice per position along the table (z), instance numbers from 1, in an order
 /// that the names do not follow.
 void write_series(const std::filesystem::path& folder, const std::vector<double>& table,

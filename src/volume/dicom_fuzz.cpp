@@ -34,6 +34,12 @@ Bytes gzipped(const Bytes& bytes) {
   return read_file(path);
 }
 
+Bytes frames(bool rle) {
+  const auto path = scratch_folder() / "seed.dcm";
+  write_frames(path, {slice(1), slice(2)}, {.defined_lengths = rle, .rle = rle});
+  return read_file(path);
+}
+
 /// Stored, so that mutations reach the images.
 Bytes zipped(const std::vector<Bytes>& files) {
   const auto path = scratch_folder() / "seed.zip";
@@ -66,7 +72,7 @@ std::vector<Bytes> seeds() {
   const auto image = [](int number) {
     return read_file(scratch_folder() / "series" / std::to_string(number));
   };
-  return {image(3), gzipped(image(3)), zipped({image(1), image(2)})};
+  return {image(3), gzipped(image(3)), zipped({image(1), image(2)}), frames(false), frames(true)};
 }
 
 void read(std::span<const std::uint8_t> input) {

@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "volume/dicom_phases.h"
-#include "volume/nameless_file.h"
+#include "volume/dicom_pixels.h"
 #include "volume/stack_plan.h"
 
 namespace clipgs {
@@ -149,9 +149,8 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
                     std::vector<float>& values) {
   const std::vector<DicomHeader>& slices = stack.slices;
   const double start = along_normal(slices.front(), grid.normal);
-  const auto load = [&](size_t i) {
-    return ShiftedSlice(slices[i], read_dicom_pixels(slices[i]), grid);
-  };
+  DicomPixels pixels;
+  const auto load = [&](size_t i) { return ShiftedSlice(slices[i], pixels.read(slices[i]), grid); };
   size_t below = 0;
   ShiftedSlice low = load(0);
   ShiftedSlice high = load(1);
@@ -186,30 +185,12 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
 VoxelValues read_regular(const DicomStack& stack, size_t voxels) {
   Progress progress("reading", stack.slices.size());
   ValuePacker packer(voxels);
+  DicomPixels pixels;
   for (size_t i = 0; i < stack.slices.size(); ++i) {
-    packer.append(read_dicom_pixels(stack.slices[i]));
+    packer.append(pixels.read(stack.slices[i]));
     progress.update(i + 1);
   }
   return packer.take();
-}
-
-/// The library reads files only.
-StoredImage read_frames(const DicomSource& source) {
-  if (source.lies_open()) {
-    return read_multi_frame(source.path);
-  }
-  NamelessFile copy;
-  copy.append(source.read());
-  try {
-    return read_multi_frame(copy.path());
-  } catch (const Error& e) {
-    std::string text = e.what();
-    const std::string unnamed = copy.path().string();
-    if (text.starts_with(unnamed)) {
-      text.replace(0, unnamed.size(), source.name());
-    }
-    throw Error("{}", text);
-  }
 }
 
 void require_whole(const DicomStack& stack, const std::string& where) {
@@ -232,15 +213,13 @@ void require_whole(const DicomStack& stack, const std::string& where) {
 
 std::uint64_t DicomStack::voxels() const {
   const DicomHeader& first = slices.front();
-  const std::uint64_t images = first.frames > 1 ? first.frames : slices.size();
-  return images * static_cast<std::uint64_t>(first.columns) * first.rows;
+  return static_cast<std::uint64_t>(slices.size()) * first.columns * first.rows;
 }
 
 std::string DicomStack::describe() const {
   const DicomHeader& first = slices.front();
-  const size_t images = first.frames > 1 ? static_cast<size_t>(first.frames) : slices.size();
   return fmt::format("{}, series {}, {}{}{} slices of {} x {}", modality.empty() ? "?" : modality,
-                     series_number, phase, phase.empty() ? "" : ", ", images, first.columns,
+                     series_number, phase, phase.empty() ? "" : ", ", slices.size(), first.columns,
                      first.rows);
 }
 
@@ -248,13 +227,12 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
   using Key = decltype(stack_key(headers.front()));
   std::map<std::pair<Key, std::string>, DicomStack> stacks;
   for (const DicomHeader& header : headers) {
-    const bool multi_frame = header.frames > 1;
-    if (!header.placed && !multi_frame) {
+    if (!header.placed) {
       continue;
     }
-    // A file of many frames is a volume of its own.
+    // A file of many frames is a volume, or volumes, of its own.
     DicomStack& stack =
-        stacks[{stack_key(header), multi_frame ? header.source.name() : std::string()}];
+        stacks[{stack_key(header), header.frames > 1 ? header.source.name() : std::string()}];
     stack.uid = header.series_uid;
     stack.modality = header.modality;
     stack.series_number = header.series_number;
@@ -275,12 +253,6 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
 
 StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where,
                        const SizeCheck& check) {
-  if (const DicomHeader& file = stack.slices.front(); file.frames > 1) {
-    if (check) {
-      check({{file.columns, file.rows, file.frames}, sizeof(float), file.samples > 1});
-    }
-    return read_frames(file.source);
-  }
   DicomStack whole = stack;
   drop_repeats(whole.slices, where);
   require_whole(whole, where);

@@ -6,7 +6,7 @@
 
 #include "volume/dicom_file.h"
 #include "volume/gaps.h"
-#include "volume/itk_reader.h"
+#include "volume/stored_image.h"
 #include "volume/volume_size.h"
 
 namespace clipgs {

@@ -83,8 +83,6 @@ fs::path DicomSource::folder() const {
   return archive == nullptr ? path.parent_path() : path / archive->folder_of(member);
 }
 
-bool DicomSource::lies_open() const { return archive == nullptr && !begins_gzip(head_of(path)); }
-
 Bytes DicomSource::read() const {
   Bytes bytes = archive == nullptr ? read_file(path) : archive->read(member, name());
   return begins_gzip(bytes) ? unpacked(bytes, name()) : bytes;

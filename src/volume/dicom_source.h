@@ -22,11 +22,11 @@ struct DicomSource {
   std::string name() const;
   /// What lies in one folder is exported together. For comparing only.
   std::filesystem::path folder() const;
-  /// True if `path` is the very file.
-  bool lies_open() const;
   /// The whole file, unpacked. Throws Error, also if it was damaged since it was packed or unpacks
   /// to more than most_unpacked().
   std::vector<std::uint8_t> read() const;
+
+  bool operator==(const DicomSource&) const = default;
 };
 
 /// True if the file starts like DICOM ("DICM" at byte 128), packed by gzip or not.

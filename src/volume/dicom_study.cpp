@@ -29,18 +29,19 @@ DicomStudy study_of(DicomScan scan, std::string where) {
 
 /// One file of a series stands for the series, as far as it lies in the file's own folder.
 DicomStudy study_around(const fs::path& file) {
-  const std::optional<DicomHeader> header = read_dicom_header({fs::absolute(file), nullptr, 0});
-  if (!header) {
+  const std::vector<DicomHeader> images = read_dicom_headers({fs::absolute(file), nullptr, 0});
+  if (images.empty()) {
     throw Error("{}: a DICOM file without an image", file.string());
   }
-  const fs::path folder = header->source.folder();
+  const DicomHeader& given = images.front();
+  const fs::path folder = given.source.folder();
   DicomScan scan = scan_dicom(dicom_files_in(folder, false));
   std::erase_if(scan.images,
-                [&](const DicomHeader& image) { return image.series_uid != header->series_uid; });
+                [&](const DicomHeader& image) { return image.series_uid != given.series_uid; });
   DicomStudy study = study_of(std::move(scan), folder.string());
   for (size_t i = 0; i < study.stacks.size(); ++i) {
     if (std::ranges::any_of(study.stacks[i].slices, [&](const DicomHeader& slice) {
-          return slice.source.path == header->source.path;
+          return slice.source == given.source;
         })) {
       study.given = i;
       return study;

@@ -20,6 +20,9 @@ constexpr float kLeastMatter = -300;   // HU; foam of cushions is lighter, skin 
 constexpr float kThinnest = 6;         // mm, half of what a part of the body must be thick
 constexpr float kLeastPart = 0.01f;    // of the largest part: arms are, cables are not
 constexpr float kLeastMean = -700;     // HU of a part with its holes; hollow tables have less
+constexpr float kLeanest = -150;       // HU; fat lies between these two
+constexpr float kFattest = -20;        // HU
+constexpr double kLeastFat = 0.03;     // of a limb, which has a tenth at least; plastic has none
 constexpr float kLongestTrifle = 100;  // mm; no ear or nose is longer, a table is
 constexpr float kBone = 300;           // HU; attached to the body, of any length
 constexpr float kSkin = 2;             // voxels around the body that keep their values
@@ -203,11 +206,17 @@ void for_each_component(BitMask& mask, const Use& use) {
   }
 }
 
+struct Cores {
+  BitMask body;
+  size_t foreign = 0;  ///< voxels of it that hold no fat
+};
+
 /// The parts of `cores` that are large, and not hollow.
-BitMask body_cores(const Volume& volume, const BitMask& cores) {
+Cores body_cores(const Volume& volume, const BitMask& cores) {
   struct Part {
     size_t seed;
     size_t size = 0;
+    size_t fat = 0;
     double sum = 0;
   };
   std::vector<Part> parts;
@@ -219,7 +228,9 @@ BitMask body_cores(const Volume& volume, const BitMask& cores) {
   for_each_component(left, [&](size_t seed) {
     Part part{seed};
     take_component(volume, seed, left, [&](size_t at) {
-      part.sum += volume.values[at];
+      const float hu = volume.values[at];
+      part.sum += hu;
+      part.fat += hu > kLeanest && hu < kFattest ? 1 : 0;
       ++part.size;
     });
     largest = std::max(largest, part.size);
@@ -227,14 +238,16 @@ BitMask body_cores(const Volume& volume, const BitMask& cores) {
       parts.push_back(part);
     }
   });
-  BitMask body(cores.size());
+  Cores kept{BitMask(cores.size())};
   left = cores;
   for (const Part& part : parts) {
     if (is_large(part) && part.sum / static_cast<double>(part.size) > kLeastMean) {
-      take_component(volume, part.seed, left, [&](size_t at) { body.set(at); });
+      take_component(volume, part.seed, left, [&](size_t at) { kept.body.set(at); });
+      const bool lean = static_cast<double>(part.fat) < kLeastFat * static_cast<double>(part.size);
+      kept.foreign += part.size < largest && lean ? part.size : 0;
     }
   }
-  return body;
+  return kept;
 }
 
 /// Adds to the body what of the matter is attached to it, and small or bone.
@@ -270,9 +283,9 @@ void add_trifles(const Volume& volume, const BitMask& matter, BitMask& body) {
 
 }  // namespace
 
-double isolate_body(Volume& volume) {
+Isolation isolate_body(Volume& volume) {
   if (volume.modality != Modality::kCt || volume.values.range().min > kLeastMean) {
-    return 0;
+    return {};
   }
   const BitMask matter =
       mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
@@ -280,19 +293,19 @@ double isolate_body(Volume& volume) {
   const Vec3& s = volume.spacing;
   // Where slices are thick, rather some of the table than none of an ear that touches it.
   const float voxel = std::max({s.x, s.y, s.z});
-  BitMask body = both(dilated(volume, body_cores(volume, eroded(volume, filled, kThinnest)),
-                              kThinnest + 1.5f * voxel),
-                      filled);
+  const Cores cores = body_cores(volume, eroded(volume, filled, kThinnest));
+  BitMask body = both(dilated(volume, cores.body, kThinnest + 1.5f * voxel), filled);
   add_trifles(volume, filled, body);
   const BitMask kept = dilated(volume, body, kSkin * voxel);
 
   const auto all = static_cast<double>(matter.count());
   const auto removed = static_cast<double>(without(matter, kept).count());
   if (removed > kMostRemoved * all) {
-    return 0;
+    return {.unsure = true};
   }
   volume.values.set_where(kAir, [&](size_t i) { return !kept[i]; });
-  return removed * s.x * s.y * s.z / 1000;
+  const double ml = double{s.x} * s.y * s.z / 1000;
+  return {removed * ml, static_cast<double>(cores.foreign) * ml};
 }
 
 }  // namespace clipgs

@@ -1,10 +1,12 @@
 #include "volume/isolate_body.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
 
 #include "volume/phantom.h"
+#include "volume/shows_table.h"
 
 namespace clipgs {
 namespace {
@@ -73,7 +75,7 @@ TEST(IsolateBody, TakesTheTableOffAndNothingElse) {
   const Volume expected = scan(patient());
   const Volume alone = scan(table());
   const auto matter = std::ranges::count_if(alone.values.all(), [](float hu) { return hu > -300; });
-  EXPECT_NEAR(isolate_body(scanned), static_cast<double>(matter) * 2 * 2 * 3 / 1000, 1e-6);
+  EXPECT_NEAR(isolate_body(scanned).removed, static_cast<double>(matter) * 2 * 2 * 3 / 1000, 1e-6);
   for (size_t i = 0; i < scanned.values.size(); ++i) {
     // Air far from the patient is -1024 HU after, near it what it was.
     ASSERT_EQ(std::max(scanned.values[i], kAir), expected.values[i]) << "voxel " << i;
@@ -92,10 +94,41 @@ TEST(IsolateBody, OfATableThatTouchesThePatientOnlyTheTouchingPartStays) {
   EXPECT_EQ(hu(0, -45), 40);
 }
 
+/// A limb of muscle with fat around it, and bone.
+std::vector<Thing> leg() {
+  return {{tube({-95, -10}, {22, 22}), -90},
+          {tube({-95, -10}, {12, 12}), 50},
+          {tube({-95, -10}, {4, 4}), 900}};
+}
+
+TEST(IsolateBody, AHeadHolderThatStaysIsTold) {
+  Volume with_leg = scan(both(leg(), {{tube({0, 0}, {60, 50}), 40}}));
+  EXPECT_EQ(isolate_body(with_leg).foreign, 0);
+  // A block as thick as a limb, of one plastic with a harder shell.
+  const std::vector<Thing> holder = {{box({-90, -86, -40}, {90, -62, 40}), 700},
+                                     {box({-86, -82, -36}, {86, -66, 36}), 100}};
+  Volume with_holder = scan(both(holder, {{tube({0, 0}, {60, 50}), 40}}));
+  const Isolation isolation = isolate_body(with_holder);
+  EXPECT_GT(isolation.foreign, 50);
+  EXPECT_GT(with_holder.at(60, 9, 20), 0);  // it stays
+}
+
+TEST(IsolateBody, MoreBesideTheBodyThanItTakesOffIsTold) {
+  std::vector<Thing> plates;
+  for (int i = 0; i < 14; ++i) {
+    const float y = -80 + 11.0f * static_cast<float>(i);
+    plates.push_back({box({-110, y, -100}, {60, y + 5, 100}), 0});
+  }
+  Volume volume = scan(both(plates, {{tube({95, 0}, {20, 20}), 40}}));
+  const VoxelValues before = volume.values;
+  EXPECT_TRUE(isolate_body(volume).unsure);
+  EXPECT_EQ(volume.values, before);
+}
+
 TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
   const auto unchanged = [](Volume volume) {
     const VoxelValues before = volume.values;
-    EXPECT_EQ(isolate_body(volume), 0);
+    EXPECT_EQ(isolate_body(volume).removed, 0);
     EXPECT_EQ(volume.values, before);
   };
   Volume mr = scan(both(table(), patient()));
@@ -105,6 +138,20 @@ TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
   without_air.values.transform([](float value) { return std::max(value, 0.0f); });
   unchanged(without_air);
   unchanged(scan(table()));
+}
+
+/// As a file that does not say what its values mean.
+Volume unknown(Volume volume) {
+  volume.values.transform([](float hu) { return std::round((hu + 1024) / 16); });
+  volume.modality = Modality::kUnknown;
+  return volume;
+}
+
+TEST(ShowsTable, OnlyWhereOneLies) {
+  EXPECT_TRUE(shows_table(unknown(scan(both(table(), patient())))));
+  EXPECT_FALSE(shows_table(unknown(scan(patient()))));
+  EXPECT_FALSE(shows_table(unknown(scan(both(leg(), patient())))));
+  EXPECT_FALSE(shows_table(unknown(make_phantom(96))));
 }
 
 TEST(IsolateBody, KeepsEveryVoxelOfThePhantom) {

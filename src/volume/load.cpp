@@ -10,6 +10,7 @@
 #include "volume/isolate_body.h"
 #include "volume/orient.h"
 #include "volume/segmentation.h"
+#include "volume/shows_table.h"
 
 namespace clipgs {
 namespace {
@@ -53,11 +54,33 @@ void clamp_outside_of_scan(Volume& volume) {
 
 void take_table_off(Volume& volume, const std::string& where) {
   constexpr double kWorthSaying = 1;  // ml
-  const double removed = isolate_body(volume);
-  if (removed >= kWorthSaying) {
+  const Isolation isolation = isolate_body(volume);
+  if (isolation.removed >= kWorthSaying) {
     warn(fmt::format(
         "{}: took {:.0f} ml of table, cushions and the like off (--keep-table leaves them)", where,
-        removed));
+        isolation.removed));
+  }
+  if (isolation.foreign >= kWorthSaying) {
+    warn(
+        fmt::format("{}: at least {:.0f} ml of something solid without fat lies beside the body, a "
+                    "head holder or the "
+                    "like; it is left in the pictures: cut it off with a plane, or crop the volume",
+                    where, isolation.foreign));
+  }
+  if (isolation.unsure) {
+    warn(fmt::format(
+        "{}: the table cannot be told from the body, what lies beside it is more than a third of "
+        "all; nothing was taken off: crop the volume if a table shows",
+        where));
+  }
+}
+
+void warn_of_table(const Volume& volume, const std::string& where) {
+  if (shows_table(volume)) {
+    warn(fmt::format(
+        "{}: its kind is unknown, and what looks like a scanner's table lies beside the body; if "
+        "this is CT give --hu SCALE,OFFSET (HU = SCALE * stored + OFFSET) to have it taken off",
+        where));
   }
 }
 
@@ -85,6 +108,8 @@ Volume make_volume(StoredImage stored, Modality modality, const LoadOptions& opt
     if (!options.keep_table) {
       take_table_off(volume, where);
     }
+  } else if (volume.modality == Modality::kUnknown && !options.keep_table) {
+    warn_of_table(volume, where);
   }
   return volume;
 }

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -75,7 +76,5 @@ std::vector<std::uint8_t> NamelessFile::read(std::uint64_t offset, size_t size) 
   }
   return bytes;
 }
-
-fs::path NamelessFile::path() const { return "/proc/self/fd/" + std::to_string(file_); }
 
 }  // namespace clipgs

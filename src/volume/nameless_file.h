@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -21,8 +20,6 @@ class NamelessFile {
   /// Throws Error if it is shorter. May be called from several threads.
   std::vector<std::uint8_t> read(std::uint64_t offset, size_t size) const;
   std::uint64_t size() const { return size_; }
-  /// By which this process can open it.
-  std::filesystem::path path() const;
 
  private:
   int file_ = -1;
