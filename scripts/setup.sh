@@ -68,7 +68,7 @@ packages=(
   # libraries
   libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libeigen3-dev
-  libboost-dev libssl-dev libqrencode-dev libstb-dev
+  libboost-dev libssl-dev libqrencode-dev
   libgtest-dev libgmock-dev libbenchmark-dev libcpp-httplib-dev
   # the viewer's WebAssembly
   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32

@@ -81,11 +81,15 @@ for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGT
 done
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan fuzz {core,volume,cinema,splat,section,train,bake,asset,measure,serve}_test
+step "build asan ubsan" configure_and_build asan {core,volume,cinema,splat,section,train,bake,asset,measure,serve}_test
 # Statistics over many samples, finite differences and the same again at other thread counts take minutes there,
 # through code that other tests go through as well.
-step "tests asan ubsan" run_tests asan -L 'fast|fuzz' -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
+step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
 count_tests "tests asan ubsan"
+# Every reader of files and requests, with some thousand inputs each; scripts/fuzz.sh goes on for hours.
+step "build fuzz targets" configure_and_build fuzz fuzz
+step "tests fuzz targets" run_tests fuzz -L fuzz
+count_tests "tests fuzz targets"
 # The rooms that work on several threads.
 step "build tsan" configure_and_build tsan {core,cinema,splat,section,train,measure}_test
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'

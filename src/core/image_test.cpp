@@ -71,6 +71,32 @@ TEST(Image, HdrIsRead) {
   EXPECT_THROW(read_hdr(path), Error);
 }
 
+// Runs and copies of every channel; what does not fit the row, or ends before it, is refused.
+TEST(Image, PackedHdrIsRead) {
+  const fs::path path = fs::path(testing::TempDir()) / fmt::format("clipgs-{}.hdr", getpid());
+  const auto read = [&](const std::string& channels) {
+    write_text(path, "#?RGBE\n# made by hand\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n" +
+                         std::string("\2\2\0\10", 4) + channels);
+    return read_hdr(path);
+  };
+  const std::string run_and_copy("\x86\x40\x02\x80\x20", 5);
+  const std::string zeros("\x88\0", 2);
+  const std::string exponents("\x88\x81", 2);
+  const Image image = read(run_and_copy + zeros + zeros + exponents);
+  ASSERT_EQ(image.width, 8);
+  EXPECT_EQ(image.at(0, 0)[0], 0.5f);
+  EXPECT_EQ(image.at(5, 0)[0], 0.5f);
+  EXPECT_EQ(image.at(6, 0)[0], 1.0f);
+  EXPECT_EQ(image.at(7, 0)[0], 0.25f);
+  EXPECT_EQ(image.at(7, 0)[1], 0.0f);
+  for (const std::string& damaged :
+       {std::string("\x88\x50"), std::string("\x89\x50"), std::string("\0\0\0\0\0\0\0\0", 8),
+        std::string("\x80\x50\x50\x50\x50\x50\x50\x50\x50")}) {
+    EXPECT_THROW(read(damaged), Error);
+  }
+  fs::remove(path);
+}
+
 TEST(Image, CompositeUsesStraightAlpha) {
   Image image(1, 1, 4);
   image.data = {1.0f, 0.5f, 0.0f, 0.25f};

@@ -42,9 +42,9 @@ void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice);
 
 /// How a file of many frames is written.
 struct FixtureFrames {
-  bool defined_lengths = false;      ///< of sequences and items; else delimiters end them
-  bool rle = false;                  ///< compressed, one piece a frame
-  std::vector<std::uint32_t> times;  ///< temporal position index of each frame, if any
+  bool defined_lengths = false;        ///< of sequences and items; else delimiters end them
+  bool rle = false;                    ///< compressed, one piece a frame
+  std::vector<std::uint32_t> times{};  ///< temporal position index of each frame, if any
 };
 
 /// Writes one file (enhanced, by PS3.3 C.7.6.16) of the slices, in their order. The first one's

@@ -150,7 +150,7 @@ TEST(LabelLooks, AreReadFromATable) {
                                    {R"({"labels": [{"label": 1, "colour": "#fff"}]})", "colour"},
                                    {R"({"labels": [{"label": 1, "visible": 0}]})", "visible"},
                                    {"no", "not JSON"}}) {
-    EXPECT_THAT(error_of([&, text = text] { table(text); }), HasSubstr(says));
+    EXPECT_THAT(error_of([&, json = text] { table(json); }), HasSubstr(says));
   }
 }
 

@@ -207,11 +207,24 @@ export class Viewer {
     begin: () => void = () => {},
   ): Promise<void> {
     const loaded = await this.#client.load(url, progress);
-    await this.#sortDone();
-    if (this.#disposed) {
-      throw new CaseError("the viewer is gone");
+    const opened = await this.#alone(async () => {
+      if (this.#disposed) {
+        throw new CaseError("the viewer is gone");
+      }
+      const fresh = new OpenCase(name, loaded, this.#client);
+      this.#replaceCase(fresh);
+      this.stats.total = loaded.scene.count;
+      begin();
+      return fresh;
+    });
+    void this.#nextPicture().then(() => this.#case === opened && performance.mark(kPictureMark));
+    if (loaded.section) {
+      await this.#complete(opened, loaded.ticket);
     }
-    const opened = new OpenCase(name, loaded, this.#client);
+    await this.#nextPicture();
+  }
+
+  #replaceCase(opened: OpenCase): void {
     this.#case?.free();
     this.#case = opened;
     this.#ordered = false;
@@ -222,14 +235,7 @@ export class Viewer {
     this.stats.sectionMs = 0;
     this.#rate.restart();
     this.#widget.setSphere(opened.info.sphere);
-    this.stats.total = loaded.scene.count;
     this.setCuts(this.state.cuts, this.state.active);
-    begin();
-    void this.#nextPicture().then(() => this.#case === opened && performance.mark(kPictureMark));
-    if (loaded.section) {
-      await this.#complete(opened, loaded.ticket);
-    }
-    await this.#nextPicture();
   }
 
   /** Until the case has been drawn as it is. */
@@ -508,34 +514,26 @@ export class Viewer {
    * moves, with fewer rays through faces.
    */
   async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
-    await this.#sortDone();
-    const current = this.#case;
-    if (!current || this.#worn) {
-      throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
-    }
-    const picture = this.#capture(current, width, height, moving ? 1 : kMostRays);
-    this.#captured = picture.then(
-      () => {},
-      () => {},
-    );
-    try {
-      return await picture;
-    } finally {
-      this.#captured = null;
-      this.#touch();
-    }
+    return this.#alone(() => {
+      const current = this.#case;
+      if (!current || this.#worn) {
+        throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
+      }
+      return this.#capture(current, width, height, moving ? 1 : kMostRays);
+    });
   }
 
   /** What the canvas shows, handle and all, as good as it gets, without what panels cover of it. */
   async snapshot(): Promise<HTMLCanvasElement> {
-    await this.#sortDone();
-    const current = this.#case;
-    if (current && !this.#worn) {
-      this.#placeCamera();
-      await this.#sort(current, this.#camera, this.#width, this.#height);
-      this.#placeCamera();
-      this.#drawSplats(current, false);
-    }
+    await this.#alone(async () => {
+      const current = this.#case;
+      if (current && !this.#worn) {
+        this.#placeCamera();
+        await this.#sort(current, this.#camera, this.#width, this.#height);
+        this.#placeCamera();
+        this.#drawSplats(current, false);
+      }
+    });
     this.#drawCanvas();
     const ratio = this.#renderer.getPixelRatio();
     const { width, height } = this.freeSize;
@@ -622,9 +620,24 @@ export class Viewer {
     applyView(this.#camera, this.state.view, sphere, width, height, inset);
   }
 
-  async #sortDone(): Promise<void> {
+  /**
+   * Does `work` while nobody else sorts or takes pictures. It begins in the same turn as the last look at whether
+   * somebody does: some browsers draw frames, which sort, between a promise's end and those who wait for it.
+   */
+  async #alone<T>(work: () => Promise<T>): Promise<T> {
     while (this.#client.sorting || this.#captured) {
       await (this.#client.sorting ?? this.#captured);
+    }
+    const done = work();
+    this.#captured = done.then(
+      () => {},
+      () => {},
+    );
+    try {
+      return await done;
+    } finally {
+      this.#captured = null;
+      this.#touch();
     }
   }
 
