@@ -249,9 +249,10 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   const float radius = std::sqrt(2 * std::log(splat.opacity / options.alpha_min));
   splat.extent_x = radius * std::sqrt(p.cov.xx);
   splat.extent_y = radius * std::sqrt(p.cov.yy);
-  if (splat.x + splat.extent_x < 0 || splat.x - splat.extent_x > static_cast<float>(camera.width) ||
-      splat.y + splat.extent_y < 0 ||
-      splat.y - splat.extent_y > static_cast<float>(camera.height)) {
+  const bool in_picture = splat.x + splat.extent_x >= 0 && splat.y + splat.extent_y >= 0 &&
+                          splat.x - splat.extent_x <= static_cast<float>(camera.width) &&
+                          splat.y - splat.extent_y <= static_cast<float>(camera.height);
+  if (!in_picture) {  // nor is what is too large or too far for numbers
     return false;
   }
   splat.qa = -0.5f * p.conic.xx;

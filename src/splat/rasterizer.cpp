@@ -24,8 +24,10 @@ struct TileBox {
 };
 
 TileBox tile_box(const Splat& s, int tiles_x, int tiles_y) {
+  // Bounded as floats: a splat may be larger than any integer.
   const auto tile = [](float pixel, int tiles) {
-    return std::clamp(static_cast<int>(std::floor(pixel / kTileSize)), 0, tiles - 1);
+    const float last = static_cast<float>(tiles) - 1;
+    return static_cast<int>(std::clamp(std::floor(pixel / kTileSize), 0.0f, last));
   };
   return {tile(s.x - s.extent_x, tiles_x), tile(s.x + s.extent_x, tiles_x),
           tile(s.y - s.extent_y, tiles_y), tile(s.y + s.extent_y, tiles_y)};

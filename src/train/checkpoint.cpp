@@ -1,4 +1,6 @@
 // Trainer's checkpoint: its claim, a header, then the raw float arrays (docs/format.md).
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -28,6 +30,11 @@ struct Header {
 void append(std::vector<std::uint8_t>& bytes, const void* data, size_t size) {
   const auto* p = static_cast<const std::uint8_t*>(data);
   bytes.insert(bytes.end(), p, p + size);
+}
+
+/// Training makes no others, and could not go on from them.
+bool all_finite(std::span<const float> numbers) {
+  return std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); });
 }
 
 }  // namespace
@@ -109,13 +116,16 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
     std::vector<float> numbers(header.uniaxial);
     std::memcpy(numbers.data(), bytes.data() + bytes.size() - numbers.size() * sizeof(float),
                 numbers.size() * sizeof(float));
-    if (!uniaxial_->load(numbers, header.size)) {
+    if (!all_finite(numbers) || !uniaxial_->load(numbers, header.size)) {
       throw corrupt();
     }
   }
   FaceGain* const gains[] = {&gain_.value, &gain_.first, &gain_.second};
   for (size_t g = 0; g < 3; ++g) {
     std::memcpy(gains[g]->coefficients.data(), header.gain[g], sizeof header.gain[g]);
+    if (!all_finite({&header.gain[g][0][0], sizeof header.gain[g] / sizeof(float)})) {
+      throw corrupt();
+    }
   }
   gain_.updates = header.gain_updates;
   step_ = header.step;
@@ -126,6 +136,9 @@ bool Trainer::load_checkpoint(const std::filesystem::path& path) {
   for (Gaussians* cloud : {&gaussians_, &adam_.first(), &adam_.second()}) {
     std::memcpy(cloud->data().data(), at, cloud->data().size() * sizeof(float));
     at += cloud->data().size() * sizeof(float);
+    if (!all_finite(cloud->data())) {
+      throw corrupt();
+    }
   }
   last_reached_.resize(header.size);
   for (std::vector<std::uint32_t>* counts : {&adam_.updates(), &last_reached_}) {
