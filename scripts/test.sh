@@ -90,8 +90,8 @@ count_tests "tests asan ubsan"
 step "build fuzz targets" configure_and_build fuzz fuzz
 step "tests fuzz targets" run_tests fuzz -L fuzz
 count_tests "tests fuzz targets"
-# The rooms that work on several threads.
-step "build tsan" configure_and_build tsan {core,cinema,splat,section,train,measure}_test
+# The rooms that work on several threads; training goes through those of splats as well.
+step "build tsan" configure_and_build tsan {core,cinema,section,train}_test
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.
