@@ -10,6 +10,7 @@
 #include "core/file.h"
 #include "core/json_reader.h"
 #include "section/error_bands.h"
+#include "volume/preset.h"
 
 namespace clipgs {
 
@@ -21,7 +22,6 @@ constexpr int kVersion = 1;
 constexpr int kMaxSide = 1024;
 constexpr int kMaxImage = 16383;
 constexpr int kBlock = 16;  // side of the blocks that lossy WebP codes: slices do not share one
-constexpr size_t kMaxKeys = 8;
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
 constexpr const char* kImageFile = "section.webp";
 constexpr const char* kMetaFile = "section.json";
@@ -169,7 +169,7 @@ void read_lights(const JsonReader& reader, Section& section) {
   section.rig.sky_top = not_negative(reader, "sky_top");
   section.rig.sky_horizon = not_negative(reader, "sky_horizon");
   section.rig.sky_bottom = not_negative(reader, "sky_bottom");
-  for (const JsonReader& key : reader.children("keys", kMaxKeys)) {
+  for (const JsonReader& key : reader.children("keys", LightRig::kMostKeys)) {
     KeyLight light;
     light.direction = glm::normalize(key.unit_vector("direction"));
     light.radiance = not_negative(key, "radiance");

@@ -15,6 +15,7 @@
 #include "cli/cli_fixture.h"
 #include "core/geometry.h"
 #include "core/image.h"
+#include "volume/dicom_fixture.h"
 
 namespace clipgs {
 namespace {
@@ -101,6 +102,27 @@ TEST_F(CliTest, FrameChoosesAVolumeOfAFileInTime) {
   };
   EXPECT_EQ(largest("1"), 49);
   EXPECT_EQ(largest("2"), 99);
+}
+
+TEST_F(CliTest, InfoListsTheSeriesAndPhasesOfAFolder) {
+  FixtureSlice slice;
+  for (const int phase : {1, 2}) {
+    slice.texts = {{0x0020, 0x0012, std::to_string(phase), true}};
+    write_series(at("scan"), even_table(5 + phase, 2), slice, std::to_string(phase), 50 * phase);
+  }
+  slice.series_uid = "1.2.3.4";
+  write_series(at("scan"), even_table(9, 2), slice, "c");
+  const Finished info = run_clipgs({"info", at("scan"), "--json", "--series", "3"});
+  ASSERT_EQ(info.status, 0) << info.err;
+  const nlohmann::json series = nlohmann::json::parse(info.out).at("series");
+  ASSERT_EQ(series.size(), 3);
+  EXPECT_EQ(series[0].at("uid"), "1.2.3.4");
+  EXPECT_FALSE(series[0].contains("phase"));
+  EXPECT_EQ(series[1].at("phase"), "acquisition 2");
+  EXPECT_EQ(series[2].at("phase"), "acquisition 1");
+  EXPECT_EQ(series[2].at("dims"), nlohmann::json({16, 12, 6}));
+  EXPECT_EQ(series[2].at("taken"), true);
+  expect_failure({"info", at("scan"), "--series", "4"}, "from 1 to 3");
 }
 
 TEST_F(CliTest, LabelsColourThinAndHide) {

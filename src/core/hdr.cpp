@@ -97,13 +97,12 @@ class HdrReader {
     damaged("its size is not said as -Y HEIGHT +X WIDTH, of 1 to 16384");
   }
 
-  bool may_be_packed(size_t width) const { return width >= kLeastPacked; }
+  static bool may_be_packed(size_t width) { return width >= kLeastPacked; }
 
   /// Before anything is allocated: at best a run of 127 takes two bytes.
   void require_enough(int width, int height) const {
     const auto pixels = static_cast<std::uint64_t>(width);
-    const std::uint64_t row =
-        may_be_packed(pixels) ? 4 + 4 * 2 * ((pixels + 126) / 127) : 4 * pixels;
+    const std::uint64_t row = may_be_packed(pixels) ? 4 + 8 * ((pixels + 126) / 127) : 4 * pixels;
     if (bytes_.size() - at_ < row * static_cast<std::uint64_t>(height)) {
       damaged("it ends too early");
     }

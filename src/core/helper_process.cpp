@@ -86,7 +86,9 @@ void confine(std::uint64_t most_memory) {
   // Libraries print what they think of a file; our one line says it.
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    ::dup2(nowhere, stream);
+    if (nowhere >= 0) {
+      ::dup2(nowhere, stream);
+    }
   }
 }
 
@@ -116,7 +118,7 @@ const bool HelperProcess::kMemoryIsFree = __has_feature(address_sanitizer);
 const bool HelperProcess::kMemoryIsFree = false;
 #endif
 
-HelperProcess::HelperProcess(Work work, std::uint64_t most_memory) {
+HelperProcess::HelperProcess(const Work& work, std::uint64_t most_memory) {
   int ends[2] = {-1, -1};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw Error("no process can be started beside this one ({})", std::strerror(errno));

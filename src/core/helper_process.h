@@ -21,7 +21,7 @@ class HelperProcess {
 
   /// `most_memory`: bytes that the child may take beyond what this process has, unless
   /// kMemoryIsFree. Throws Error if the system has no room for a process.
-  HelperProcess(Work work, std::uint64_t most_memory);
+  HelperProcess(const Work& work, std::uint64_t most_memory);
   ~HelperProcess();
   HelperProcess(const HelperProcess&) = delete;
   HelperProcess& operator=(const HelperProcess&) = delete;

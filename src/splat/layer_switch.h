@@ -19,9 +19,11 @@ enum class LayerPart {
 
 /// The rendering layers of a scene as a plane across its axis switches them.
 struct LayerSwitch {
-  std::span<const std::uint16_t> layers = {};  ///< of each Gaussian; empty: all are cut
-  int slab = 0;                                ///< the layer whose slab the plane goes through
-  bool keeps_below = true;                     ///< whether layers below that one are whole
+  std::span<const std::uint16_t> layers =
+      {};  ///< of each Gaussian; empty: all are cut  // NOLINT(readability-redundant-member-init):
+           ///< else designated initializers warn
+  int slab = 0;             ///< the layer whose slab the plane goes through
+  bool keeps_below = true;  ///< whether layers below that one are whole
 
   LayerPart part(size_t gaussian) const {
     const int beyond = layers.empty() ? 0
