@@ -19,9 +19,9 @@ enum class LayerPart {
 
 /// The rendering layers of a scene as a plane across its axis switches them.
 struct LayerSwitch {
-  std::span<const std::uint16_t> layers =
-      {};  ///< of each Gaussian; empty: all are cut  // NOLINT(readability-redundant-member-init):
-           ///< else designated initializers warn
+  /// Of each Gaussian; empty: all are cut.
+  // NOLINTNEXTLINE(readability-redundant-member-init): GCC warns of designated initializers
+  std::span<const std::uint16_t> layers{};
   int slab = 0;             ///< the layer whose slab the plane goes through
   bool keeps_below = true;  ///< whether layers below that one are whole
 
