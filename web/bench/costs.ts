@@ -49,7 +49,11 @@ function bundles(): string[][] {
   const peers = "bench/peers/node_modules";
   const three = ["core", "module"].map((part) => `${peers}/three/build/three.${part}.min.js`);
   return [
-    ["bundle with everything, gzipped", gzippedKb(filesIn(join(out, "dist")).filter(isServedPlain)), "350 KB"],
+    [
+      "bundle with everything, gzipped",
+      gzippedKb(filesIn(join(out, "dist")).filter(isServedPlain)),
+      "350 KB",
+    ],
     [
       "Spark 2.2.0 and three.js",
       gzippedKb([`${peers}/@sparkjsdev/spark/dist/spark.module.min.js`, ...three]),
