@@ -181,11 +181,7 @@ void write_dicom(const std::filesystem::path& path, const FixtureSlice& slice) {
   insert_orientation(data, slice);
   insert_measures(data, slice);
   insert_scale(data, slice);
-  gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
-  pixels.SetVR(gdcm::VR::OW);
-  pixels.SetByteValue(reinterpret_cast<const char*>(slice.pixels.data()),
-                      static_cast<std::uint32_t>(slice.pixels.size() * sizeof(std::int16_t)));
-  data.Insert(pixels);
+  insert_pixels(data, {slice}, false);
   end_file(writer, path);
 }
 

@@ -64,13 +64,11 @@ std::vector<float> DicomPixels::read(const DicomHeader& known) {
   }
   const DicomElements& elements = file_->elements;
   const auto frame = static_cast<size_t>(known.frame);
-  if (frame >= file_->headers.size()) {
+  if (frame >= file_->headers.size() || file_->headers[frame].rows != known.rows ||
+      file_->headers[frame].columns != known.columns) {
     throw Error("{}: changed while it was read", known.source.name());
   }
   const DicomHeader& header = file_->headers[frame];
-  if (header.rows != known.rows || header.columns != known.columns) {
-    throw Error("{}: changed while it was read", known.source.name());
-  }
   require_supported(header);
   if (elements.encapsulated()) {
     const auto fragments = elements.fragments(frame, static_cast<size_t>(header.frames));
