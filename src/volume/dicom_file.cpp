@@ -162,22 +162,17 @@ std::vector<DicomHeader> headers_of_frames(const DicomElements& elements, const 
     throw Error("{}: truncated or corrupt DICOM file: {} frames, of which {} are described",
                 source.name(), frames, described);
   }
-  std::vector<double> offsets;
-  if (described == 0) {
-    offsets = frame_offsets(elements, frames);
-  }
+  const std::vector<double> offsets =
+      described == 0 ? frame_offsets(elements, frames) : std::vector<double>(described, 0.0);
   std::vector<DicomHeader> headers;
-  for (int frame = 0; frame < frames; ++frame) {
+  for (int frame = 0; frame < static_cast<int>(offsets.size()); ++frame) {
     DicomHeader header = header_of(elements, source, frame);
-    if (described == 0 && offsets.empty()) {
-      header.placed = false;
-      return {header};
-    }
-    if (described == 0) {
-      const glm::dvec3 normal = glm::cross(header.row, header.column);
-      header.position += normal * offsets[static_cast<size_t>(frame)];
-    }
+    header.position += glm::cross(header.row, header.column) * offsets[static_cast<size_t>(frame)];
     headers.push_back(std::move(header));
+  }
+  if (headers.empty()) {
+    headers.push_back(header_of(elements, source, 0));
+    headers.front().placed = false;
   }
   return headers;
 }
