@@ -12,17 +12,17 @@ cd "$(dirname "$0")/.."
 minutes="${1:-10}"
 shift || true
 bash scripts/setup.sh
-cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz --target fuzz
+cmake --preset asan >/dev/null
+cmake --build --preset asan --target fuzz
 targets=("$@")
 if [ "${#targets[@]}" -eq 0 ]; then
-  mapfile -t targets < <(find build/fuzz/src -name '*_fuzz' -type f -executable -printf '%f\n' | sed 's/_fuzz$//' | sort)
+  mapfile -t targets < <(find build/asan/src -name '*_fuzz' -type f -executable -printf '%f\n' | sed 's/_fuzz$//' | sort)
 fi
 
 mkdir -p build/fuzzing/findings
 status=0
 for target in "${targets[@]}"; do
-  program="$(find build/fuzz/src -name "${target}_fuzz" -type f -executable)"
+  program="$(find build/asan/src -name "${target}_fuzz" -type f -executable)"
   if [ -z "$program" ]; then
     echo "fuzz: there is no target $target" >&2
     exit 2

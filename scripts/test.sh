@@ -38,7 +38,7 @@ count_tests() {
 configure_and_build() {
   local preset="$1"
   shift
-  cmake --preset "$preset" -DCLIPGS_TESTS=ON
+  cmake --preset "$preset" -DCLIPGS_TESTS=ON -DCLIPGS_UNITY_TESTS=ON
   cmake --build --preset "$preset" "${@/#/--target=}"
 }
 
@@ -48,6 +48,7 @@ run_tests() {
 
 # The thread sanitizer needs addresses where it expects them; some kernels spread them wider.
 run_tests_in_place() {
+  export TSAN_OPTIONS="suppressions=$PWD/scripts/thread_sanitizer.txt"
   if setarch -R true 2>/dev/null; then
     setarch -R ctest --preset tsan -j "$jobs" --no-tests=error "$@"
   else
@@ -81,17 +82,16 @@ for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGT
 done
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan {core,volume,cinema,splat,section,train,bake,asset,measure,serve}_test
+step "build asan ubsan" configure_and_build asan {core,volume,cinema,splat,section,train,bake,asset,measure,serve}_test fuzz
 # Statistics over many samples, finite differences and the same again at other thread counts take minutes there,
 # through code that other tests go through as well.
 step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B'
 count_tests "tests asan ubsan"
 # Every reader of files and requests, with some thousand inputs each; scripts/fuzz.sh goes on for hours.
-step "build fuzz targets" configure_and_build fuzz fuzz
-step "tests fuzz targets" run_tests fuzz -L fuzz
+step "tests fuzz targets" run_tests asan -L fuzz
 count_tests "tests fuzz targets"
 # The rooms that work on several threads; training goes through those of splats as well.
-step "build tsan" configure_and_build tsan {core,cinema,section,train}_test
+step "build tsan" configure_and_build tsan {core,cinema,section,train,serve}_test
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.

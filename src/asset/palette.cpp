@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kLanes = 8;
 constexpr size_t kMaxDimension = 48;
-constexpr size_t kGrain = 512;
+constexpr size_t kPaletteGrain = 512;
 constexpr int kCoarseIterations = 5;
 constexpr int kFineIterations = 5;
 constexpr size_t kProbes = 6;  // nearest cells that a point looks through
@@ -112,7 +112,7 @@ struct Tree {
 
   std::vector<Nearest> assign(const Vectors& points) const {
     std::vector<Nearest> nearest(points.size());
-    parallel_for(points.size(), kGrain, [&](size_t begin, size_t end) {
+    parallel_for(points.size(), kPaletteGrain, [&](size_t begin, size_t end) {
       std::vector<Nearest> order(cells.size());
       const size_t probes = std::min(kProbes, cells.size());
       for (size_t i = begin; i < end; ++i) {
@@ -155,7 +155,7 @@ Tree plant(const Vectors& points, const std::vector<float>& weights, size_t dime
 
   std::vector<Nearest> nearest(points.size());
   const auto assign = [&] {
-    parallel_for(points.size(), kGrain, [&](size_t begin, size_t end) {
+    parallel_for(points.size(), kPaletteGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         nearest[i] = {};
         search(points[i], tree.cells, 0, cell_count, nearest[i]);

@@ -21,10 +21,11 @@ namespace {
 constexpr int kVersion = 1;
 constexpr int kMaxSide = 1024;
 constexpr int kMaxImage = 16383;
-constexpr int kBlock = 16;  // side of the blocks that lossy WebP codes: slices do not share one
+constexpr int kSectionBlock =
+    16;  // side of the blocks that lossy WebP codes: slices do not share one
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
 constexpr const char* kImageFile = "section.webp";
-constexpr const char* kMetaFile = "section.json";
+constexpr const char* kSectionMetaFile = "section.json";
 constexpr const char* kChecksum = "checksum";
 
 constexpr std::array kModalities = {Modality::kUnknown, Modality::kCt, Modality::kMr,
@@ -54,7 +55,7 @@ struct Mosaic {
   }
 
  private:
-  static int whole_blocks(int n) { return (n + kBlock - 1) / kBlock * kBlock; }
+  static int whole_blocks(int n) { return (n + kSectionBlock - 1) / kSectionBlock * kSectionBlock; }
 };
 
 Texels to_texels(const Section& section, const Mosaic& mosaic) {
@@ -349,16 +350,16 @@ std::filesystem::path section_path(std::filesystem::path scene) {
 void write_section(const std::filesystem::path& path, const Section& section) {
   std::vector<ZipEntry> files;
   const std::string text = encode_section(section, kLossless, files).dump();
-  files.push_back({kMetaFile, Bytes(text.begin(), text.end())});
+  files.push_back({kSectionMetaFile, Bytes(text.begin(), text.end())});
   const Bytes bytes = write_zip(files);
   write_file(path, bytes.data(), bytes.size());
 }
 
 Section read_section(const std::filesystem::path& path) {
   const std::map<std::string, Bytes> files = read_zip(read_file(path, kMaxFile), path.string());
-  const auto meta = files.find(kMetaFile);
+  const auto meta = files.find(kSectionMetaFile);
   if (meta == files.end()) {
-    throw Error("{}: has no {}; is it a section?", path.string(), kMetaFile);
+    throw Error("{}: has no {}; is it a section?", path.string(), kSectionMetaFile);
   }
   const json object = json::parse(meta->second.begin(), meta->second.end(), nullptr, false);
   return decode_section(object, files, path.string());

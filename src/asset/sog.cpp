@@ -25,7 +25,7 @@ namespace {
 
 constexpr int kSogVersion = 2;
 constexpr int kMaxCode = 65535;
-constexpr size_t kGrain = 8192;
+constexpr size_t kSogGrain = 8192;
 constexpr int kCentroidsPerRow = 64;
 constexpr const char* kShKey = "shN";
 constexpr const char* kFaceKey = "clipgs_faces";  // ours, as shN
@@ -199,7 +199,7 @@ struct Writer {
     }
     const Codebook codebook = fit_codebook(samples);
     Texels image = texels();
-    parallel_for(g.size(), kGrain, [&](size_t begin, size_t end) {
+    parallel_for(g.size(), kSogGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         for (size_t c = 0; c < 3; ++c) {
           image.rgba[4 * i + c] = codebook.nearest(samples[c * g.size() + i]);
@@ -441,7 +441,7 @@ class Decoder {
   void decode_means(const Texels& low, const Texels& high, Gaussians& g) const {
     const std::vector<float> mins = meta_.numbers(meta_.section("means"), "mins", 3, kMaxLogMean);
     const std::vector<float> maxs = meta_.numbers(meta_.section("means"), "maxs", 3, kMaxLogMean);
-    parallel_for(count_, kGrain, [&](size_t begin, size_t end) {
+    parallel_for(count_, kSogGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         for (size_t axis = 0; axis < 3; ++axis) {
           const int code = low.rgba[4 * i + axis] | (high.rgba[4 * i + axis] << 8);

@@ -160,10 +160,10 @@ TEST(Zip, ADirectoryWithoutEndIsNotReadToItsEnd) {
   const Bytes one = write_zip({{"a", {1, 2, 3}}});
   const size_t directory = 30 + 1 + 3;
   const size_t length = 46 + 1;
-  constexpr size_t kCount = 400'000;  // entries: 19 MB
+  constexpr size_t kFiles = 400'000;  // entries: 19 MB
   Bytes bytes(one.begin(), one.begin() + directory);
-  bytes.reserve(bytes.size() + kCount * length + 22);
-  for (size_t i = 0; i < kCount; ++i) {
+  bytes.reserve(bytes.size() + kFiles * length + 22);
+  for (size_t i = 0; i < kFiles; ++i) {
     bytes.insert(bytes.end(), one.begin() + directory, one.begin() + directory + length);
   }
   Bytes end(one.begin() + directory + length, one.end());
@@ -172,7 +172,7 @@ TEST(Zip, ADirectoryWithoutEndIsNotReadToItsEnd) {
       end[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
     }
   };
-  put(12, static_cast<std::uint32_t>(kCount * length));
+  put(12, static_cast<std::uint32_t>(kFiles * length));
   bytes.insert(bytes.end(), end.begin(), end.end());
   CountedZip zip(std::move(bytes));
   EXPECT_THAT([&] { list_zip(zip.source, "test.sog"); },

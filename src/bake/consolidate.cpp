@@ -9,7 +9,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr size_t kGrain = 4096;
+constexpr size_t kPointGrain = 4096;
 
 }  // namespace
 
@@ -28,9 +28,9 @@ Consolidator::Consolidator(size_t primitives, const Vec3& axis, const PlaneState
 
 void Consolidator::add(int k, const Gaussians& gaussians, std::span<const std::uint32_t> ids) {
   const Plane plane = states_.plane(axis_, states_.position(k));
-  std::vector<StateStatistics> counts((ids.size() + kGrain - 1) / kGrain);
-  parallel_for(ids.size(), kGrain, [&](size_t begin, size_t end) {
-    StateStatistics& count = counts[begin / kGrain];
+  std::vector<StateStatistics> counts((ids.size() + kPointGrain - 1) / kPointGrain);
+  parallel_for(ids.size(), kPointGrain, [&](size_t begin, size_t end) {
+    StateStatistics& count = counts[begin / kPointGrain];
     for (size_t n = begin; n < end; ++n) {
       if (gaussians.plane(Gaussians::kOpacity)[n] < kVisibleLogit) {
         continue;
@@ -110,7 +110,7 @@ BakedScene Consolidator::finish(Scene uncut) {
   scene.states = states_;
   scene.gaussians = shared.like(kept.size());
   scene.layers.resize(kept.size());
-  parallel_for(kept.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(kept.size(), kPointGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < scene.gaussians.planes(); ++p) {
       const float* from = p < kExplicitPlanes ? best_.plane(p) : shared.plane(p);
       for (size_t n = begin; n < end; ++n) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t kGrain = 4096;
+constexpr size_t kStateGrain = 4096;
 constexpr float kHiddenLogit = -20;      // an opacity of 2e-9
 constexpr float kShTolerance = 1e-4f;    // between states of one Gaussian
 constexpr std::uintmax_t kSpare = 4096;  // bytes of a file beyond its splats
@@ -82,8 +82,8 @@ class StateReader {
 
  private:
   void collect(const Gaussians& state, const fs::path& path) {
-    std::vector<std::uint8_t> differs((state.size() + kGrain - 1) / kGrain, 0);
-    parallel_for(state.size(), kGrain, [&](size_t begin, size_t end) {
+    std::vector<std::uint8_t> differs((state.size() + kStateGrain - 1) / kStateGrain, 0);
+    parallel_for(state.size(), kStateGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         if (state.plane(Gaussians::kOpacity)[i] < kVisibleLogit) {
           continue;
@@ -92,7 +92,7 @@ class StateReader {
           if (known_[i] == 0) {
             common_.plane(p)[i] = state.plane(p)[i];
           } else if (std::abs(common_.plane(p)[i] - state.plane(p)[i]) > kShTolerance) {
-            differs[begin / kGrain] = 1;
+            differs[begin / kStateGrain] = 1;
           }
         }
         known_[i] = 1;

@@ -25,13 +25,13 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-constexpr int kStates = 6;
+constexpr int kFolderStates = 6;
 
 class StateFolder : public ::testing::Test {
  protected:
   StateFolder()
       : folder_(fs::path(::testing::TempDir()) / ("clipgs-states-" + std::to_string(getpid()))) {
-    export_states(model_, kStates, folder_);
+    export_states(model_, kFolderStates, folder_);
   }
   ~StateFolder() override { fs::remove_all(folder_); }
 
@@ -79,7 +79,7 @@ void expect_same_scene(const Scene& a, const Scene& b) {
 }
 
 TEST_F(StateFolder, ComesBackAsTheBakedScene) {
-  const BakedScene direct = bake(model_, kStates);
+  const BakedScene direct = bake(model_, kFolderStates);
   const BakedScene back = bake_folder();
   expect_same_scene(back.scene, direct.scene);
   EXPECT_EQ(back.statistics.from_nearest, direct.statistics.from_nearest);
@@ -92,8 +92,8 @@ TEST_F(StateFolder, ComesBackAsTheBakedScene) {
 
 TEST_F(StateFolder, HoldsEveryGaussianInEveryState) {
   const Similarity world = scene_to_world();
-  for (int k = 0; k < kStates; ++k) {
-    const PlaneStates states = choose_states(model_, kStates);
+  for (int k = 0; k < kFolderStates; ++k) {
+    const PlaneStates states = choose_states(model_, kFolderStates);
     const Plane plane = states.plane(model_.scene.axis, states.position(k));
     UniaxialState state;
     make_state(model_.scene.gaussians, model_.parameters, plane.offset, state);
@@ -117,7 +117,7 @@ TEST_F(StateFolder, HoldsEveryGaussianInEveryState) {
 }
 
 TEST_F(StateFolder, PlanesAndFilesAreEnough) {
-  const BakedScene direct = bake(model_, kStates);
+  const BakedScene direct = bake(model_, kFolderStates);
   change_planes([](json& p) { p = {{"version", 1}, {"states", p["states"]}}; });
   const BakedScene back = bake_folder();
   // The first state's plane is the lowest, so the axis is the direction of ascent.
@@ -219,7 +219,7 @@ TEST_F(StateFolder, PlanesThatMakeNoStates) {
 }
 
 TEST_F(StateFolder, SpacingMayBeOffByOnePercent) {
-  const float spacing = choose_states(model_, kStates).spacing;
+  const float spacing = choose_states(model_, kFolderStates).spacing;
   change_planes([&](json& p) {
     json& offset = p["states"][3]["plane"][3];
     offset = offset.get<float>() + 0.009f * spacing;

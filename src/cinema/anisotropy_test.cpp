@@ -14,7 +14,7 @@ namespace {
 using test::make_preset;
 using test::point;
 
-constexpr float kRadius = 15;  // mm
+constexpr float kBallRadius = 15;  // mm
 constexpr Vec3 kSlices(0.7f, 0.7f, 3);
 
 /// Values from a function of the world's mm, from `low` to `high` mm of the grid's axes.
@@ -37,13 +37,13 @@ Volume sampled(const Vec3& spacing, const Mat3& direction, const Vec3& low, cons
 
 Volume sampled_ball(const Vec3& spacing, const Mat3& direction,
                     const std::function<float(const Vec3&)>& value) {
-  return sampled(spacing, direction, -Vec3(kRadius + 6), Vec3(kRadius + 6), value);
+  return sampled(spacing, direction, -Vec3(kBallRadius + 6), Vec3(kBallRadius + 6), value);
 }
 
 /// A ball about the world's origin; its boundary is smooth enough for thick slices.
 float ball(const Vec3& p) {
   constexpr float kBlur = 6;  // mm
-  return std::clamp(0.5f + (kRadius - glm::length(p)) / kBlur, 0.0f, 1.0f);
+  return std::clamp(0.5f + (kBallRadius - glm::length(p)) / kBlur, 0.0f, 1.0f);
 }
 
 Picture draw(const Volume& volume, const Cut& cut) {
@@ -96,15 +96,15 @@ TEST(Anisotropy, ThickSlicesLookAsCubesDo) {
 // Bands of a sphere with the same height have the same area.
 TEST(Anisotropy, SeedPointsCoverEverySideAlike) {
   const Volume slices = sampled_ball(
-      kSlices, Mat3(1), [](const Vec3& p) { return glm::length(p) < kRadius ? 1.0f : 0.0f; });
+      kSlices, Mat3(1), [](const Vec3& p) { return glm::length(p) < kBallRadius ? 1.0f : 0.0f; });
   const Preset preset = make_preset({point(0.1f, 0), point(1, 4)}, test::white_sky());
   double caps = 0;
   double equator = 0;
   for (const SeedPoint& seed : sample_seed_points(slices, preset, 20000, 1)) {
     const float distance = glm::length(seed.position);
     const float height = std::abs(seed.position.z) / distance;
-    caps += distance > kRadius - 4 && height > 0.8f ? 1 : 0;
-    equator += distance > kRadius - 4 && height < 0.2f ? 1 : 0;
+    caps += distance > kBallRadius - 4 && height > 0.8f ? 1 : 0;
+    equator += distance > kBallRadius - 4 && height < 0.2f ? 1 : 0;
   }
   EXPECT_GT(caps / equator, 0.6);
   EXPECT_LT(caps / equator, 1.6);
@@ -113,14 +113,14 @@ TEST(Anisotropy, SeedPointsCoverEverySideAlike) {
 // A speck far above a ball is none of its matter, however few slices lie between.
 TEST(Anisotropy, SpecksAreLeftOutAtAnySpacing) {
   const auto ball_and_speck = [](const Vec3& p) {
-    const bool speck = glm::length(p - Vec3(0, 0, kRadius + 22)) < 2.5f;
-    return speck || glm::length(p) < kRadius ? 1.0f : 0.0f;
+    const bool speck = glm::length(p - Vec3(0, 0, kBallRadius + 22)) < 2.5f;
+    return speck || glm::length(p) < kBallRadius ? 1.0f : 0.0f;
   };
   const TransferFunction transfer({point(0, 0), point(1, 4)});
   for (const Vec3& spacing : {kSlices, Vec3(1)}) {
     const Volume volume = sampled(spacing, Mat3(1), -Vec3(20), Vec3(20, 20, 45), ball_and_speck);
     const float top = visible_matter(volume, transfer).bounds.max.z;
-    EXPECT_NEAR(top, kRadius, spacing.z) << spacing.z;
+    EXPECT_NEAR(top, kBallRadius, spacing.z) << spacing.z;
   }
 }
 

@@ -22,9 +22,9 @@ constexpr float kFeature = 1;         // the same for features
 constexpr float kLeastColor = 1e-6f;  // variances below which values count as the same
 constexpr float kLeastAlbedo = 4e-3f;
 constexpr float kLeastNormal = 2e-2f;
-constexpr float kLeastDepth = 8;       // mm²
-constexpr float kFeatureShare = 0.1f;  // of the least variances when features are cleaned
-constexpr int kErrorRadius = 3;        // px: estimates of errors are smoothed this far
+constexpr float kLeastDepthVariance = 8;  // mm²
+constexpr float kFeatureShare = 0.1f;     // of the least variances when features are cleaned
+constexpr int kErrorRadius = 3;           // px: estimates of errors are smoothed this far
 
 // Of a tile, in px: what is summed up for one stays in the fastest cache.
 constexpr int kTileWidth = 64;
@@ -274,7 +274,7 @@ class TileFilter {
     if (guides_ != nullptr) {
       compare_feature(guides_->albedo, kLeastAlbedo, p, q, count);
       compare_feature(guides_->normal, kLeastNormal, p, q, count);
-      compare_feature(guides_->depth, kLeastDepth, p, q, count);
+      compare_feature(guides_->depth, kLeastDepthVariance, p, q, count);
     }
   }
   template <size_t M>
@@ -392,12 +392,12 @@ Guide<N> feature_guide(Channels<N> a, Channels<N> b, float least, int width, int
 FeatureGuides feature_guides(const Features& a, const Features& b) {
   const int width = a.albedo.width;
   const int height = a.albedo.height;
-  return {
-      feature_guide(stabilized(channels_of<3>(a.albedo), 1),
-                    stabilized(channels_of<3>(b.albedo), 1), kLeastAlbedo, width, height),
-      feature_guide(channels_of<3>(a.normal), channels_of<3>(b.normal), kLeastNormal, width,
-                    height),
-      feature_guide(channels_of<1>(a.depth), channels_of<1>(b.depth), kLeastDepth, width, height)};
+  return {feature_guide(stabilized(channels_of<3>(a.albedo), 1),
+                        stabilized(channels_of<3>(b.albedo), 1), kLeastAlbedo, width, height),
+          feature_guide(channels_of<3>(a.normal), channels_of<3>(b.normal), kLeastNormal, width,
+                        height),
+          feature_guide(channels_of<1>(a.depth), channels_of<1>(b.depth), kLeastDepthVariance,
+                        width, height)};
 }
 
 void put(const Channels<4>& channels, Image& image) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry.h"
 #include "core/parallel.h"
 
 namespace clipgs {
@@ -13,7 +13,6 @@ constexpr int kSide = EnvironmentMap::kSide;
 constexpr int kTexels = kSide * kSide;
 constexpr int kBlock = 8;       // texels along a block whose light is summed up for faces
 constexpr int kSubsamples = 4;  // along a texel, of the panorama
-constexpr float kPi = std::numbers::pi_v<float>;
 
 // Nearest pixel: the subsamples average.
 Vec3 look_up(const Image& panorama, const Vec3& world, float turn) {

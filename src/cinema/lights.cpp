@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/error.h"
+#include "core/geometry.h"
 
 namespace clipgs {
-namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
-
-}  // namespace
-
 Lights::Key::Sample Lights::Key::sample(const Vec3& seen_from, float u, float v) const {
   const float phi = 2.0f * kPi * v;
   const Vec3 across = std::cos(phi) * tangent + std::sin(phi) * bitangent;

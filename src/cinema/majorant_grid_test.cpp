@@ -58,11 +58,11 @@ TEST(VoxelGrid, GradientOfAnInclinedPlane) {
 }
 
 // Clumps of values in air, and a transfer function that shows two separate bands of them.
-struct Fixture {
+struct GridFixture {
   Volume volume;
   TransferFunction transfer{
       {point(100, 0), point(150, 1), point(200, 0), point(500, 0), point(510, 3), point(520, 0)}};
-  explicit Fixture(std::uint64_t seed) {
+  explicit GridFixture(std::uint64_t seed) {
     Rng rng(seed);
     std::array<Vec4, 5> clumps{};
     for (Vec4& clump : clumps) {
@@ -80,7 +80,7 @@ struct Fixture {
 };
 
 TEST(MajorantGrid, BoundsTheExtinctionEverywhere) {
-  const Fixture f(2);
+  const GridFixture f(2);
   const VoxelGrid grid(f.volume, 0, 1000);
   const MajorantGrid majorants(grid, f.transfer, Vec3(1));
   Rng rng(5);
@@ -126,7 +126,7 @@ TEST(MajorantGrid, IsLowerWhereLabelsThin) {
 }
 
 TEST(MajorantGrid, BoundsTheExtinctionThatGradientOpacityLeaves) {
-  const Fixture f(3);
+  const GridFixture f(3);
   const VoxelGrid grid(f.volume, 0, 1000);
   const Vec3 spacing(0.7f, 1, 1.5f);
   const GradientOpacity thinning{200, 1200, 0};
@@ -168,7 +168,7 @@ TEST(MajorantGrid, IsEmptyWhereGradientOpacityLeavesNothing) {
 TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
   Rng rng(9);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    const Fixture f(seed);
+    const GridFixture f(seed);
     const VoxelGrid grid(f.volume, 0, 1000);
     const MajorantGrid majorants(grid, f.transfer, Vec3(1));
     const Vec3 end = Vec3(f.volume.dims - 1);
@@ -201,7 +201,7 @@ TEST(MajorantGrid, WalkVisitsEveryCellOnce) {
 }
 
 TEST(MajorantGrid, EmptyCellsKnowHowFarTheNextMatterIs) {
-  const Fixture f(2);
+  const GridFixture f(2);
   const VoxelGrid grid(f.volume, 0, 1000);
   const MajorantGrid majorants(grid, f.transfer, Vec3(1));
   const MajorantGrid::Cells& cells = majorants.cells();

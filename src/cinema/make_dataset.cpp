@@ -21,7 +21,7 @@ namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kStateFile = "progress.json";
 constexpr const char* kIndexFile = "transforms.json";
@@ -42,8 +42,9 @@ class State {
     if (!fs::exists(path_)) {
       return;
     }
-    const Json json = Json::parse(read_text(path_), nullptr, false);
-    const Json frames = json.is_object() ? json.value("frames", Json::object()) : Json::object();
+    const OrderedJson json = OrderedJson::parse(read_text(path_), nullptr, false);
+    const OrderedJson frames =
+        json.is_object() ? json.value("frames", OrderedJson::object()) : OrderedJson::object();
     for (const auto& [file, noise] : frames.items()) {
       const bool pair =
           noise.is_array() && noise.size() == 2 && noise[0].is_number() && noise[1].is_number();
@@ -58,7 +59,7 @@ class State {
 
   void finish(const Frame& frame, const Noise& noise) {
     noise_[frame.file] = noise;
-    write_text(path_, Json{{"frames", noise_}}.dump());
+    write_text(path_, OrderedJson{{"frames", noise_}}.dump());
   }
 
  private:
@@ -66,10 +67,10 @@ class State {
   std::map<std::string, Noise> noise_;
 };
 
-Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+OrderedJson list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-Json matrix_of(const Mat4& m) {
-  Json rows = Json::array();
+OrderedJson matrix_of(const Mat4& m) {
+  OrderedJson rows = OrderedJson::array();
   for (int r = 0; r < 4; ++r) {
     rows.push_back(
         {plain_zero(m[0][r]), plain_zero(m[1][r]), plain_zero(m[2][r]), plain_zero(m[3][r])});
@@ -77,20 +78,20 @@ Json matrix_of(const Mat4& m) {
   return rows;
 }
 
-Json frame_json(const Frame& frame) {
+OrderedJson frame_json(const Frame& frame) {
   const Camera& c = frame.camera;
-  Json json = {{"file_path", frame.file},
-               {"fl_x", c.fx},
-               {"fl_y", c.fy},
-               {"cx", c.cx},
-               {"cy", c.cy},
-               {"w", c.width},
-               {"h", c.height},
-               {"transform_matrix", matrix_of(c.opengl_camera_to_world())},
-               {"clip_plane", nullptr},
-               {"split", split_name(frame.split)},
-               {"noise_db", frame.noise_db},
-               {"masked_noise_db", frame.masked_noise_db}};
+  OrderedJson json = {{"file_path", frame.file},
+                      {"fl_x", c.fx},
+                      {"fl_y", c.fy},
+                      {"cx", c.cx},
+                      {"cy", c.cy},
+                      {"w", c.width},
+                      {"h", c.height},
+                      {"transform_matrix", matrix_of(c.opengl_camera_to_world())},
+                      {"clip_plane", nullptr},
+                      {"split", split_name(frame.split)},
+                      {"noise_db", frame.noise_db},
+                      {"masked_noise_db", frame.masked_noise_db}};
   if (frame.plane) {
     const Plane& p = *frame.plane;
     json["clip_plane"] = {json_number(p.normal.x), json_number(p.normal.y), json_number(p.normal.z),
@@ -209,7 +210,7 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
   }
 
   const Vec2 extent = matter.extent(options.axis);
-  Json json = {
+  OrderedJson json = {
       {"camera_model", "OPENCV"},
       {"ply_file_path", kPointsFile},
       {"preset", preset.name},
@@ -222,7 +223,7 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
        {{"dims", {volume.dims.x, volume.dims.y, volume.dims.z}},
         {"spacing", list_of(volume.spacing)}}},
       {"depth_scale", maker.depth_scale()},
-      {"frames", Json::array()}};
+      {"frames", OrderedJson::array()}};
   for (const Frame& frame : frames) {
     json["frames"].push_back(frame_json(frame));
   }

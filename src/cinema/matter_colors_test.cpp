@@ -15,7 +15,7 @@ namespace {
 using test::Mean;
 
 constexpr Vec3 kFlesh(200, 120, 90);  // sRGB, 0…255
-constexpr float kRadius = 12;         // mm
+constexpr float kPhotoRadius = 12;    // mm
 
 /// A photographed ball on black, of one colour or as `color` says (sRGB, 0…255, of the voxel). Its
 /// outermost voxels are half black if `blur` is a voxel.
@@ -25,7 +25,7 @@ Volume photographed(float blur, const std::function<Vec3(const IVec3&)>& color) 
   for (int z = 0; z < 33; ++z) {
     for (int y = 0; y < 33; ++y) {
       for (int x = 0; x < 33; ++x) {
-        const float depth = kRadius - glm::length(volume.world_from_index(Vec3(x, y, z)));
+        const float depth = kPhotoRadius - glm::length(volume.world_from_index(Vec3(x, y, z)));
         const float share = std::clamp(0.5f + depth / blur, 0.0f, 1.0f);
         const Vec3 rgb = glm::round(share * color({x, y, z}));
         for (int c = 0; c < 3; ++c) {
@@ -49,7 +49,7 @@ Vec3 linear(const Vec3& srgb) {
 
 Camera camera() { return look_at({40, 30, 20}, Vec3(0), Vec3(0, 0, 1), 64, 64); }
 
-std::vector<PathStart> starts(int count) {
+std::vector<PathStart> photo_starts(int count) {
   Rng rng(5);
   std::vector<PathStart> result;
   for (int i = 0; i < count; ++i) {
@@ -67,7 +67,7 @@ TEST(MatterColors, SurfacesOfPhotographsHaveTheirOwnColours) {
     for (const Cut& cut : {Cut(), Cut(Plane{glm::normalize(Vec3(-1, -1, -0.5f)), -3})}) {
       const PathTracer tracer(scene, camera(), cut, 1, {.features = true});
       std::array<Mean, 3> albedo;
-      for (const PathSample& sample : tracer.trace(starts(2000))) {
+      for (const PathSample& sample : tracer.trace(photo_starts(2000))) {
         ASSERT_EQ(sample.alpha, 1);
         for (int c = 0; c < 3; ++c) {
           albedo[static_cast<size_t>(c)].add(sample.albedo[c]);
@@ -108,7 +108,7 @@ TEST(MatterColors, OnlyVoxelsBesideEmptyOnesChange) {
     for (int y = 0; y < 33; ++y) {
       for (int x = 0; x < 33; ++x) {
         const size_t at = 3 * volume.offset(x, y, z);
-        const float distance = glm::length(volume.world_from_index(Vec3(x, y, z))) - kRadius;
+        const float distance = glm::length(volume.world_from_index(Vec3(x, y, z))) - kPhotoRadius;
         const bool same = std::equal(&colors[at], &colors[at] + 3, &volume.rgb[at]);
         EXPECT_TRUE(same || std::abs(distance) < 3);
         // What interpolation at the surface may see is as bright as matter.
@@ -132,14 +132,14 @@ TEST(MatterColors, PathTracerAgreesWithTheReference) {
   const CinemaScene scene(volume, preset);
   const PathTracer fast(scene, camera(), {}, 4);
   std::array<Mean, 3> of_fast;
-  for (const PathSample& sample : fast.trace(starts(20000))) {
+  for (const PathSample& sample : fast.trace(photo_starts(20000))) {
     for (int c = 0; c < 3; ++c) {
       of_fast[static_cast<size_t>(c)].add(sample.radiance[c]);
     }
   }
   const ReferenceTracer slow(volume, preset, camera(), {}, 4);
   std::array<Mean, 3> of_slow;
-  for (const PathStart& start : starts(10000)) {
+  for (const PathStart& start : photo_starts(10000)) {
     const PathSample sample =
         slow.trace(start.x - 0.5f + rng.uniform(), start.y - 0.5f + rng.uniform(), rng);
     for (int c = 0; c < 3; ++c) {

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
-#include <numbers>
 
 #include "cinema/lanes-inl.h"
 #include "cinema/path_draws.h"
 #include "cinema/path_kernel.h"
 #include "cinema/scatter-inl.h"
+#include "core/geometry.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace clipgs {  // NOLINT(modernize-concat-nested-namespaces): the inner one is a macro
@@ -22,7 +22,6 @@ using namespace lanes;  // NOLINT(google-build-using-namespace): of this file's 
 
 constexpr float kFar = 1e30f;
 constexpr float kNothing = 1e-30f;  // majorant of an empty cell: depths are divided by it
-constexpr float kPi = std::numbers::pi_v<float>;
 constexpr size_t kPadded = PathBatch::kPadded;
 using Channel = std::array<float, kPadded>;
 using Channels = std::array<Channel, 3>;

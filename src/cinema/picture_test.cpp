@@ -14,7 +14,7 @@ using test::make_preset;
 using test::point;
 
 // A lit ball in soft light.
-struct Fixture {
+struct PictureFixture {
   Volume volume = make_ball(32, 12, 1, 0);
   Preset preset = make_preset(
       {point(0, 0, Vec3(0.7f)), point(1, 1, Vec3(0.7f))},
@@ -44,7 +44,7 @@ double mean_squared_error(const Image& a, const Image& b) {
 }
 
 TEST(Picture, SameBytesAtAnyThreadCount) {
-  const Fixture f;
+  const PictureFixture f;
   set_thread_count(1);
   const Picture one = f.render(24);
   set_thread_count(2);
@@ -55,7 +55,7 @@ TEST(Picture, SameBytesAtAnyThreadCount) {
 }
 
 TEST(Picture, PlaneThatKeepsEverythingChangesNothing) {
-  const Fixture f;
+  const PictureFixture f;
   const Picture whole = f.render(16);
   const Picture kept = f.render(16, 0, 1, Plane{Vec3(0, 0, 1), -500});
   const Picture removed = f.render(16, 0, 1, Plane{Vec3(0, 0, 1), 500});
@@ -67,7 +67,7 @@ TEST(Picture, PlaneThatKeepsEverythingChangesNothing) {
 }
 
 TEST(Picture, NoiseFloorIsTheRealError) {
-  const Fixture f;
+  const PictureFixture f;
   const Image truth = f.shown(f.render(1200, 0, 99));
   double real = 0;
   double estimated = 0;
@@ -81,7 +81,7 @@ TEST(Picture, NoiseFloorIsTheRealError) {
 }
 
 TEST(Picture, SamplesGoOnUntilTheNoiseFloorIsReached) {
-  const Fixture f;
+  const PictureFixture f;
   const Picture coarse = f.render(100000, 33);
   const Picture fine = f.render(100000, 42);
   EXPECT_GE(noise_floor(coarse, f.preset.exposure), 33);
@@ -91,7 +91,7 @@ TEST(Picture, SamplesGoOnUntilTheNoiseFloorIsReached) {
 }
 
 TEST(Picture, BudgetIsKept) {
-  const Fixture f;
+  const PictureFixture f;
   const Picture picture = f.render(40);
   const Image mean = picture.mean();
   double matter = 0;
@@ -154,7 +154,7 @@ TEST(Picture, DisplayKeepsAlphaStraight) {
 }
 
 TEST(Picture, DepthIsDistanceFromTheCamera) {
-  const Fixture f;
+  const PictureFixture f;
   const Image depth = render_depth(f.scene, f.camera, std::nullopt);
   EXPECT_NEAR(*depth.at(24, 24), glm::length(f.camera.position) - 12, 1.5f);
   EXPECT_EQ(*depth.at(0, 0), 0);

@@ -10,9 +10,10 @@
 namespace clipgs {
 namespace {
 
-constexpr float kCell = 8;             // mean voxels: matter is grouped by cells of this side
-constexpr float kLeastShare = 0.05f;   // of the largest extinction that counts as visible …
-constexpr float kLeastDepth = 0.5f;    // … or of optical depth across the volume's diagonal / 20
+constexpr float kCell = 8;            // mean voxels: matter is grouped by cells of this side
+constexpr float kLeastShare = 0.05f;  // of the largest extinction that counts as visible …
+constexpr float kLeastMatterDepth =
+    0.5f;                              // … or of optical depth across the volume's diagonal / 20
 constexpr int kLeastVoxels = 6;        // in a cell, or it is a speck
 constexpr double kLeastIsland = 0.01;  // share of all visible voxels that a group of cells needs
 
@@ -170,7 +171,8 @@ VisibleMatter visible_matter(const Volume& volume, const TransferFunction& trans
   const float diagonal = glm::length(volume.bounds().size());
   const float most = transfer.max_extinction(std::numeric_limits<float>::lowest(),
                                              std::numeric_limits<float>::max());
-  const float least = std::min(kLeastShare * most, kLeastDepth * 20.0f / std::max(diagonal, 1e-6f));
+  const float least =
+      std::min(kLeastShare * most, kLeastMatterDepth * 20.0f / std::max(diagonal, 1e-6f));
   VisibleMatter matter;
   if (least > 0) {
     const VisibleVoxels voxels(volume, transfer, labels, least);

@@ -18,7 +18,6 @@ namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using ::testing::HasSubstr;
 using testing_support::Finished;
 using testing_support::run_clipgs;
@@ -34,10 +33,10 @@ class BakeCommand : public ::testing::Test {
 
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
-  json info(const std::string& name) const {
+  nlohmann::json info(const std::string& name) const {
     const Finished finished = run_clipgs({"info", at(name), "--json"});
     EXPECT_EQ(finished.status, 0) << finished.err;
-    return json::parse(finished.out, nullptr, false);
+    return nlohmann::json::parse(finished.out, nullptr, false);
   }
 
   fs::path folder_;
@@ -47,7 +46,7 @@ TEST_F(BakeCommand, MakesASceneThatKeepsItsLayersInACaseAndBack) {
   const Finished baked =
       run_clipgs({"bake", at("model.ply"), "-o", at("scene.ply"), "--states", "9", "--json"});
   ASSERT_EQ(baked.status, 0) << baked.err;
-  const json said = json::parse(baked.out);
+  const nlohmann::json said = nlohmann::json::parse(baked.out);
   const Scene scene = read_scene(at("scene.ply"));
   EXPECT_EQ(said["primitives"], 300);
   EXPECT_EQ(said["kept"], scene.gaussians.size());
@@ -66,7 +65,7 @@ TEST_F(BakeCommand, MakesASceneThatKeepsItsLayersInACaseAndBack) {
   EXPECT_EQ(read_text(at("plain.ply")).substr(0, 2000).find("layer"), std::string::npos);
 
   for (const char* name : {"scene.ply", "case.sog", "again.ply"}) {
-    const json states = info(name)["states"];
+    const nlohmann::json states = info(name)["states"];
     EXPECT_EQ(states["count"], 9) << name;
     EXPECT_EQ(states["keeps"], "below") << name;
     EXPECT_EQ(states["layers"], true) << name;
@@ -150,7 +149,7 @@ TEST_F(BakeCommand, WrongUseAndWrongFiles) {
 }
 
 TEST_F(BakeCommand, InfoKnowsModels) {
-  const json model = info("model.ply");
+  const nlohmann::json model = info("model.ply");
   EXPECT_EQ(model["kind"], "model");
   EXPECT_EQ(model["splats"], 300);
   EXPECT_EQ(model["truncation"], "learned");

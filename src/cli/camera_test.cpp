@@ -14,7 +14,6 @@ namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using testing::HasSubstr;
 using testing_support::Finished;
 using testing_support::run_clipgs;
@@ -56,14 +55,14 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
   const std::string text = read_text(at("dataset/transforms.json"));
   EXPECT_THAT(text, testing::Not(testing::ContainsRegex("-0(\\.0)?[],\n ]")));
   int again = 0;
-  const json dataset = json::parse(text);
-  for (const json& frame : dataset["frames"]) {
+  const nlohmann::json dataset = nlohmann::json::parse(text);
+  for (const nlohmann::json& frame : dataset["frames"]) {
     if (frame["split"] == "train") {
       continue;
     }
     write_text(at("frame.json"), frame.dump());
     std::string plane;
-    for (const json& number : frame["clip_plane"]) {
+    for (const nlohmann::json& number : frame["clip_plane"]) {
       plane += (plane.empty() ? "" : ",") + number.dump();
     }
     const std::vector<std::string> command = {
@@ -73,7 +72,7 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
     cut.insert(cut.end(), {"--plane", plane});
     const Finished traced = run_clipgs(cut);
     ASSERT_EQ(traced.status, 0) << traced.err;
-    const json said = json::parse(traced.out);
+    const nlohmann::json said = nlohmann::json::parse(traced.out);
     EXPECT_EQ(said["width"], 48);
     const Image own = read_png(at("dataset/" + frame["file_path"].get<std::string>()));
     const double noise = mse_of(frame["noise_db"]) + mse_of(said["noise_db"]);

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json list_of(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
+Json rounded_list(const Vec3& v) { return {json_number(v.x), json_number(v.y), json_number(v.z)}; }
 
 }  // namespace
 
@@ -20,11 +20,11 @@ void describe_common(const Scene& scene, bool has_layers, Json& json) {
   json["title"] = scene.title;
   json["preset"] = scene.preset;
   json["created"] = scene.created;
-  json["axis"] = list_of(scene.axis);
+  json["axis"] = rounded_list(scene.axis);
   json["extent_mm"] = {json_number(scene.extent.x), json_number(scene.extent.y)};
-  json["center_ras_mm"] = list_of(scene.sphere.center);
+  json["center_ras_mm"] = rounded_list(scene.sphere.center);
   json["radius_mm"] = json_number(scene.sphere.radius);
-  json["bounds_ras_mm"] = {list_of(scene.bounds.min), list_of(scene.bounds.max)};
+  json["bounds_ras_mm"] = {rounded_list(scene.bounds.min), rounded_list(scene.bounds.max)};
   if (scene.states.count > 0) {
     json["states"] = {{"count", scene.states.count},
                       {"first_mm", json_number(scene.states.first)},

@@ -3,6 +3,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
+#include <numbers>
 
 namespace clipgs {
 
@@ -14,6 +15,8 @@ using Mat3 = glm::mat3;  // column-major: m[column][row]
 using Mat4 = glm::mat4;
 using Quat = glm::quat;  // constructor order (w, x, y, z)
 using IVec3 = glm::ivec3;
+
+inline constexpr float kPi = std::numbers::pi_v<float>;
 
 /// A clipping plane. The kept side is where signed_distance(x) >= 0.
 struct Plane {

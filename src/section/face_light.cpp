@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "cinema/scatter.h"
+#include "core/geometry.h"
 
 namespace clipgs {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
 const Vec3 kUp(0, 0, 1);  // the sky's gradient runs along S
 
 /// Mean of max(0, n·ω) over a disc of angular radius asin(s) about a direction at cosine `c`,

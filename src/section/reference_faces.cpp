@@ -13,7 +13,7 @@ namespace {
 using DVec3 = glm::dvec3;
 
 constexpr double kStepVoxels = 0.01;  // of the traced volume
-constexpr double kDepthVoxels = 4;
+constexpr double kReferenceDepthVoxels = 4;
 
 /// Section::sample() by the definition: a sum over eight corners with their weights.
 DVec3 sample(const Section& section, const DVec3& index) {
@@ -75,7 +75,7 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
   const double surface = section.surface_depth();
   const double slope = glm::dot(DVec3(face->normal), direction);
   double transmittance = 1;
-  for (double t = enter + 0.5 * step; t < std::min(leave, enter + kDepthVoxels * voxel);
+  for (double t = enter + 0.5 * step; t < std::min(leave, enter + kReferenceDepthVoxels * voxel);
        t += step) {
     const DVec3 index =
         ((eye + t * direction - DVec3(section.origin)) * glm::dmat3(section.direction)) /

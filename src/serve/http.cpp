@@ -70,7 +70,7 @@ bool is_port(std::string_view rest) {
   return rest.front() == ':' && port && *port <= kMaxPort;
 }
 
-bool is_loopback(const in_addr& address) {
+bool is_loopback_v4(const in_addr& address) {
   constexpr std::uint32_t kNetwork = 127;
   return ntohl(address.s_addr) >> 24 == kNetwork;
 }
@@ -264,7 +264,7 @@ std::optional<std::string> host_name(std::string_view header) {
 bool is_loopback(const std::string& host) {
   in_addr v4{};
   if (inet_pton(AF_INET, host.c_str(), &v4) == 1) {
-    return is_loopback(v4);
+    return is_loopback_v4(v4);
   }
   in6_addr v6{};
   if (inet_pton(AF_INET6, host.c_str(), &v6) == 1) {
@@ -272,7 +272,7 @@ bool is_loopback(const std::string& host) {
       return IN6_IS_ADDR_LOOPBACK(&v6);
     }
     std::memcpy(&v4, &v6.s6_addr[12], sizeof(v4));
-    return is_loopback(v4);
+    return is_loopback_v4(v4);
   }
   return host == "localhost";
 }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/geometry.h"
 #include "splat/projection.h"
 
 namespace clipgs {
@@ -29,7 +29,6 @@ double overdraw(const Gaussians& gaussians, float radius) {
 }
 
 float mean_cover(const Gaussians& gaussians, size_t i) {
-  constexpr float kPi = std::numbers::pi_v<float>;
   return 2 * kPi / 3 * gaussians.opacity(i) * summed_products(gaussians.scale(i));
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr size_t kMaxHeader = 64 * 1024;
 constexpr size_t kMaxVertices = size_t{1} << 28;
-constexpr size_t kGrain = 8192;
+constexpr size_t kPlyGrain = 8192;
 
 struct Header {
   size_t vertices = 0;
@@ -160,7 +160,7 @@ void require_finite(std::span<const float> values, const std::string& property,
 /// One property of every vertex.
 void read_property(const std::uint8_t* body, const Header& header, size_t offset,
                    std::span<float> values) {
-  parallel_for(values.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(values.size(), kPlyGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       std::memcpy(&values[i], body + i * header.stride + offset, sizeof(float));
     }
@@ -261,7 +261,7 @@ void write_ply(const std::filesystem::path& path, const Gaussians& gaussians,
   std::vector<std::uint8_t> bytes(header.size() + gaussians.size() * stride);
   std::memcpy(bytes.data(), header.data(), header.size());
   std::uint8_t* body = bytes.data() + header.size();
-  parallel_for(gaussians.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(gaussians.size(), kPlyGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t c = 0; c < columns.size(); ++c) {
         const float value = columns[c] != nullptr ? columns[c][i] : 0.0f;

@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-std::filesystem::path temporary(const std::string& name) {
+std::filesystem::path temporary_ply(const std::string& name) {
   return std::filesystem::path(::testing::TempDir()) / ("clipgs_ply_test_" + name);
 }
 
@@ -45,7 +45,7 @@ const std::vector<std::string> kShuffled = {"opacity", "rot_3",   "rot_2",   "ro
 TEST(Ply, RoundTripIsExactAtEveryDegree) {
   for (int degree = 0; degree <= kMaxShDegree; ++degree) {
     const Gaussians written = random_gaussians(100, degree, 7);
-    const auto path = temporary("round_trip.ply");
+    const auto path = temporary_ply("round_trip.ply");
     write_ply(path, written);
     const Gaussians read = read_ply(path);
     EXPECT_EQ(read.sh_degree(), degree);
@@ -55,7 +55,7 @@ TEST(Ply, RoundTripIsExactAtEveryDegree) {
 
 TEST(Ply, FaceColoursGoRoundToo) {
   const Gaussians written = random_faces(100, 1, 7);
-  const auto path = temporary("faces.ply");
+  const auto path = temporary_ply("faces.ply");
   write_ply(path, written);
   const Gaussians read = read_ply(path);
   EXPECT_TRUE(read.is_like(written));
@@ -63,7 +63,7 @@ TEST(Ply, FaceColoursGoRoundToo) {
 }
 
 TEST(Ply, WritesThe62FloatsOf3dgs) {
-  const auto path = temporary("floats.ply");
+  const auto path = temporary_ply("floats.ply");
   write_ply(path, random_gaussians(3, 3, 7));
   const std::string text = read_text(path);
   const size_t body = text.find("end_header\n") + std::strlen("end_header\n");

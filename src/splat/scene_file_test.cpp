@@ -19,14 +19,14 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-std::filesystem::path temporary(const std::string& name) {
+std::filesystem::path temporary_scene(const std::string& name) {
   return std::filesystem::path(::testing::TempDir()) / ("clipgs_scene_test_" + name);
 }
 
 TEST(SceneFile, RoundTripKeepsEveryField) {
   const Scene written = random_scene(200, 2, 5);
-  write_scene(temporary("a.ply"), written);
-  const Scene read = read_scene(temporary("a.ply"));
+  write_scene(temporary_scene("a.ply"), written);
+  const Scene read = read_scene(temporary_scene("a.ply"));
   EXPECT_EQ(read.sphere.center, written.sphere.center);
   EXPECT_EQ(read.sphere.radius, written.sphere.radius);
   EXPECT_EQ(read.bounds.min, written.bounds.min);
@@ -51,9 +51,9 @@ TEST(SceneFile, KeepsStatesLayersAndExtras) {
   written.states = {200, -30.5f, 0.75f, false};
   written.layers = {0, 199, 7, 7, 100};
   const SceneExtras extras{{{"mark", {1, 2, 3, 4, 5}}}, {{"kind", "test"}}};
-  write_scene(temporary("states.ply"), written, extras);
+  write_scene(temporary_scene("states.ply"), written, extras);
   SceneExtras read_extras{{{"mark", {}}, {"other", {}}}, {}};
-  const Scene read = read_scene(temporary("states.ply"), &read_extras);
+  const Scene read = read_scene(temporary_scene("states.ply"), &read_extras);
   EXPECT_EQ(read.states.count, 200);
   EXPECT_EQ(read.states.first, -30.5f);
   EXPECT_EQ(read.states.spacing, 0.75f);
@@ -63,12 +63,12 @@ TEST(SceneFile, KeepsStatesLayersAndExtras) {
   EXPECT_TRUE(read_extras.columns["other"].empty());
   EXPECT_EQ(read_extras.keys["kind"], "test");
 
-  write_scene(temporary("none.ply"), random_scene(5, 1, 5));
-  EXPECT_EQ(read_scene(temporary("none.ply")).states.count, 0);
-  EXPECT_TRUE(read_scene(temporary("none.ply")).layers.empty());
+  write_scene(temporary_scene("none.ply"), random_scene(5, 1, 5));
+  EXPECT_EQ(read_scene(temporary_scene("none.ply")).states.count, 0);
+  EXPECT_TRUE(read_scene(temporary_scene("none.ply")).layers.empty());
   written.states.count = 150;  // less than a layer
-  write_scene(temporary("states.ply"), written);
-  EXPECT_THAT([] { read_scene(temporary("states.ply")); },
+  write_scene(temporary_scene("states.ply"), written);
+  EXPECT_THAT([] { read_scene(temporary_scene("states.ply")); },
               ThrowsMessage<Error>(HasSubstr("layer of splat 1 is 199")));
 }
 
@@ -101,8 +101,8 @@ TEST(FaceGain, EndsBelowTheFace) {
 TEST(SceneFile, KeepsTheGainOfFaces) {
   Scene written = random_scene(5, 1, 5);
   written.face_gain = some_gain();
-  write_scene(temporary("gain.ply"), written);
-  EXPECT_EQ(read_scene(temporary("gain.ply")).face_gain, written.face_gain);
+  write_scene(temporary_scene("gain.ply"), written);
+  EXPECT_EQ(read_scene(temporary_scene("gain.ply")).face_gain, written.face_gain);
   nlohmann::json json = scene_to_json(written, scene_to_world());
   json["face_gain"][15][2] = 99;
   Scene read;
@@ -132,27 +132,27 @@ TEST(PlaneStates, OfAScenesExtent) {
 
 TEST(SceneFile, PlyIsInMetresWithTheHeadUp) {
   const Scene scene = random_scene(1, 0, 5);
-  write_scene(temporary("b.ply"), scene);
+  write_scene(temporary_scene("b.ply"), scene);
   const Vec3 ras = scene.gaussians.mean(0);
-  const Vec3 p = read_ply(temporary("b.ply")).mean(0);
+  const Vec3 p = read_ply(temporary_scene("b.ply")).mean(0);
   EXPECT_LT(glm::length(p - Vec3(-ras.x, -ras.z, -ras.y) * 0.001f), 1e-6f);
 }
 
 TEST(SceneFile, OneLineErrors) {
-  EXPECT_THAT([] { write_scene(temporary("c.sog"), random_scene(1, 0, 1)); },
+  EXPECT_THAT([] { write_scene(temporary_scene("c.sog"), random_scene(1, 0, 1)); },
               ThrowsMessage<Error>(HasSubstr(".ply")));
-  write_ply(temporary("alone.ply"), random_gaussians(1, 0, 1));
-  std::filesystem::remove(temporary("alone.json"));
-  EXPECT_THAT([] { read_scene(temporary("alone.ply")); },
+  write_ply(temporary_scene("alone.ply"), random_gaussians(1, 0, 1));
+  std::filesystem::remove(temporary_scene("alone.json"));
+  EXPECT_THAT([] { read_scene(temporary_scene("alone.ply")); },
               ThrowsMessage<Error>(HasSubstr("alone.json")));
-  write_text(temporary("alone.json"), "{\"version\": 1,");
-  EXPECT_THROW(read_scene(temporary("alone.ply")), Error);
+  write_text(temporary_scene("alone.json"), "{\"version\": 1,");
+  EXPECT_THROW(read_scene(temporary_scene("alone.ply")), Error);
 
   Scene scene = random_scene(1, 0, 1);
   scene.sphere.radius = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_THAT([&] { write_scene(temporary("d.ply"), scene); },
+  EXPECT_THAT([&] { write_scene(temporary_scene("d.ply"), scene); },
               ThrowsMessage<Error>(HasSubstr("radius")));
-  EXPECT_FALSE(std::filesystem::exists(temporary("d.ply")));
+  EXPECT_FALSE(std::filesystem::exists(temporary_scene("d.ply")));
 }
 
 TEST(SceneFile, EveryKeyIsChecked) {

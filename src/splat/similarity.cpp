@@ -13,7 +13,7 @@ namespace clipgs {
 namespace {
 
 constexpr double kTolerance = 1e-4;
-constexpr size_t kGrain = 8192;
+constexpr size_t kSimilarityGrain = 8192;
 constexpr int kMaxBand = 2 * kMaxShDegree + 1;
 
 /// Row k, column j of a band's matrix M: Yₖ(Rᵀd) = Σⱼ Mₖⱼ Yⱼ(d) for every direction d.
@@ -58,7 +58,7 @@ void rotate_sh(const Gaussians& from, int first_plane, int degree, const glm::dm
     std::copy_n(from.plane(p), from.size(), to.plane(p));
   }
   const auto bands = sh_rotation(degree, rotation);
-  parallel_for(from.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(from.size(), kSimilarityGrain, [&](size_t begin, size_t end) {
     for (int l = 1; l <= degree; ++l) {
       const int count = 2 * l + 1;
       const int first = first_plane + 3 * l * l;
@@ -128,7 +128,7 @@ Gaussians transform(const Gaussians& gaussians, const Similarity& similarity) {
   Gaussians result = gaussians.like(gaussians.size());
   const auto log_scale = static_cast<float>(std::log(similarity.scale));
   const glm::dquat turn = glm::quat_cast(similarity.rotation);
-  parallel_for(gaussians.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(gaussians.size(), kSimilarityGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Vec3 mean = similarity.apply(gaussians.mean(i));
       const glm::dquat rotation = turn * glm::dquat(gaussians.rotation(i));

@@ -13,8 +13,8 @@ namespace clipgs {
 namespace {
 
 constexpr size_t kOutputs = sizeof(Adjusted) / sizeof(float);
-constexpr size_t kPoints = 64;  // of a block: its activations stay in the first cache
-constexpr size_t kGrain = 512;  // points whose weight gradients are summed apart
+constexpr size_t kPoints = 64;            // of a block: its activations stay in the first cache
+constexpr size_t kAdjustmentGrain = 512;  // points whose weight gradients are summed apart
 // Without shapes a mean moves by this share of the radius where a scale changes by a factor e, so
 // that one learning rate suits both.
 constexpr float kMeanUnit = 0.01f;
@@ -185,7 +185,7 @@ void Adjustment::run(Scratch& scratch, std::span<const AdjustmentInput> inputs) 
 
 void Adjustment::forward(std::span<const AdjustmentInput> inputs, std::span<Adjusted> added) const {
   const std::vector<float> transposed = transposed_weights();
-  parallel_for(inputs.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(inputs.size(), kAdjustmentGrain, [&](size_t begin, size_t end) {
     Scratch scratch;
     scratch.transposed = transposed;
     for (size_t block = begin; block < end; block += kPoints) {
@@ -259,11 +259,11 @@ void Adjustment::backward(std::span<const AdjustmentInput> inputs,
                           std::vector<float>& weight_gradient) const {
   const std::vector<float> transposed = transposed_weights();
   // Summed piece by piece, in order: the same at any number of threads.
-  std::vector<std::vector<float>> sums((inputs.size() + kGrain - 1) / kGrain);
-  parallel_for(inputs.size(), kGrain, [&](size_t begin, size_t end) {
+  std::vector<std::vector<float>> sums((inputs.size() + kAdjustmentGrain - 1) / kAdjustmentGrain);
+  parallel_for(inputs.size(), kAdjustmentGrain, [&](size_t begin, size_t end) {
     Scratch scratch;
     scratch.transposed = transposed;
-    std::vector<float>& sum = sums[begin / kGrain];
+    std::vector<float>& sum = sums[begin / kAdjustmentGrain];
     sum.assign(weights_.size(), 0.0f);
     for (size_t block = begin; block < end; block += kPoints) {
       const size_t points = std::min(kPoints, end - block);

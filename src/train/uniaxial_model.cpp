@@ -8,7 +8,7 @@ namespace clipgs {
 
 namespace {
 
-constexpr size_t kGrain = 4096;
+constexpr size_t kModelGrain = 4096;
 
 bool shows(const UniaxialParameters& parameters, const Gaussians& gaussians, size_t i,
            float offset) {
@@ -27,7 +27,7 @@ void gather_into(const Gaussians& from, const std::vector<std::uint32_t>& ids, G
   if (to.size() != ids.size() || !to.is_like(from)) {
     to = from.like(ids.size());
   }
-  parallel_for(ids.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(ids.size(), kModelGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < from.planes(); ++p) {
       const float* in = from.plane(p);
       float* out = to.plane(p);
@@ -121,7 +121,7 @@ void state_backward(const UniaxialParameters& parameters, std::optional<float> o
   }
   uniaxial.thresholds.assign(parameters.thresholds.size(), 0.0f);
   const bool learns = offset && parameters.truncation == Truncation::kLearned;
-  parallel_for(reached.size(), kGrain, [&](size_t begin, size_t end) {
+  parallel_for(reached.size(), kModelGrain, [&](size_t begin, size_t end) {
     for (int p = 0; p < gradients.planes(); ++p) {
       const float* in = state_gradients.plane(p);
       float* out = gradients.plane(p);

@@ -20,8 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kOffset = 2;  // of the plane, mm
-const Sphere kSphere{Vec3(0), 30};
-constexpr float kExtent = 60;
+const Sphere kBall{Vec3(0), 30};
+constexpr float kBallExtent = 60;
 constexpr float kWindow = 0.15f;
 
 AdjustmentOptions small_options() {
@@ -36,7 +36,7 @@ AdjustmentOptions small_options() {
 
 /// An adjustment that does something.
 Adjustment random_adjustment() {
-  Adjustment adjustment(small_options(), kSphere, kExtent, 3);
+  Adjustment adjustment(small_options(), kBall, kBallExtent, 3);
   Rng rng(8);
   std::vector<float>& weights = adjustment.weights();
   for (size_t w = weights.size() - 16 * 17; w < weights.size() - 16 - 6 * 16; ++w) {
@@ -95,7 +95,7 @@ TEST(UniaxialState, AdjustsNearThePlaneAndLeavesColourAndOpacity) {
     const std::uint32_t i = state.ids[k];
     const float d = glm::dot(parameters.normal, cloud.mean(i)) - kOffset;
     const bool changed = state.gaussians.mean(k) != cloud.mean(i);
-    EXPECT_EQ(changed, d < kWindow * kExtent) << d;
+    EXPECT_EQ(changed, d < kWindow * kBallExtent) << d;
     moved += changed ? 1 : 0;
     for (int p = Gaussians::kOpacity; p < cloud.planes(); ++p) {
       EXPECT_EQ(state.gaussians.plane(p)[k], cloud.plane(p)[i]);
@@ -148,7 +148,7 @@ class UniaxialGradientsTest : public testing::Test {
     }
     for (size_t a = 0; a < state_.adjusted.size(); ++a) {
       const std::vector<double> added =
-          reference_adjustment(small_options(), kSphere, kExtent, weights_, state_.inputs[a]);
+          reference_adjustment(small_options(), kBall, kBallExtent, weights_, state_.inputs[a]);
       for (size_t p = 0; p < added.size(); ++p) {  // mean, log-scales, rotation: planes 0 to 9
         shown[p * n + state_.adjusted[a]] += added[p];
       }
@@ -175,7 +175,7 @@ class UniaxialGradientsTest : public testing::Test {
 
   const Gaussians cloud_ = small_cloud();
   const UniaxialParameters parameters_ = parameters_of(cloud_, Truncation::kLearned);
-  const Camera camera_ = frame_sphere(kSphere, View{20, 30, 1}, 40, 36);
+  const Camera camera_ = frame_sphere(kBall, View{20, 30, 1}, 40, 36);
   RasterOptions raster_;
   Image weight_{40, 36, 4};
   UniaxialState state_;

@@ -47,7 +47,7 @@ void write_zip(const fs::path& path, const std::vector<ZipFile>& files,
   archive_write_free(a);
 }
 
-Bytes gzip(const Bytes& bytes) {
+Bytes gzipped(const Bytes& bytes) {
   z_stream stream{};
   deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
   Bytes packed(deflateBound(&stream, bytes.size()));
@@ -176,7 +176,7 @@ TEST_F(HandedOut, ABombIsRefused) {
   EXPECT_LT(fs::file_size(folder_ / "bomb.zip"), 1'000'000);
   EXPECT_THAT(error_of([&] { load_volume(folder_ / "bomb.zip"); }),
               HasSubstr("unpacks to more than DICOM does"));
-  const Bytes packed = gzip(bomb());
+  const Bytes packed = gzipped(bomb());
   write_file(folder_ / "bomb.dcm.gz", packed.data(), packed.size());
   EXPECT_THAT(error_of([&] { load_volume(folder_ / "bomb.dcm.gz"); }),
               HasSubstr("unpacks to more than DICOM does"));
@@ -193,7 +193,7 @@ TEST_F(HandedOut, APasswordAndOtherThingsAreSaid) {
 TEST_F(HandedOut, GzipsOfDicomAreRead) {
   fs::create_directories(folder_ / "packed");
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / "plain")) {
-    const Bytes packed = gzip(read_file(entry.path()));
+    const Bytes packed = gzipped(read_file(entry.path()));
     write_plainly(folder_ / "packed" / (entry.path().filename().string() + ".dcm.gz"), packed);
     files_.push_back({"packed/" + entry.path().filename().string(), packed});
   }
@@ -228,7 +228,7 @@ TEST_F(HandedOut, AFileOfManyFramesIsReadFromAnywhere) {
   EXPECT_EQ(plain.spacing, Vec3(1, 1, 2));
   files_ = {{"DOE", read_file(folder_ / "frames.dcm")}};
   EXPECT_EQ(load_volume(zipped()).values, plain.values);
-  const Bytes packed = gzip(files_[0].bytes);
+  const Bytes packed = gzipped(files_[0].bytes);
   fs::create_directories(folder_ / "gz");
   write_file(folder_ / "gz" / "frames.dcm.gz", packed.data(), packed.size());
   EXPECT_EQ(load_volume(folder_ / "gz" / "frames.dcm.gz").values, plain.values);

@@ -15,16 +15,16 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct Image {
+struct PhaseImage {
   double z = 0;
   DicomMarks marks;
 };
 
 /// Sorted as a stack is.
-std::vector<DicomPhase> phases_of(std::vector<Image> images) {
-  std::ranges::stable_sort(images, {}, &Image::z);
+std::vector<DicomPhase> phases_of(std::vector<PhaseImage> images) {
+  std::ranges::stable_sort(images, {}, &PhaseImage::z);
   std::vector<DicomHeader> slices;
-  for (const Image& image : images) {
+  for (const PhaseImage& image : images) {
     DicomHeader slice;
     slice.columns = slice.rows = 64;
     slice.placed = true;
@@ -46,7 +46,7 @@ std::vector<std::string> names(const std::vector<DicomPhase>& phases) {
 }
 
 TEST(DicomPhases, WhatRepeatsNoPlaceStaysWhole) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 10; ++z) {
     images.push_back({1.0 * z, {.trigger_ms = 7.0 * z, .acquisition = z, .acquired_s = 2.0 * z}});
   }
@@ -54,7 +54,7 @@ TEST(DicomPhases, WhatRepeatsNoPlaceStaysWhole) {
 }
 
 TEST(DicomPhases, CopiesStayTogether) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int i = 0; i < 20; ++i) {
     images.push_back({1.0 * (i / 2), {.echo_ms = 3, .acquisition = 1, .image_type = "A"}});
   }
@@ -62,7 +62,7 @@ TEST(DicomPhases, CopiesStayTogether) {
 }
 
 TEST(DicomPhases, ContrastPhasesOfDifferentExtentAreNotMixed) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 30; ++z) {
     images.push_back({1.0 * z, acquisition(4)});
     if (z >= 10 && z < 20) {
@@ -73,7 +73,7 @@ TEST(DicomPhases, ContrastPhasesOfDifferentExtentAreNotMixed) {
 }
 
 TEST(DicomPhases, ABolusMonitoredAtOnePlaceIsNoPartOfTheScan) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int i = 0; i < 40; ++i) {
     images.push_back({12, acquisition(1)});
     images.push_back({1.0 * i, acquisition(2)});
@@ -82,7 +82,7 @@ TEST(DicomPhases, ABolusMonitoredAtOnePlaceIsNoPartOfTheScan) {
 }
 
 TEST(DicomPhases, BlocksThatOverlapByAFewSlicesAreOneScan) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 30; ++z) {
     images.push_back({1.0 * z, acquisition(1)});
     images.push_back({1.0 * z + 27, acquisition(2)});
@@ -91,7 +91,7 @@ TEST(DicomPhases, BlocksThatOverlapByAFewSlicesAreOneScan) {
 }
 
 TEST(DicomPhases, TriggerTimesOfACineDifferFromSliceToSlice) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 8; ++z) {
     for (int phase = 0; phase < 5; ++phase) {
       images.push_back({1.0 * z, {.trigger_ms = phase * (40 + z), .acquisition = z}});
@@ -111,7 +111,7 @@ TEST(DicomPhases, TriggerTimesOfACineDifferFromSliceToSlice) {
 }
 
 TEST(DicomPhases, AcquisitionsCountedSliceBySliceAreInTheirOrder) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 6; ++z) {
     for (int pass = 0; pass < 3; ++pass) {
       images.push_back({1.0 * z, acquisition(1 + z + 6 * pass)});
@@ -123,7 +123,7 @@ TEST(DicomPhases, AcquisitionsCountedSliceBySliceAreInTheirOrder) {
 }
 
 TEST(DicomPhases, SeveralPropertiesSplitOneAfterTheOther) {
-  std::vector<Image> images;
+  std::vector<PhaseImage> images;
   for (int z = 0; z < 4; ++z) {
     for (const double echo : {4.5, 2.25}) {
       for (const char* type : {"P", "M"}) {
@@ -148,7 +148,7 @@ TEST(DicomPhases, EveryPropertySetsImagesApart) {
       {{.acquired_s = 100}, {.acquired_s = 104.5}},
       {{.image_type = "A"}, {.image_type = "B"}}};
   for (const auto& [first, second] : pairs) {
-    std::vector<Image> images;
+    std::vector<PhaseImage> images;
     for (int z = 0; z < 5; ++z) {
       images.push_back({1.0 * z, second});
       images.push_back({1.0 * z, first});

@@ -6,7 +6,7 @@ namespace clipgs {
 namespace {
 
 /// Slices whose positions along z are the running sum of `steps`.
-std::vector<DicomHeader> slices_at(const std::vector<double>& steps) {
+std::vector<DicomHeader> headers_at(const std::vector<double>& steps) {
   std::vector<DicomHeader> slices;
   double z = 5;
   for (size_t i = 0; i <= steps.size(); ++i) {
@@ -21,7 +21,7 @@ std::vector<DicomHeader> slices_at(const std::vector<double>& steps) {
 }
 
 TEST(Stacks, LocalizerOfTheSameSeriesStandsApart) {
-  std::vector<DicomHeader> headers = slices_at({1, 1, 1});
+  std::vector<DicomHeader> headers = headers_at({1, 1, 1});
   DicomHeader localizer = headers[0];
   localizer.row = {0, 1, 0};
   localizer.column = {0, 0, -1};

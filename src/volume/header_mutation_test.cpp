@@ -22,7 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kMax = std::numeric_limits<float>::max();
 
-Volume small_volume() {
+Volume turned_volume() {
   Volume volume;
   volume.dims = {7, 5, 4};
   volume.spacing = {15, 20, 25};
@@ -72,7 +72,7 @@ std::string outcome_with(const fs::path& path, Bytes bytes, size_t at, T value) 
 
 TEST(HeaderMutations, OfNiftiEndInOneLineOrAVolume) {
   const TestFolder folder;
-  save_volume(folder / "v.nii", small_volume());
+  save_volume(folder / "v.nii", turned_volume());
   const Bytes whole = read_file(folder / "v.nii");
   int tried = 0;
   int refused = 0;
@@ -115,7 +115,7 @@ TEST(HeaderMutations, OfNiftiEndInOneLineOrAVolume) {
 
 TEST(HeaderMutations, OfNiftiAreSaidByTheirField) {
   const TestFolder folder;
-  save_volume(folder / "v.nii", small_volume());
+  save_volume(folder / "v.nii", turned_volume());
   const Bytes whole = read_file(folder / "v.nii");
   const auto error = [&](size_t at, auto value) {
     return outcome_with(folder / "m.nii", whole, at, value);
@@ -170,7 +170,7 @@ std::string with_number(const std::string& header, size_t n, const std::string& 
 
 void mutate_text(const std::string& name, const std::string& voxels_after) {
   const TestFolder folder;
-  save_volume(folder / name, small_volume());
+  save_volume(folder / name, turned_volume());
   const std::string whole = read_text(folder / name);
   const size_t length = whole.find(voxels_after) + voxels_after.size();
   int tried = 0;

@@ -43,7 +43,7 @@ Bytes joined(const Bytes& a, const Bytes& b) {
   return both;
 }
 
-Bytes bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+Bytes text_bytes(const std::string& text) { return {text.begin(), text.end()}; }
 
 /// `window`: zlib's code of the format, 15 for zlib's own and 31 for gzip.
 Bytes packed(const Bytes& data, int window) {
@@ -107,36 +107,37 @@ void write_format(const TestFolder& folder, const Format& format) {
     write("v.hdr", header);
     write(format.voxels, format.packed ? gzip(voxels) : voxels);
   } else if (name == "nrrd_raw") {
-    write("v.nrrd", joined(bytes_of(kNrrdFields + std::string("encoding: raw\n\n")), voxels));
+    write("v.nrrd", joined(text_bytes(kNrrdFields + std::string("encoding: raw\n\n")), voxels));
   } else if (name == "nrrd_gzip") {
     write("v.nrrd",
-          joined(bytes_of(kNrrdFields + std::string("encoding: gzip\n\n")), gzip(voxels)));
+          joined(text_bytes(kNrrdFields + std::string("encoding: gzip\n\n")), gzip(voxels)));
   } else if (name == "nhdr_raw") {
-    write("v.nhdr", bytes_of(kNrrdFields + std::string("encoding: raw\ndata file: v.raw")));
+    write("v.nhdr", text_bytes(kNrrdFields + std::string("encoding: raw\ndata file: v.raw")));
     write("v.raw", voxels);
   } else if (name == "nhdr_gzip") {
-    write("v.nhdr", bytes_of(kNrrdFields + std::string("encoding: gzip\ndata file: v.raw.gz\n")));
+    write("v.nhdr", text_bytes(kNrrdFields + std::string("encoding: gzip\ndata file: v.raw.gz\n")));
     write("v.raw.gz", gzip(voxels));
   } else if (name == "nhdr_list") {
     write("v.nhdr",
-          bytes_of(kNrrdFields + std::string("encoding: raw\ndata file: s%02d.raw 1 7 1 2\n")));
+          text_bytes(kNrrdFields + std::string("encoding: raw\ndata file: s%02d.raw 1 7 1 2\n")));
     for (size_t slice = 0; slice < 7; ++slice) {
       const auto begin = voxels.begin() + static_cast<std::ptrdiff_t>(slice * 144);
       write_plainly(folder / fmt::format("s{:02}.raw", slice + 1), Bytes(begin, begin + 144));
     }
   } else if (name == "mha_raw") {
     write("v.mha",
-          joined(bytes_of(kMetaFields + std::string("ElementDataFile = LOCAL\n")), voxels));
+          joined(text_bytes(kMetaFields + std::string("ElementDataFile = LOCAL\n")), voxels));
   } else if (name == "mha_zlib") {
-    write("v.mha", joined(bytes_of(kMetaFields +
-                                   std::string("CompressedData = True\nElementDataFile = LOCAL\n")),
-                          packed(voxels, 15)));
+    write("v.mha",
+          joined(text_bytes(kMetaFields +
+                            std::string("CompressedData = True\nElementDataFile = LOCAL\n")),
+                 packed(voxels, 15)));
   } else if (name == "mhd_raw") {
-    write("v.mhd", bytes_of(kMetaFields + std::string("ElementDataFile = v.raw\n")));
+    write("v.mhd", text_bytes(kMetaFields + std::string("ElementDataFile = v.raw\n")));
     write("v.raw", voxels);
   } else if (name == "mhd_zlib") {
     write("v.mhd",
-          bytes_of(kMetaFields + std::string("CompressedData = True\nElementDataFile = v.zraw")));
+          text_bytes(kMetaFields + std::string("CompressedData = True\nElementDataFile = v.zraw")));
     write("v.zraw", packed(voxels, 15));
   }
 }
@@ -255,17 +256,18 @@ TEST(ImageFile, OneFrameOfASeriesInTime) {
   write_plainly(folder / "cut.nii", first(series, series.size() - 10));
   EXPECT_THAT(read_error(folder / "cut.nii", 1), HasSubstr("10 of the 3024 bytes"));
   // The slowest axis of the others counts frames as well.
-  write_plainly(folder / "s.nrrd",
-                joined(bytes_of("NRRD0004\ntype: short\ndimension: 4\nsizes: 9 8 7 3\nspace: LPS\n"
-                                "space directions: (4,0,0) (0,5,0) (0,0,6) none\nendian: little\n"
-                                "kinds: domain domain domain list\nencoding: raw\n\n"),
-                       Bytes(series.begin() + 352, series.end())));
+  write_plainly(
+      folder / "s.nrrd",
+      joined(text_bytes("NRRD0004\ntype: short\ndimension: 4\nsizes: 9 8 7 3\nspace: LPS\n"
+                        "space directions: (4,0,0) (0,5,0) (0,0,6) none\nendian: little\n"
+                        "kinds: domain domain domain list\nencoding: raw\n\n"),
+             Bytes(series.begin() + 352, series.end())));
   EXPECT_THAT(read_error(folder / "s.nrrd"), HasSubstr("--frame 1 to 3"));
   EXPECT_EQ(read_image_file(folder / "s.nrrd", 2).values[10], small_volume().values[10] + 1000);
   write_plainly(folder / "s.mha",
-                joined(bytes_of("NDims = 4\nDimSize = 9 8 7 3\nElementType = MET_SHORT\n"
-                                "TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
-                                "ElementSpacing = 4 5 6 1\nElementDataFile = LOCAL\n"),
+                joined(text_bytes("NDims = 4\nDimSize = 9 8 7 3\nElementType = MET_SHORT\n"
+                                  "TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n"
+                                  "ElementSpacing = 4 5 6 1\nElementDataFile = LOCAL\n"),
                        Bytes(series.begin() + 352, series.end())));
   EXPECT_EQ(read_image_file(folder / "s.mha", 2).values[10], small_volume().values[10] + 1000);
 }
@@ -289,12 +291,12 @@ void expect_eight(const TestFolder& folder, const std::string& nrrd_type,
                   const std::string& meta_type) {
   for (const bool big : {false, true}) {
     write_plainly(folder / "v.nrrd",
-                  joined(bytes_of(fmt::format("NRRD0004\ntype: {}\ndimension: 3\nsizes: 2 2 2\n"
-                                              "spacings: 20 20 20\nendian: {}\nencoding: raw\n\n",
-                                              nrrd_type, big ? "big" : "little")),
+                  joined(text_bytes(fmt::format("NRRD0004\ntype: {}\ndimension: 3\nsizes: 2 2 2\n"
+                                                "spacings: 20 20 20\nendian: {}\nencoding: raw\n\n",
+                                                nrrd_type, big ? "big" : "little")),
                          eight<T>(big)));
     write_plainly(folder / "v.mha",
-                  joined(bytes_of(fmt::format(
+                  joined(text_bytes(fmt::format(
                              "NDims = 3\nDimSize = 2 2 2\nElementType = {}\nElementSpacing = 20 20 "
                              "20\nBinaryDataByteOrderMSB = {}\nElementDataFile = LOCAL\n",
                              meta_type, big ? "True" : "False")),

@@ -8,7 +8,7 @@
 namespace clipgs {
 namespace {
 
-constexpr size_t kPiece = size_t{1} << 16;
+constexpr size_t kPackedPiece = size_t{1} << 16;
 constexpr int kGzipOrZlib = 15 + 32;  // zlib: 32 more finds out which of the two it is
 
 }  // namespace
@@ -17,7 +17,7 @@ bool begins_gzip(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
 }
 
-Inflater::Inflater(std::istream& packed) : packed_(packed), buffer_(kPiece) {
+Inflater::Inflater(std::istream& packed) : packed_(packed), buffer_(kPackedPiece) {
   if (inflateInit2(&stream_, kGzipOrZlib) != Z_OK) {
     throw std::bad_alloc();
   }
@@ -28,7 +28,8 @@ Inflater::~Inflater() { inflateEnd(&stream_); }
 /// Whether there is any input.
 bool Inflater::refill() {
   if (stream_.avail_in == 0) {
-    packed_.read(reinterpret_cast<char*>(buffer_.data()), static_cast<std::streamsize>(kPiece));
+    packed_.read(reinterpret_cast<char*>(buffer_.data()),
+                 static_cast<std::streamsize>(kPackedPiece));
     stream_.next_in = buffer_.data();
     stream_.avail_in = static_cast<uInt>(packed_.gcount());
   }

@@ -16,7 +16,6 @@ namespace clipgs {
 namespace {
 
 constexpr float kAir = -1024;          // HU
-constexpr float kLeastMatter = -300;   // HU; foam of cushions is lighter, skin is not
 constexpr float kThinnest = 6;         // mm, half of what a part of the body must be thick
 constexpr float kLeastPart = 0.01f;    // of the largest part: arms are, cables are not
 constexpr float kLeastMean = -700;     // HU of a part with its holes; hollow tables have less

@@ -4,8 +4,10 @@
 
 namespace clipgs {
 
+inline constexpr float kLeastMatter = -300;  ///< HU; foam of cushions is lighter, skin is not
+
 struct Isolation {
-  double removed = 0;   ///< ml of matter (above −300 HU) set to air
+  double removed = 0;   ///< ml of matter (kLeastMatter or more) set to air
   double foreign = 0;   ///< ml of parts that stay and hold no fat: a head holder, no limb
   bool unsure = false;  ///< what would have gone is more than a third of all matter: nothing went
 };

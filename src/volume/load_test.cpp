@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// A small volume whose every voxel differs, turned a little away from the patient's axes.
-Volume small_volume() {
+Volume varied_volume() {
   Volume volume;
   volume.dims = {7, 5, 4};
   volume.spacing = {1.5f, 2, 2.5f};
@@ -45,7 +45,7 @@ class SaveAndLoad : public testing::TestWithParam<const char*> {};
 
 TEST_P(SaveAndLoad, KeepsWholeNumbersAndGeometry) {
   const TestFolder folder;
-  const Volume volume = small_volume();
+  const Volume volume = varied_volume();
   save_volume(folder / GetParam(), volume);
   const Volume back = load_volume(folder / GetParam());
   expect_same_geometry(volume, back);
@@ -55,7 +55,7 @@ TEST_P(SaveAndLoad, KeepsWholeNumbersAndGeometry) {
 
 TEST_P(SaveAndLoad, KeepsFractions) {
   const TestFolder folder;
-  Volume volume = small_volume();
+  Volume volume = varied_volume();
   volume.values.unpack()[3] += 0.25f;
   save_volume(folder / GetParam(), volume);
   EXPECT_EQ(volume.values, load_volume(folder / GetParam()).values);
@@ -111,7 +111,7 @@ TEST(Load, LpsBecomesRasWithAxesAlongThePatient) {
 
 TEST(Load, NiftiSlopeAndInterceptAreHonoured) {
   const TestFolder folder;
-  save_volume(folder / "v.nii", small_volume());
+  save_volume(folder / "v.nii", varied_volume());
   std::vector<std::uint8_t> bytes = read_file(folder / "v.nii");
   const float slope = 0.5f;
   const float intercept = -100;
@@ -119,7 +119,7 @@ TEST(Load, NiftiSlopeAndInterceptAreHonoured) {
   std::memcpy(&bytes[116], &intercept, 4);
   write_file(folder / "v.nii", bytes.data(), bytes.size());
   const Volume back = load_volume(folder / "v.nii");
-  EXPECT_NEAR(back.values[10], small_volume().values[10] * 0.5f - 100, 1e-3f);
+  EXPECT_NEAR(back.values[10], varied_volume().values[10] * 0.5f - 100, 1e-3f);
 }
 
 TEST(Load, EightBitIsTakenAsStoredUnlessToldOtherwise) {
@@ -157,7 +157,7 @@ TEST(Load, RgbBecomesPhotographs) {
 
 TEST(Load, PixelsOutsideTheScannersFieldAreAir) {
   const TestFolder folder;
-  Volume volume = small_volume();
+  Volume volume = varied_volume();
   volume.values.unpack()[5] = -3024;
   save_volume(folder / "v.nrrd", volume);
   EXPECT_EQ(load_volume(folder / "v.nrrd").values[5], -1024);
@@ -209,7 +209,7 @@ TEST(LoadErrors, SayWhatIsWrong) {
 
 TEST(LoadErrors, NotANumberIsRefused) {
   const TestFolder folder;
-  Volume volume = small_volume();
+  Volume volume = varied_volume();
   volume.values.unpack()[7] = std::numeric_limits<float>::quiet_NaN();
   save_volume(folder / "v.nrrd", volume);
   EXPECT_THAT(load_error(folder / "v.nrrd"), HasSubstr("NaN"));
@@ -217,8 +217,8 @@ TEST(LoadErrors, NotANumberIsRefused) {
 
 TEST(LoadErrors, SaveRefusesUnknownKindsAndMissingFolders) {
   const TestFolder folder;
-  EXPECT_THROW(save_volume(folder / "v.stl", small_volume()), Error);
-  EXPECT_THROW(save_volume(folder / "none" / "v.nrrd", small_volume()), Error);
+  EXPECT_THROW(save_volume(folder / "v.stl", varied_volume()), Error);
+  EXPECT_THROW(save_volume(folder / "none" / "v.nrrd", varied_volume()), Error);
 }
 
 /// Feeds a damaged file to the loader: it must give a volume or an Error, nothing else.
@@ -239,7 +239,7 @@ TEST_P(Damaged, FilesGiveAVolumeOrAnError) {
   const LibraryLeaksIgnored ignored;
   const TestFolder folder;
   const auto path = folder / GetParam();
-  save_volume(path, small_volume());
+  save_volume(path, varied_volume());
   const std::vector<std::uint8_t> whole = read_file(path);
   testing::internal::CaptureStderr();
   for (size_t length = 0; length < whole.size(); length += 1 + whole.size() / 60) {

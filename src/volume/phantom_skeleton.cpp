@@ -1,12 +1,10 @@
 #include <array>
-#include <numbers>
 
+#include "core/geometry.h"
 #include "volume/phantom_body.h"
 
 namespace clipgs::phantom {
 namespace {
-
-constexpr float kPi = std::numbers::pi_v<float>;
 
 auto cortical(const Painter& painter) {
   return [&painter](const Vec3& p) { return 1150 + 120 * painter.noise(p, 5, 50); };

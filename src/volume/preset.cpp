@@ -49,7 +49,7 @@ constexpr Range kTurn = {-360, 360, " degrees"};
 constexpr Range kPercentile = {0, 100};
 constexpr Range kLabel = {-0x1p24f, 0x1p24f};
 constexpr size_t kMostPoints = 1000;
-constexpr size_t kMostLabels = 100000;
+constexpr size_t kMostLooks = 100000;
 constexpr float kBrightest = 1e10f;  // radiance of a panorama
 
 /// Reads one JSON object and refuses keys that nothing asked for: a misspelt key must not be
@@ -456,7 +456,7 @@ LabelLooks load_label_table(const std::filesystem::path& path) {
   const json table = parse_json(read_text(path), where);
   Reader reader(table, where);
   LabelLooks looks;
-  for (const Reader& entry : reader.children("labels", kMostLabels)) {
+  for (const Reader& entry : reader.children("labels", kMostLooks)) {
     const auto [number, look] = parse_label(entry);
     if (!looks.emplace(number, look).second) {
       throw Error("{}: label {} is there twice", where, number);

@@ -12,9 +12,8 @@
 namespace clipgs {
 namespace {
 
-constexpr float kAir = -1000;         // HU
+constexpr float kAirValue = -1000;    // HU
 constexpr float kTissue = 40;         // HU
-constexpr float kLeastMatter = -300;  // HU, as isolate_body() has it
 constexpr double kLeastTable = 5;     // ml
 constexpr double kMostlyPrism = 0.5;  // of what would be taken off
 constexpr double kOfSlices = 0.9;
@@ -58,9 +57,10 @@ std::vector<float> hu_of(const Volume& volume) {
   }
   const double air = sums[0] / std::max(counts[0], 1.0);
   const double tissue = sums[1] / std::max(counts[1], 1.0);
-  std::vector<float> hu(volume.voxels(), kAir);
+  std::vector<float> hu(volume.voxels(), kAirValue);
   for (size_t i = 0; tissue > air && i < hu.size(); ++i) {
-    hu[i] = static_cast<float>(kAir + (kTissue - kAir) * (volume.values[i] - air) / (tissue - air));
+    hu[i] = static_cast<float>(kAirValue +
+                               (kTissue - kAirValue) * (volume.values[i] - air) / (tissue - air));
   }
   return hu;
 }

@@ -249,18 +249,18 @@ void read_text_numbers(std::ifstream& file, const Part& part, std::uint64_t from
 }
 
 /// An opened file of voxels.
-struct Opened {
+struct OpenedPart {
   std::ifstream file;
   std::uint64_t bytes = 0;
   std::uint64_t from = 0;  // where the voxels begin, packed or not
 };
 
-Opened open_part(const Part& part, const VoxelSource& source) {
+OpenedPart open_part(const Part& part, const VoxelSource& source) {
   std::error_code ignored;
   if (!fs::is_regular_file(part.path, ignored)) {
     throw Error("{}: no such file: {} bytes of voxels are missing", part.path.string(), part.bytes);
   }
-  Opened opened;
+  OpenedPart opened;
   opened.file.open(part.path, std::ios::binary);
   if (!opened.file) {
     throw Error("{}: cannot be opened", part.path.string());
@@ -273,7 +273,7 @@ Opened open_part(const Part& part, const VoxelSource& source) {
 /// Throws if the file is too small for its voxels, as far as its size tells: before anything is
 /// allocated for them.
 void require_size(const Part& part, const ImageHeader& header) {
-  const Opened opened = open_part(part, header.source);
+  const OpenedPart opened = open_part(part, header.source);
   const std::uint64_t there = opened.bytes - opened.from;
   switch (header.source.encoding) {
     case Encoding::kRaw: {
@@ -304,7 +304,7 @@ void require_size(const Part& part, const ImageHeader& header) {
 }
 
 void read_part(const Part& part, const ImageHeader& header, Frame& frame) {
-  Opened opened = open_part(part, header.source);
+  OpenedPart opened = open_part(part, header.source);
   switch (header.source.encoding) {
     case Encoding::kRaw:
       read_raw(opened.file, part, raw_start(part, opened.from, opened.bytes, header.source), frame);

@@ -7,7 +7,7 @@
 namespace clipgs {
 namespace {
 
-constexpr size_t kPiece = size_t{1} << 20;
+constexpr size_t kGrain = size_t{1} << 20;
 constexpr int kSlotBits = 18;  // four slots a value at most: few collisions
 
 VoxelValues::Range together(const std::vector<VoxelValues::Range>& ranges) {
@@ -20,9 +20,9 @@ VoxelValues::Range together(const std::vector<VoxelValues::Range>& ranges) {
 
 }  // namespace
 
-Palette::Palette() : slots_(size_t{1} << kSlotBits, 0) {}
+ValuePalette::ValuePalette() : slots_(size_t{1} << kSlotBits, 0) {}
 
-std::optional<std::uint16_t> Palette::code_of(float value) {
+std::optional<std::uint16_t> ValuePalette::code_of(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   // Fibonacci hashing: the upper bits of the product are well mixed.
   size_t slot = (bits * 0x9e3779b9U) >> (32 - kSlotBits);
@@ -41,7 +41,7 @@ std::optional<std::uint16_t> Palette::code_of(float value) {
   return static_cast<std::uint16_t>(values_.size() - 1);
 }
 
-bool Palette::encode(std::span<const float> values, std::uint16_t* codes) {
+bool ValuePalette::encode(std::span<const float> values, std::uint16_t* codes) {
   for (size_t i = 0; i < values.size(); ++i) {
     const std::optional<std::uint16_t> code = code_of(values[i]);
     if (!code) {
@@ -62,14 +62,14 @@ bool operator==(const VoxelValues& a, const VoxelValues& b) {
 }
 
 VoxelValues::Range VoxelValues::range() const {
-  std::vector<Range> pieces((size() + kPiece - 1) / kPiece);
-  parallel_for(size(), kPiece, [&](size_t begin, size_t end) {
+  std::vector<Range> pieces((size() + kGrain - 1) / kGrain);
+  parallel_for(size(), kGrain, [&](size_t begin, size_t end) {
     Range range{(*this)[begin], (*this)[begin]};
     for (size_t i = begin; i < end; ++i) {
       const float value = (*this)[i];
       range = {std::min(range.min, value), std::max(range.max, value)};
     }
-    pieces[begin / kPiece] = range;
+    pieces[begin / kGrain] = range;
   });
   return together(pieces);
 }
@@ -77,7 +77,7 @@ VoxelValues::Range VoxelValues::range() const {
 std::vector<float>& VoxelValues::unpack() {
   if (packed()) {
     floats_.resize(codes_.size());
-    parallel_for(codes_.size(), kPiece, [&](size_t begin, size_t end) {
+    parallel_for(codes_.size(), kGrain, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         floats_[i] = meaning_[codes_[i]];
       }
@@ -92,13 +92,13 @@ void VoxelValues::pack() {
   if (packed() || floats_.empty()) {
     return;
   }
-  Palette palette;
+  ValuePalette palette;
   std::vector<std::uint16_t> codes;
   codes.reserve(floats_.size());
   // Piece by piece: memory that is not needed, where there are too many values, is not touched.
-  for (size_t begin = 0; begin < floats_.size(); begin += kPiece) {
+  for (size_t begin = 0; begin < floats_.size(); begin += kGrain) {
     const auto piece =
-        std::span(floats_).subspan(begin).first(std::min(kPiece, floats_.size() - begin));
+        std::span(floats_).subspan(begin).first(std::min(kGrain, floats_.size() - begin));
     codes.resize(begin + piece.size());
     if (!palette.encode(piece, &codes[begin])) {
       return;
@@ -112,11 +112,11 @@ std::optional<std::uint16_t> VoxelValues::code_for(float value) {
   if (known != meaning_.end()) {
     return static_cast<std::uint16_t>(known - meaning_.begin());
   }
-  if (meaning_.size() < Palette::kMost) {
+  if (meaning_.size() < ValuePalette::kMost) {
     meaning_.push_back(value);
     return static_cast<std::uint16_t>(meaning_.size() - 1);
   }
-  std::vector<bool> occurs(Palette::kMost);
+  std::vector<bool> occurs(ValuePalette::kMost);
   for (const std::uint16_t code : codes_) {
     occurs[code] = true;
   }

@@ -13,11 +13,11 @@
 namespace clipgs {
 
 /// The different values of a volume, numbered in the order in which they are met.
-class Palette {
+class ValuePalette {
  public:
   static constexpr size_t kMost = size_t{1} << 16;
 
-  Palette();
+  ValuePalette();
   /// Writes the number of each value; false once there are more than kMost different ones (told
   /// apart by their bits), with `codes` unfinished.
   bool encode(std::span<const float> values, std::uint16_t* codes);
@@ -99,7 +99,7 @@ class ValuePacker {
 
  private:
   size_t count_;
-  Palette palette_;
+  ValuePalette palette_;
   bool packed_ = true;
   std::vector<std::uint16_t> codes_;
   std::vector<float> floats_;  // if not packed_
