@@ -64,15 +64,18 @@ bool is_wanted(std::uint32_t which) {
     case DicomTag::kSamples:
     case DicomTag::kPhotometric:
     case DicomTag::kFrames:
+    case DicomTag::kFrameIncrement:
     case DicomTag::kRows:
     case DicomTag::kColumns:
     case DicomTag::kPixelSpacing:
     case DicomTag::kBitsAllocated:
     case DicomTag::kBitsStored:
+    case DicomTag::kHighBit:
     case DicomTag::kRepresentation:
     case DicomTag::kIntercept:
     case DicomTag::kSlope:
     case DicomTag::kFrameOffsets:
+    case DicomTag::kDoseScaling:
       return true;
   }
   return false;
@@ -83,6 +86,9 @@ bool is_wanted(std::uint32_t which) {
 void DicomElements::walk() {
   constexpr Scope kFile{Level::kFile, false};
   at_ = kPreamble + 4;
+  if (bytes_.size() < at_) {
+    corrupt("an empty or cut-off beginning");
+  }
   while (at_ < bytes_.size() && peek_group() == 0x0002) {
     element(0, kFile);
   }

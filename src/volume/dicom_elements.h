@@ -37,15 +37,18 @@ enum class DicomTag : std::uint32_t {
   kSamples = 0x00280002,
   kPhotometric = 0x00280004,
   kFrames = 0x00280008,
+  kFrameIncrement = 0x00280009,
   kRows = 0x00280010,
   kColumns = 0x00280011,
   kPixelSpacing = 0x00280030,
   kBitsAllocated = 0x00280100,
   kBitsStored = 0x00280101,
+  kHighBit = 0x00280102,
   kRepresentation = 0x00280103,
   kIntercept = 0x00281052,
   kSlope = 0x00281053,
   kFrameOffsets = 0x3004000c,
+  kDoseScaling = 0x3004000e,
 };
 
 /// The elements of one DICOM file, by PS3.5: explicit and implicit VR, nested sequences, native and

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <span>
 
 #include "core/error.h"
@@ -26,6 +27,10 @@ bool parse_numbers(const std::string& text, std::span<double> numbers) {
     if (end == at || !std::isfinite(number) || std::abs(number) > 1e9) {
       return false;
     }
+    end += std::strspn(end, " ");  // each may be padded
+    if (*end != '\\' && *end != '\0') {
+      return false;
+    }
     at = *end == '\\' ? end + 1 : end;
   }
   return true;
@@ -42,6 +47,17 @@ std::string printable(std::string text) {
 double parse_double(const std::string& text, double otherwise) {
   std::array<double, 1> number{};
   return parse_numbers(text, number) ? number[0] : otherwise;
+}
+
+/// `otherwise` where the file says nothing; what it says has to be a number.
+double require_double(const DicomElements& elements, DicomTag tag, size_t frame, double otherwise,
+                      const char* what) {
+  const std::string text = elements.text(tag, frame);
+  const double number = parse_double(text, otherwise);
+  if (!text.empty() && number == otherwise && parse_double(text, otherwise + 1) != otherwise) {
+    elements.corrupt(what);
+  }
+  return number;
 }
 
 int parse_int(const std::string& text, int otherwise) {
@@ -114,22 +130,29 @@ DicomHeader header_of(const DicomElements& elements, const DicomSource& source, 
   header.source = source;
   header.frame = frame;
   header.frames = std::max(parse_int(elements.text(DicomTag::kFrames), 1), 1);
-  header.series_uid = elements.text(DicomTag::kSeriesUid);
-  header.modality = elements.text(DicomTag::kModality);
+  header.series_uid = printable(elements.text(DicomTag::kSeriesUid));
+  header.modality = printable(elements.text(DicomTag::kModality));
   header.series_number = parse_int(elements.text(DicomTag::kSeriesNumber), 0);
   header.instance =
       header.frames > 1 ? frame + 1 : parse_int(elements.text(DicomTag::kInstanceNumber), 0);
   header.columns = whole(DicomTag::kColumns, 0);
   header.rows = whole(DicomTag::kRows, 0);
   header.marks = marks_of(elements, at);
-  header.transfer_syntax = elements.text(DicomTag::kTransferSyntax);
-  header.photometric = elements.text(DicomTag::kPhotometric);
+  header.transfer_syntax = printable(elements.text(DicomTag::kTransferSyntax));
+  header.photometric = printable(elements.text(DicomTag::kPhotometric));
   header.samples = whole(DicomTag::kSamples, 1);
   header.bits_allocated = whole(DicomTag::kBitsAllocated, 16);
   header.bits_stored = whole(DicomTag::kBitsStored, header.bits_allocated);
   header.is_signed = whole(DicomTag::kRepresentation, 0) == 1;
-  header.slope = parse_double(elements.text(DicomTag::kSlope, at), 1);
-  header.intercept = parse_double(elements.text(DicomTag::kIntercept, at), 0);
+  header.high_bit = whole(DicomTag::kHighBit, header.bits_stored - 1);
+  header.slope =
+      require_double(elements, DicomTag::kSlope, at, 1, "a Rescale Slope that is no number");
+  header.intercept = require_double(elements, DicomTag::kIntercept, at, 0,
+                                    "a Rescale Intercept that is no number");
+  if (header.modality == "RTDOSE") {
+    header.slope = require_double(elements, DicomTag::kDoseScaling, at, 1,
+                                  "a Dose Grid Scaling that is no number");
+  }
   place(elements, header);
   return header;
 }
@@ -139,6 +162,13 @@ DicomHeader header_of(const DicomElements& elements, const DicomSource& source, 
 std::vector<double> frame_offsets(const DicomElements& elements, int frames) {
   std::vector<double> offsets(static_cast<size_t>(frames));
   const std::string list = elements.text(DicomTag::kFrameOffsets);
+  // What counts the frames, where the file says so, has to be the slices (54,80): of a gated or
+  // dynamic series it is time as well, and one distance says nothing of where they lie.
+  const double slice_vector = elements.big_endian() ? 0x00540080 : 0x00800054;
+  const std::optional<double> counted = elements.unsigned_long(DicomTag::kFrameIncrement);
+  if (list.empty() && counted && *counted != slice_vector) {
+    return {};
+  }
   if (list.empty()) {
     const double step = parse_double(elements.text(DicomTag::kSpacingBetweenSlices), 0);
     for (size_t i = 0; i < offsets.size(); ++i) {
@@ -225,7 +255,7 @@ DicomScan scan_dicom(const std::vector<DicomSource>& sources) {
         elements.walk();
         std::ranges::move(dicom_headers(elements, source), std::back_inserter(scan.images));
       } catch (const Error&) {
-        series_uid = elements.text(DicomTag::kSeriesUid);
+        series_uid = printable(elements.text(DicomTag::kSeriesUid));
         throw;
       }
     } catch (const Error& e) {

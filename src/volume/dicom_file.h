@@ -44,6 +44,7 @@ struct DicomHeader {
   int samples = 1;              ///< numbers a pixel
   int bits_allocated = 16;
   int bits_stored = 16;
+  int high_bit = 15;
   bool is_signed = false;
   double slope = 1;  ///< value = slope * stored + intercept
   double intercept = 0;

@@ -34,9 +34,10 @@ void require_supported(const DicomHeader& header) {
   }
   const bool whole_bytes =
       header.bits_allocated == 8 || header.bits_allocated == 16 || header.bits_allocated == 32;
-  if (!whole_bytes || header.bits_stored < 1 || header.bits_stored > header.bits_allocated) {
-    throw Error("{}: pixels of {} bits in {} are not supported", header.source.name(),
-                header.bits_stored, header.bits_allocated);
+  if (!whole_bytes || header.bits_stored < 1 || header.bits_stored > header.bits_allocated ||
+      header.high_bit != header.bits_stored - 1) {
+    throw Error("{}: pixels of {} bits in {}, the highest number {}, are not supported",
+                header.source.name(), header.bits_stored, header.bits_allocated, header.high_bit);
   }
 }
 

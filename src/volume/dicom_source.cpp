@@ -45,6 +45,16 @@ Bytes head_of(const fs::path& path) {
   return head;
 }
 
+/// Whether reading it would say that it is DICOM, or that something is wrong with it: what cannot
+/// be opened, or is an empty shell, is missed when it is read, not passed over.
+bool may_be_dicom(const fs::path& path) {
+  if (!std::ifstream(path)) {
+    return true;
+  }
+  const Bytes head = head_of(path);
+  return begins_dicom(head) || (head.empty() && path.extension() == ".dcm");
+}
+
 /// A gzip file's content. Its stated size is not believed: memory grows with what comes out.
 Bytes unpacked(const Bytes& packed, const std::string& name) {
   std::istringstream stream(std::string(packed.begin(), packed.end()));
@@ -111,7 +121,7 @@ std::vector<DicomSource> dicom_files_in(const fs::path& folder, bool below) {
   std::vector<DicomSource> sources;
   for (const fs::path& file : below ? files_of<fs::recursive_directory_iterator>(folder)
                                     : files_of<fs::directory_iterator>(folder)) {
-    if (file.filename() != "DICOMDIR" && is_dicom_file(file)) {
+    if (file.filename() != "DICOMDIR" && may_be_dicom(file)) {
       sources.push_back({file, nullptr, 0});
     }
   }

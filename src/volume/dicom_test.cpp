@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -158,6 +159,56 @@ TEST(Dicom, RepeatedPositionsKeepTheFirstInstance) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(load_volume(folder.path()).dims.z, 5);
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("5 images share their position"));
+}
+
+/// The file with another value of a short element (explicit, little-endian).
+std::vector<std::uint8_t> with_element(const std::vector<std::uint8_t>& file, std::uint16_t group,
+                                       std::uint16_t element, const std::string& value) {
+  const auto low = [](std::uint16_t n) { return static_cast<std::uint8_t>(n & 0xff); };
+  const auto high = [](std::uint16_t n) { return static_cast<std::uint8_t>(n >> 8); };
+  const std::array<std::uint8_t, 4> tag{low(group), high(group), low(element), high(element)};
+  const auto found = std::ranges::search(file, tag).begin();
+  const auto length = found + 6;
+  const size_t old = static_cast<size_t>(length[0]) + 256 * static_cast<size_t>(length[1]);
+  std::vector<std::uint8_t> result(file.begin(), length);
+  result.push_back(low(static_cast<std::uint16_t>(value.size())));
+  result.push_back(high(static_cast<std::uint16_t>(value.size())));
+  result.insert(result.end(), value.begin(), value.end());
+  result.insert(result.end(), length + 2 + static_cast<std::ptrdiff_t>(old), file.end());
+  return result;
+}
+
+TEST(Dicom, NumbersMayBePaddedOneByOne) {
+  const TestFolder folder;
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
+  const Volume plain = load_volume(folder.path());
+  const std::vector<std::uint8_t> whole = read_file(folder / "i7");
+  write_plainly(folder / "i7", with_element(whole, 0x0028, 0x0030, " 1 \\ 1  "));
+  const Volume padded = load_volume(folder.path());
+  EXPECT_EQ(padded.dims, plain.dims);
+  EXPECT_EQ(padded.values, plain.values);
+}
+
+TEST(Dicom, WhatWouldGiveWrongValuesIsRefused) {
+  const TestFolder folder;
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
+  const std::vector<std::uint8_t> whole = read_file(folder / "i7");
+  const auto error = [&](std::uint16_t element, const std::string& value) {
+    write_plainly(folder / "i7", with_element(whole, 0x0028, element, value));
+    testing::internal::CaptureStderr();
+    const std::string said = error_of([&] { load_volume(folder.path()); });
+    return said + testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(error(0x1053, "1,25"), HasSubstr("a Rescale Slope that is no number"));
+  EXPECT_THAT(error(0x1052, "-1O24 "), HasSubstr("a Rescale Intercept that is no number"));
+  EXPECT_THAT(error(0x0102, std::string("\x0d\0", 2)), HasSubstr("the highest number 13"));
+}
+
+TEST(Dicom, EmptyFilesOfASeriesAreMissed) {
+  const TestFolder folder;
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
+  write_plainly(folder / "cut-off.dcm", {});
+  EXPECT_THAT(error_of([&] { load_volume(folder.path()); }), HasSubstr("cut-off.dcm"));
 }
 
 TEST(Dicom, DamagedFilesAreErrors) {

@@ -110,9 +110,12 @@ std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t
                                         const std::string& where) {
   constexpr std::int64_t kMostFiles = 1 << 16;
   const size_t percent = pattern.find('%');
-  const size_t letter = pattern.find_first_not_of("0123456789", percent + 1);
+  const size_t letter =
+      percent == std::string::npos ? percent : pattern.find_first_not_of("0123456789", percent + 1);
   int width = 1;
-  std::from_chars(&pattern[percent] + 1, pattern.data() + pattern.size(), width);
+  if (letter != std::string::npos) {
+    std::from_chars(&pattern[percent] + 1, pattern.data() + pattern.size(), width);
+  }
   if (letter == std::string::npos || pattern[letter] != 'd' || width > 9 ||
       pattern.find('%', letter) != std::string::npos) {
     throw Error("{}: names its data files \"{}\"; one number like %03d is needed", where,

@@ -10,9 +10,11 @@ Histogram histogram(const Volume& volume) {
   const auto [low, high] = volume.values.range();
   h.min = low;
   h.max = high;
-  const float scale = h.max > h.min ? Histogram::kBins / (h.max - h.min) : 0;
+  // In double: a range of floats may be beyond them, or its inverse.
+  const double range = static_cast<double>(h.max) - h.min;
+  const double scale = range > 0 ? Histogram::kBins / range : 0;
   for (const float value : volume.values.all()) {
-    const auto bin = static_cast<int>((value - h.min) * scale);
+    const auto bin = static_cast<int>((static_cast<double>(value) - h.min) * scale);
     ++h.counts[std::min(bin, Histogram::kBins - 1)];
   }
   return h;

@@ -83,7 +83,7 @@ Opened open_nifti(const fs::path& given) {
   VoxelSource& source = nifti.image.source;
   bool packed = beginning.packed;
   if (nifti.detached) {
-    const fs::path voxels = sibling(path, {".img", ".img.gz"});
+    const fs::path voxels = image ? given : sibling(path, {".img", ".img.gz"});
     if (voxels.empty()) {
       throw Error("{}: its voxels, the .img file beside it, are missing", path.string());
     }

@@ -215,6 +215,119 @@ TEST(ImageFile, WhatUnpacksToFarMoreThanItsHeaderSaysIsRefused) {
   EXPECT_THAT(read_error(folder / "v.nii.gz"), HasSubstr("unpacks to more than the 1008 bytes"));
 }
 
+/// A photograph of 100³ voxels whose colours say where they are, as NRRD.
+Bytes large_photograph(const std::string& encoding, int channels) {
+  constexpr int kSide = 100;
+  Bytes voxels;
+  for (int i = 0; i < kSide * kSide * kSide; ++i) {
+    for (int c = 0; c < channels; ++c) {
+      voxels.push_back(static_cast<std::uint8_t>(i % 251 * (c + 1)));
+    }
+  }
+  const std::string header = fmt::format(
+      "NRRD0004\ntype: uint8\ndimension: 4\nspace: right-anterior-superior\nsizes: {} 100 100 100\n"
+      "kinds: {}-color domain domain domain\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+      "encoding: {}\n\n",
+      channels, channels == 3 ? "rgb" : "rgba", encoding);
+  return joined(text_bytes(header), encoding == "raw" ? voxels : gzip(voxels));
+}
+
+TEST(ImageFile, ColoursOfLargeFilesKeepTheirPlaces) {
+  const TestFolder folder;
+  for (const char* encoding : {"raw", "gzip"}) {
+    for (const int channels : {3, 4}) {
+      write_plainly(folder / "v.nrrd", large_photograph(encoding, channels));
+      const Volume volume = load_volume(folder / "v.nrrd");
+      ASSERT_EQ(volume.rgb.size(), 3U * 1000 * 1000);
+      size_t wrong = 0;
+      for (size_t i = 0; i < volume.voxels(); ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+          wrong += volume.rgb[3 * i + c] != static_cast<std::uint8_t>(i % 251 * (c + 1)) ? 1U : 0U;
+        }
+      }
+      EXPECT_EQ(wrong, 0U) << encoding << " " << channels;
+    }
+  }
+}
+
+const Bytes kTenAndTwenty = {10, 20, 10, 20, 10, 20, 10, 20};
+
+/// Of 2 x 2 x 2 voxels, 10 and 20 in turns along x, `fields` beside the size and type.
+Volume two_voxels(const TestFolder& folder, const std::string& name, const std::string& fields) {
+  const bool nrrd = name.ends_with(".nrrd");
+  const std::string header =
+      nrrd ? "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n" + fields + "\n"
+           : "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\n" + fields;
+  write_plainly(folder / name, joined(text_bytes(header), kTenAndTwenty));
+  return load_volume(folder / name);
+}
+
+/// RAS mm along x from the voxel of 10 to that of 20.
+float from_ten_to_twenty(const Volume& volume) {
+  const float step = volume.world_from_index({1, 0, 0}).x - volume.world_from_index({0, 0, 0}).x;
+  return volume.values[0] < volume.values[1] ? step : -step;
+}
+
+TEST(ImageFile, ASpacingBelowZeroTurnsItsAxisRound) {
+  const TestFolder folder;
+  const std::string axes = "TransformMatrix = 1 0 0 0 1 0 0 0 1\n";
+  const std::string local = "ElementDataFile = LOCAL\n";
+  // The file's axes are LPS: on to the left is −x.
+  EXPECT_FLOAT_EQ(
+      from_ten_to_twenty(two_voxels(folder, "a.mha", axes + "ElementSpacing = 2 2 2\n" + local)),
+      -2);
+  EXPECT_FLOAT_EQ(
+      from_ten_to_twenty(two_voxels(folder, "b.mha", axes + "ElementSpacing = -2 2 2\n" + local)),
+      2);
+}
+
+TEST(ImageFile, ASpaceWithoutDirectionsIsThatOfTheAxes) {
+  const TestFolder folder;
+  const auto step = [&](const char* space) {
+    return from_ten_to_twenty(
+        two_voxels(folder, "v.nrrd", fmt::format("space: {}\nspacings: 2 2 2\n", space)));
+  };
+  EXPECT_FLOAT_EQ(step("right-anterior-superior"), 2);
+  EXPECT_FLOAT_EQ(step("left-posterior-superior"), -2);
+}
+
+TEST(ImageFile, AHeaderMayBeLongerThanItsText) {
+  const TestFolder folder;
+  const std::string text =
+      "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementSpacing = 20 20 20\nHeaderSize "
+      "= "
+      "512\nElementDataFile = LOCAL\n";
+  Bytes bytes = text_bytes(text);
+  bytes.resize(512, 200);
+  write_plainly(folder / "v.mha", joined(bytes, kTenAndTwenty));
+  const Volume volume = load_volume(folder / "v.mha");
+  EXPECT_EQ(volume.values[0], 20);  // the patient's right comes first
+  EXPECT_EQ(volume.values[1], 10);
+}
+
+TEST(ImageFile, ListsOfVolumesAreNoPhotographs) {
+  const TestFolder folder;
+  for (const char* kind : {"list", "time"}) {
+    const std::string header = fmt::format(
+        "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 3 2 1 1\nkinds: {} domain domain domain\n"
+        "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n",
+        kind);
+    write_plainly(folder / "v.nrrd", joined(text_bytes(header), {1, 2, 3, 4, 5, 6}));
+    EXPECT_THAT(read_error(folder / "v.nrrd"), HasSubstr("its first axis is of that kind"));
+  }
+}
+
+TEST(ImageFile, TheVoxelsThatAreNamedAreThoseThatAreRead) {
+  const TestFolder folder;
+  write_format(folder, {"hdr_img", "v.hdr", "v.img", false});
+  const Bytes voxels = read_file(folder / "v.img");
+  Bytes other = voxels;
+  std::ranges::fill(other, std::uint8_t{1});
+  write_plainly(folder / "v.img.gz", gzip(voxels));
+  write_plainly(folder / "v.img", other);
+  EXPECT_EQ(load_volume(folder / "v.img.gz").values, small_volume().values);
+}
+
 /// A NIfTI file of 3 volumes of 9 x 8 x 7 voxels, the second with 1000 more everywhere.
 Bytes three_volumes(const TestFolder& folder) {
   save_volume(folder / "v.nii", small_volume());

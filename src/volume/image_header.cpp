@@ -10,6 +10,7 @@ namespace clipgs {
 namespace {
 
 constexpr double kMostStackedFrames = 1 << 20;
+constexpr double kMostAlong = 1 << 30;  // voxels along an axis: indices are ints
 
 void require_step(double length, const std::string& field, const std::string& where) {
   constexpr double kShortest = 1e-6;  // mm
@@ -64,7 +65,8 @@ void set_sizes(ImageHeader& header, std::span<const double> sizes, const std::st
       throw Error("{}: its {} gives the size {} along axis {}; the header is corrupt", where, field,
                   size, axis + 1);
     }
-    const double most = axis < 3 ? static_cast<double>(kMaxVoxels) / voxels : kMostStackedFrames;
+    const double most = axis < 3 ? std::min(static_cast<double>(kMaxVoxels) / voxels, kMostAlong)
+                                 : kMostStackedFrames;
     if (size > most) {
       throw Error("{}: its {} gives more than 2^32 voxels, or 2^20 frames; crop or downsample it",
                   where, field);

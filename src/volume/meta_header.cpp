@@ -137,14 +137,17 @@ void set_source(const Fields& fields, ImageHeader& image, const std::string& whe
   } else {
     source.files = {file};
   }
-  const bool local = source.offset > 0;
+  const bool local = source.files.empty() && source.offset > 0;
   if (!local && (source.files.empty() || source.files[0].empty())) {
     throw Error("{}: corrupt: its ElementDataFile names no file", where);
   }
   if (const std::string* text = fields.find({"HeaderSize"})) {
     const std::int64_t size = whole_number(*text, -1, kMostBytes, "HeaderSize", where);
     source.at_end = size == -1 && source.encoding == VoxelSource::Encoding::kRaw;
-    source.offset += !local && size > 0 ? static_cast<std::uint64_t>(size) : 0;
+    if (local && size > 0 && static_cast<std::uint64_t>(size) < source.offset) {
+      throw Error("{}: corrupt: its HeaderSize of {} bytes ends within the header", where, size);
+    }
+    source.offset = size > 0 ? static_cast<std::uint64_t>(size) : source.offset;
   }
 }
 
@@ -186,7 +189,7 @@ glm::dvec3 spacing_of(const Fields& fields, size_t axes, ImageHeader& image,
   const std::vector<double> stored = finite_numbers(*text, axes, "ElementSpacing", where);
   glm::dvec3 spacing;
   for (int axis = 0; axis < 3; ++axis) {
-    spacing[axis] = std::abs(stored[static_cast<size_t>(axis)]);
+    spacing[axis] = stored[static_cast<size_t>(axis)];  // below 0 it turns the axis round
     if (spacing[axis] == 0) {
       image.warnings.push_back(fmt::format(
           "{}: its ElementSpacing[{}] is 0: voxels of 1 are assumed along that axis", where, axis));

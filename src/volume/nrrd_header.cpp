@@ -260,6 +260,12 @@ Axes find_axes(const Fields& fields, const Steps& directions, std::size_t count,
                                : kinds.empty() || spatial_kind(kinds[axis]);
   };
   const size_t first = spatial(0) ? 0 : 1;
+  if (first == 1 && !kinds.empty() && (kinds[0] == "list" || kinds[0] == "time")) {
+    throw Error(
+        "{}: a {} of volumes (its first axis is of that kind); store the volume to show as a 3D "
+        "file",
+        where, kinds[0] == "list" ? "list" : "series");
+  }
   for (size_t axis = first; axis < first + 3; ++axis) {
     if (axis >= count || !spatial(axis)) {
       throw Error(
@@ -346,7 +352,7 @@ glm::dmat3 steps_of_spacings(const Fields& fields, const Axes& axes, ImageHeader
           fmt::format("{}: its {} is 0: voxels of 1 are assumed along that axis", where, name));
       continue;
     }
-    steps[axis][axis] = std::abs(spacing);
+    steps[axis][axis] = spacing;  // below 0 it turns the axis round
   }
   return steps;
 }
@@ -367,7 +373,12 @@ void place(const Fields& fields, const Steps& directions, const Axes& axes, Imag
   if (directions.empty()) {
     glm::dmat3 steps = steps_of_spacings(fields, axes, image, where);
     for (int axis = 0; axis < 3; ++axis) {
-      steps[axis] *= unit[static_cast<size_t>(axis)];
+      steps[axis] *= sign[axis] * unit[static_cast<size_t>(axis)];
+    }
+    if (fields.find("space") != nullptr) {
+      image.warnings.push_back(fmt::format(
+          R"({}: names a "space" but gives no "space directions": its axes are taken to run along those of the space)",
+          where));
     }
     set_geometry(image, steps, origin,
                  {{"spacings[0]", "spacings[1]", "spacings[2]"}, "spacings", "space origin"},

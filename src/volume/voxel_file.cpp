@@ -54,9 +54,14 @@ class Frame {
       values_.append(piece_);
       return;
     }
-    const auto channels = static_cast<size_t>(header_.channels);
-    for (size_t i = 0; i + channels <= mine.size(); i += channels) {
-      image_.rgb.insert(image_.rgb.end(), {mine[i], mine[i + 1], mine[i + 2]});
+    // Pieces end anywhere, within a voxel too.
+    const auto channels = static_cast<std::uint64_t>(header_.channels);
+    std::uint64_t channel = (first - begin()) % channels;
+    for (const std::uint8_t byte : mine) {
+      if (channel < 3) {
+        image_.rgb.push_back(byte);
+      }
+      channel = channel + 1 == channels ? 0 : channel + 1;
     }
   }
 

@@ -30,7 +30,7 @@ import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import type { CaseClient, DecodedSection } from "./worker/case_client";
-import { type ClipOperator, kSuperseded } from "./worker/protocol";
+import { type ClipOperator, kSuperseded, type LoadedCase } from "./worker/protocol";
 
 export interface ViewerState extends Style {
   view: View;
@@ -211,7 +211,7 @@ export class Viewer {
       if (this.#disposed) {
         throw new CaseError("the viewer is gone");
       }
-      const fresh = new OpenCase(name, loaded, this.#client);
+      const fresh = this.#take(name, loaded);
       this.#replaceCase(fresh);
       this.stats.total = loaded.scene.count;
       begin();
@@ -222,6 +222,21 @@ export class Viewer {
       await this.#complete(opened, loaded.ticket);
     }
     await this.#nextPicture();
+    if (this.#case !== opened) {
+      throw new CaseError(kSuperseded);
+    }
+  }
+
+  /** The worker sorts for a case from when it is loaded: one that cannot be shown leaves none. */
+  #take(name: string, loaded: LoadedCase): OpenCase {
+    try {
+      return new OpenCase(name, loaded, this.#client);
+    } catch (error) {
+      if (this.#case) {
+        this.#refuse(this.#case);
+      }
+      throw error;
+    }
   }
 
   #replaceCase(opened: OpenCase): void {
@@ -748,6 +763,7 @@ export class Viewer {
       (uCenter!.value as Vector2).set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
       this.#gradient.render(this.#renderer, null);
     }
+    this.#layer.object.visible = this.#case !== null; // its last picture is of a case that may have been refused
     this.#renderer.render(this.#scene, this.#camera);
   }
 }

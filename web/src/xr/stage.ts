@@ -114,12 +114,9 @@ export class Stage {
     if (!shown) {
       return;
     }
-    const { mesh, faces, info } = shown;
+    const { mesh, info } = shown;
     this.#body.add(mesh);
-    if (faces) {
-      faces.setBlended(true);
-      this.#body.add(faces.opaque, faces.partial);
-    }
+    this.#takeFaces();
     const { bounds, sphere } = info;
     const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
     this.#body.matrix.makeTranslation(middle.negate());
@@ -130,6 +127,15 @@ export class Stage {
     this.#body.matrixWorldNeedsUpdate = this.#box.matrixWorldNeedsUpdate = true;
     this.#widget.setSphere(sphere);
     this.grip.setSphere(sphere);
+  }
+
+  /** The faces of the case, which come after its body. */
+  #takeFaces(): void {
+    const faces = this.#case?.faces;
+    if (faces && faces.opaque.parent !== this.#body) {
+      faces.setBlended(true);
+      this.#body.add(faces.opaque, faces.partial);
+    }
   }
 
   /** Puts the case before eyes at `eye` that look along `forward`, in life size, seen from the azimuth of the page. */
@@ -162,6 +168,7 @@ export class Stage {
 
   /** Before a frame, seen from `eye` (in the room) with `pixelAngle` the tangent of a pixel's angle. */
   update(time: number, eye: Vector3, pixelAngle: number): void {
+    this.#takeFaces();
     this.#store.update(time);
     this.grip.update(time);
     const { mark } = this.#marking;

@@ -521,7 +521,10 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.pressText("left", "Torso phantom");
       await expect.poll(shown).toBe("phantom");
       expect(await message()).toBe("");
+      await page.waitForFunction(() => window.clipgs.stats.sectionBytes > 0);
       await wearer.use("controller");
+      await wearer.frames(5);
+      await expectAsRendered("a case that was opened in the headset", "--plane", "0,0,-1,0");
     });
 
     it("is taken off where the GPU is lost, and shows the same when it is put on again", async () => {
