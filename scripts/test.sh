@@ -92,7 +92,7 @@ step "tests fuzz targets" run_tests asan -L fuzz
 count_tests "tests fuzz targets"
 # The rooms that work on several threads; training goes through those of splats as well.
 step "build tsan" configure_and_build tsan {core,cinema,section,train,serve}_test
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|RefiningImproves|SameBytesAtOneAndTwo|OnGradientOpacity|Denoise\.B|SlowClients'
 count_tests "tests tsan"
 # The rest is for scripts/tidy.sh by hand: half a minute a file is too long to wait for.
 step "tidy" bash scripts/tidy.sh src/core src/measure
