@@ -49,17 +49,6 @@ double parse_double(const std::string& text, double otherwise) {
   return parse_numbers(text, number) ? number[0] : otherwise;
 }
 
-/// `otherwise` where the file says nothing; what it says has to be a number.
-double require_double(const DicomElements& elements, DicomTag tag, size_t frame, double otherwise,
-                      const char* what) {
-  const std::string text = elements.text(tag, frame);
-  const double number = parse_double(text, otherwise);
-  if (!text.empty() && number == otherwise && parse_double(text, otherwise + 1) != otherwise) {
-    elements.corrupt(what);
-  }
-  return number;
-}
-
 int parse_int(const std::string& text, int otherwise) {
   return static_cast<int>(parse_double(text, otherwise));
 }
@@ -67,6 +56,17 @@ int parse_int(const std::string& text, int otherwise) {
 std::optional<double> parse_optional(const std::string& text) {
   std::array<double, 1> number{};
   return parse_numbers(text, number) ? std::optional(number[0]) : std::nullopt;
+}
+
+/// `otherwise` where the file says nothing; what it says has to be a number.
+double require_double(const DicomElements& elements, DicomTag tag, size_t frame, double otherwise,
+                      const char* what) {
+  const std::string text = elements.text(tag, frame);
+  const std::optional<double> number = parse_optional(text);
+  if (!text.empty() && !number) {
+    elements.corrupt(what);
+  }
+  return number.value_or(otherwise);
 }
 
 /// Seconds of "HHMMSS.FFFFFF", of which the last parts may lack.
@@ -166,11 +166,10 @@ std::vector<double> frame_offsets(const DicomElements& elements, int frames) {
   // dynamic series it is time as well, and one distance says nothing of where they lie.
   const double slice_vector = elements.big_endian() ? 0x00540080 : 0x00800054;
   const std::optional<double> counted = elements.unsigned_long(DicomTag::kFrameIncrement);
-  if (list.empty() && counted && *counted != slice_vector) {
-    return {};
-  }
   if (list.empty()) {
-    const double step = parse_double(elements.text(DicomTag::kSpacingBetweenSlices), 0);
+    const bool by_slices = !counted || *counted == slice_vector;
+    const double step =
+        by_slices ? parse_double(elements.text(DicomTag::kSpacingBetweenSlices), 0) : 0;
     for (size_t i = 0; i < offsets.size(); ++i) {
       offsets[i] = step * static_cast<double>(i);
     }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -37,9 +38,8 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 }
 
 /// As much as kDicomHead, less if the file is shorter.
-Bytes head_of(const fs::path& path) {
+Bytes head_of(std::ifstream file) {
   Bytes head(kDicomHead);
-  std::ifstream file(path, std::ios::binary);
   file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   return head;
@@ -48,10 +48,11 @@ Bytes head_of(const fs::path& path) {
 /// Whether reading it would say that it is DICOM, or that something is wrong with it: what cannot
 /// be opened, or is an empty shell, is missed when it is read, not passed over.
 bool may_be_dicom(const fs::path& path) {
-  if (!std::ifstream(path)) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
     return true;
   }
-  const Bytes head = head_of(path);
+  const Bytes head = head_of(std::move(file));
   return begins_dicom(head) || (head.empty() && path.extension() == ".dcm");
 }
 
@@ -115,7 +116,9 @@ bool begins_dicom(std::span<const std::uint8_t> head) {
   return std::ranges::equal(std::span(begin).subspan(kPreamble), kMagic);
 }
 
-bool is_dicom_file(const fs::path& path) { return begins_dicom(head_of(path)); }
+bool is_dicom_file(const fs::path& path) {
+  return begins_dicom(head_of(std::ifstream(path, std::ios::binary)));
+}
 
 std::vector<DicomSource> dicom_files_in(const fs::path& folder, bool below) {
   std::vector<DicomSource> sources;
@@ -129,7 +132,7 @@ std::vector<DicomSource> dicom_files_in(const fs::path& folder, bool below) {
 }
 
 bool is_zip_file(const fs::path& path) {
-  const Bytes head = head_of(path);
+  const Bytes head = head_of(std::ifstream(path, std::ios::binary));
   const auto begins = [&](std::string_view magic) {
     return head.size() >= magic.size() &&
            std::ranges::equal(std::span(head).first(magic.size()), magic);
