@@ -137,7 +137,7 @@ void set_source(const Fields& fields, ImageHeader& image, const std::string& whe
   } else {
     source.files = {file};
   }
-  const bool local = source.files.empty() && source.offset > 0;
+  const bool local = source.offset > 0;
   if (!local && (source.files.empty() || source.files[0].empty())) {
     throw Error("{}: corrupt: its ElementDataFile names no file", where);
   }
