@@ -9,6 +9,7 @@
 
 #include "pipeline/case_step.h"
 
+#include "asset/section_file.h"
 #include "bake/bake.h"
 #include "core/claim.h"
 #include "splat/scene_file.h"
@@ -39,7 +40,6 @@ Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOpt
   const DatasetOptions options = dataset_options(build);
   say_step(2, fmt::format("pictures: {} training, {} test, {}x{}, preset {}", options.train_frames,
                           2 * options.test_frames, options.size, options.size, preset.name));
-  const FolderLock lock(folder);  // clipgs dataset may be pointed here, too
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, build.section);
   return dataset;
@@ -60,6 +60,15 @@ struct SceneFiles {
       : ply(stem.string() + ".ply"),
         json(stem.string() + ".json"),
         checkpoint(stem.string() + ".checkpoint") {}
+
+  std::vector<fs::path> results(const Section* faces) const {
+    std::vector<fs::path> files{ply, json};
+    if (faces != nullptr) {
+      files.push_back(section_path(ply));
+    }
+    return files;
+  }
+
   fs::path ply, json, checkpoint;
 };
 
@@ -67,7 +76,7 @@ void build_explicit(const Dataset& dataset, const BuildOptions& build, const Sec
                     const fs::path& stem) {
   const SceneFiles files(stem);
   const Step step("training", stem, training_claim(build.training, dataset, faces),
-                  {files.ply, files.json}, {files.checkpoint});
+                  files.results(faces), {files.checkpoint});
   if (!step.done()) {
     const Scene scene = train(dataset, build.training, files.checkpoint, faces);
     write_scene_section(files.ply, faces);
@@ -87,7 +96,7 @@ void build_layered(const Dataset& dataset, const BuildOptions& build, const Sect
   const fs::path model_stem = stem.parent_path() / "model";
   const SceneFiles model(model_stem);
   const Step learnt("model", model_stem, training_claim(learning, dataset, nullptr),
-                    {model.ply, model.json}, {model.checkpoint});
+                    model.results(nullptr), {model.checkpoint});
   if (!learnt.done()) {
     write_model(model.ply, train_model(dataset, learning, model.checkpoint));
     learnt.finish();
@@ -101,7 +110,7 @@ void build_layered(const Dataset& dataset, const BuildOptions& build, const Sect
   claim["model"] = digest_of(learnt.claim());
   claim["baking"] = kBakingRevision;
   const SceneFiles scene(stem);
-  const Step refined("refinement", stem, claim, {scene.ply, scene.json}, {scene.checkpoint});
+  const Step refined("refinement", stem, claim, scene.results(faces), {scene.checkpoint});
   if (!refined.done()) {
     // Each primitive as it is where no plane is near: refinement cuts by the operator, not by
     // adjusting.
@@ -141,8 +150,9 @@ std::string today() {
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
                     const FolderLock& work) {
   require_look_for_section(preset, options.section);
-  const Dataset dataset =
-      build_dataset(std::exchange(volume, {}), preset, options, work.folder() / "dataset");
+  const fs::path folder = work.folder() / "dataset";
+  const FolderLock lock(folder);  // clipgs dataset may be pointed here, too
+  const Dataset dataset = build_dataset(std::exchange(volume, {}), preset, options, folder);
   Case contents = build_scene(dataset, options, work.folder() / "scene");
   contents.scene.title = options.title.empty() ? contents.scene.preset : options.title;
   contents.scene.created = today();

@@ -158,6 +158,12 @@ TEST_F(BuildCaseTest, WorkOfAnUnknownProgramIsNotTrusted) {
   EXPECT_THAT(said_, HasSubstr("training: made again, it is not known of what it was made"));
 }
 
+TEST_F(BuildCaseTest, ASceneThatLostItsSectionIsMadeAgain) {
+  const std::vector<float> expected = build(input_);
+  ASSERT_TRUE(fs::remove(folder_ / "work/scene.section.zip"));
+  EXPECT_TRUE(build(input_) == expected);
+}
+
 TEST_F(BuildCaseTest, ACheckpointOfOtherWorkIsNotGoneOnFrom) {
   const std::vector<float> expected = build(input_);
   Input other;

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <archive.h>
 #include <archive_entry.h>
+#include <array>
 #include <memory>
+#include <sstream>
+#include <string_view>
 
 #include "core/error.h"
 #include "core/progress.h"
+#include "volume/inflater.h"
 
 namespace clipgs {
 namespace {
@@ -21,6 +25,23 @@ struct Closer {
 };
 
 }  // namespace
+
+bool begins_dicom(std::span<const std::uint8_t> head) {
+  constexpr size_t kPreamble = 128;
+  constexpr std::string_view kMagic = "DICM";
+  std::array<std::uint8_t, kPreamble + kMagic.size()> begin{};
+  if (begins_gzip(head)) {
+    std::istringstream stream(std::string(head.begin(), head.end()));
+    if (Inflater(stream).read(begin) < begin.size()) {
+      return false;
+    }
+  } else if (head.size() < begin.size()) {
+    return false;
+  } else {
+    std::ranges::copy(head.first(begin.size()), begin.begin());
+  }
+  return std::ranges::equal(std::span(begin).subspan(kPreamble), kMagic);
+}
 
 std::uint64_t most_unpacked(std::uint64_t packed) {
   constexpr std::uint64_t kAlwaysFine = std::uint64_t{16} << 20;

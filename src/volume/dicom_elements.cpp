@@ -336,6 +336,9 @@ void DicomElements::sequence(int depth, bool explicit_vr, Scope scope, size_t en
       corrupt("a broken sequence");
     }
     if (scope.level == Level::kGroups && scope.of_one_frame) {
+      if (per_frame_.size() == size_t{kMostFrames}) {
+        corrupt("more than 2^16 frames");
+      }
       per_frame_.emplace_back();
     }
     if (length == kUndefinedLength) {

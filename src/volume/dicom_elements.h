@@ -56,6 +56,8 @@ enum class DicomTag : std::uint32_t {
 /// (PS3.3 C.7.6.16) say of one frame, or of all of them, stands before what the file says.
 class DicomElements {
  public:
+  static constexpr int kMostFrames = 1 << 16;  ///< in one file
+
   /// `bytes` stay the caller's; `name` is what messages call the file.
   DicomElements(std::span<const std::uint8_t> bytes, std::string name)
       : bytes_(bytes), name_(std::move(name)) {}

@@ -14,7 +14,6 @@
 namespace clipgs {
 namespace {
 
-constexpr int kMostFrames = 1 << 16;
 constexpr int kMostSamples = 4;
 constexpr int kMostBits = 64;
 
@@ -210,7 +209,7 @@ void require_sane_pixels(const DicomElements& elements, const DicomHeader& heade
   if (header.rows == 0 || header.columns == 0) {
     elements.corrupt("pixels without a size");
   }
-  if (header.frames > kMostFrames || header.samples > kMostSamples ||
+  if (header.frames > DicomElements::kMostFrames || header.samples > kMostSamples ||
       header.bits_allocated > kMostBits) {
     elements.corrupt("frames, samples or bits beyond all reason");
   }
@@ -244,8 +243,13 @@ std::vector<DicomHeader> read_dicom_headers(const DicomSource& source) {
 }
 
 DicomScan scan_dicom(const std::vector<DicomSource>& sources) {
+  constexpr size_t kMostImages = 1 << 20;  // a few bytes may promise many
   DicomScan scan;
   for (const DicomSource& source : sources) {
+    if (scan.images.size() > kMostImages) {
+      throw Error("{}: more than 2^20 images up to here; give the folder of one study",
+                  source.name());
+    }
     std::string series_uid;
     try {
       const std::vector<std::uint8_t> bytes = source.read();

@@ -120,6 +120,45 @@ TEST(DicomFrames, DistancesBetweenFramesPlaceThem) {
   EXPECT_THAT(error_of([&] { load_volume(folder / "frames.dcm"); }), HasSubstr("position"));
 }
 
+TEST(DicomFrames, FramesCountedByTimeHaveNoPlaces) {
+  const TestFolder folder;
+  FixtureSlice frames = three_frames();
+  frames.texts.push_back({0x0018, 0x0088, "3"});
+  frames.texts.push_back({0x0028, 0x0009, std::string("\x54\0\x80\0", 4)});  // slices
+  write_dicom(folder / "frames.dcm", frames);
+  EXPECT_EQ(load_volume(folder / "frames.dcm").dims.z, 3);
+  frames.texts.back().value = std::string("\x54\0\x70\0", 4);  // time slots
+  write_dicom(folder / "frames.dcm", frames);
+  EXPECT_THAT(error_of([&] { load_volume(folder / "frames.dcm"); }), HasSubstr("position"));
+}
+
+TEST(DicomFrames, DosesHaveAScaleOfTheirOwn) {
+  const TestFolder folder;
+  FixtureSlice frames = three_frames();
+  frames.texts.push_back({0x3004, 0x000c, "0\\3\\6"});
+  write_dicom(folder / "ct.dcm", frames);
+  const Volume plain = load_volume(folder / "ct.dcm");
+  frames.modality = "RTDOSE";
+  frames.intercept = 0;
+  frames.texts.push_back({0x3004, 0x000e, "0.25"});
+  write_dicom(folder / "dose.dcm", frames);
+  const Volume dose = load_volume(folder / "dose.dcm");
+  EXPECT_NEAR(dose.at(5, 5, 1), 0.25f * (plain.at(5, 5, 1) + 1024), 1e-3);
+}
+
+TEST(DicomFrames, AnUnknownCompressionIsNotCalledCorrupt) {
+  const TestFolder folder;
+  write_frames(folder / "frames.dcm", slices_at(even_table(6, 2)), {false, true, {}});
+  std::vector<std::uint8_t> bytes = read_file(folder / "frames.dcm");
+  constexpr std::string_view kRle = "1.2.840.10008.1.2.5";
+  const auto found = std::ranges::search(bytes, kRle);
+  ASSERT_FALSE(found.empty());
+  *(found.end() - 1) = '9';
+  write_file(folder / "frames.dcm", bytes.data(), bytes.size());
+  EXPECT_THAT(error_of([&] { load_volume(folder / "frames.dcm"); }),
+              HasSubstr("compression 1.2.840.10008.1.2.9 is not supported"));
+}
+
 /// Replaces the type of the element with this tag.
 void set_type(std::vector<std::uint8_t>& bytes, const std::vector<std::uint8_t>& tag,
               std::string_view type) {

@@ -24,6 +24,9 @@ Value number(const std::optional<double>& value) {
   return {value.value_or(-std::numeric_limits<double>::infinity()), ""};
 }
 
+/// mm, to the millimetre: stations lie centimetres apart.
+Value at(double position) { return {std::round(position) + 0.0, ""}; }
+
 struct Property {
   std::string_view name;
   std::string_view unit;
@@ -31,8 +34,11 @@ struct Property {
   bool since_the_first = false;  ///< said as the difference to the least
 };
 
-const std::array<Property, 8>& properties() {
-  static const std::array<Property, 8> kProperties{{
+const std::array<Property, 11>& properties() {
+  static const std::array<Property, 11> kProperties{{
+      {"foot-to-head position", " mm", [](const DicomHeader& h) { return at(h.position.z); }},
+      {"right-to-left position", " mm", [](const DicomHeader& h) { return at(h.position.x); }},
+      {"front-to-back position", " mm", [](const DicomHeader& h) { return at(h.position.y); }},
       {"temporal position", "",
        [](const DicomHeader& h) { return number(h.marks.temporal_position); }},
       {"temporal position", "",

@@ -13,11 +13,12 @@ struct DicomPhase {
   std::vector<DicomHeader> slices;
 };
 
-/// Tells apart the images of a stack that lie at the same places: cardiac phases, contrast phases,
-/// dynamics, echoes. `slices` are parallel and sorted along their normal; so are those of each
-/// phase. The phases come in the order of what sets them apart, which is sought in this order, and
-/// within each phase again: temporal position, trigger time, echo time, b-value, acquisition
-/// number, image type, time of acquisition. Each has to make
+/// Tells apart the images of a stack that lie at the same places along its normal: stations beside
+/// one another (of a spine, of two breasts), cardiac phases, contrast phases, dynamics, echoes.
+/// `slices` are parallel and sorted along their normal; so are those of each phase. The phases come
+/// in the order of what sets them apart, which is sought in this order, and within each phase
+/// again: position within the planes, temporal position, trigger time, echo time, b-value,
+/// acquisition number, image type, time of acquisition. Each has to make
 ///  - phases by its values, which all cover the same places; or else
 ///  - phases by the order of its values at each place, if all have equally many (trigger times of
 ///    a cine differ from slice to slice, and some scanners number acquisitions slice by slice); or

@@ -210,6 +210,23 @@ TEST(DicomPhases, EachIsAVolumeToChoose) {
   }
 }
 
+TEST(DicomPhases, StationsBesideOneAnotherAreNotCopies) {
+  const TestFolder folder;
+  FixtureSlice slice;
+  write_series(folder.path(), even_table(5, 2), slice, "a");
+  slice.position.y = 9;
+  write_series(folder.path(), even_table(5, 2), slice, "b");
+  LoadOptions options;
+  for (const double y : {0.0, 9.0}) {
+    testing::internal::CaptureStderr();
+    const Volume volume = load_volume(folder.path(), options);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                y == 0 ? HasSubstr("front-to-back position 9 mm, 5 slices") : HasSubstr(""));
+    EXPECT_NEAR(volume.sample(Vec3(-3, -4 - y, -16)), fixture_truth({3, 4 + y, -16}), 0.6);
+    options.series = "2";
+  }
+}
+
 TEST(DicomPhases, AUidNamesTheFirstAndSaysSo) {
   const TestFolder folder;
   write_phases(folder, {0x0020, 0x0012, "2"}, {0x0020, 0x0012, "3"});

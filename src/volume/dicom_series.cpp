@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include "core/error.h"
@@ -52,6 +53,13 @@ void drop_repeats(std::vector<DicomHeader>& slices, const std::string& where) {
   }
 }
 
+/// Made from pictures of the patient rather than being one: segmentations (which may have a frame
+/// for each label and slice), doses, maps of fit parameters.
+bool is_derived(const DicomStack& stack) {
+  constexpr std::array<std::string_view, 4> kDerived{"SEG", "RTDOSE", "REG", "RTSTRUCT"};
+  return std::ranges::find(kDerived, stack.modality) != kDerived.end();
+}
+
 /// A regular grid that holds every slice: in-plane axes as stored, the third along the normal.
 struct ResampleGrid {
   glm::dvec3 normal;
@@ -60,7 +68,8 @@ struct ResampleGrid {
   glm::dvec3 spacing;
 };
 
-ResampleGrid resample_grid(const std::vector<DicomHeader>& slices, const StackPlan& plan) {
+ResampleGrid resample_grid(const std::vector<DicomHeader>& slices, const StackPlan& plan,
+                           const std::string& where) {
   const DicomHeader& first = slices.front();
   ResampleGrid grid;
   grid.normal = normal_of(first);
@@ -77,6 +86,11 @@ ResampleGrid resample_grid(const std::vector<DicomHeader>& slices, const StackPl
   // Whole pixels, so that an untilted stack keeps its pixels as they are.
   low = glm::floor(low + 1e-3);
   high = glm::ceil(high - 1e-3);
+  constexpr double kMostPixels = 1 << 20;  // along one axis: a position far off would take all
+  if (!(glm::length(high - low) < kMostPixels)) {
+    throw Error("{}: its slices lie {:.3g} mm apart within their planes; the positions are corrupt",
+                where, glm::length((high - low) * first.pixel_spacing));
+  }
   const double depth = along_normal(slices.back(), grid.normal) - along_normal(first, grid.normal);
   grid.dims = IVec3(first.columns + static_cast<int>(high.x - low.x),
                     first.rows + static_cast<int>(high.y - low.y),
@@ -193,6 +207,16 @@ VoxelValues read_regular(const DicomStack& stack, size_t voxels) {
   return packer.take();
 }
 
+/// Of the read volume. Slices that are scaled each in its own way (PET) have together more values
+/// than 16 bits tell apart.
+int bytes_of_a_value(const std::vector<DicomHeader>& slices, const StackPlan& plan) {
+  const DicomHeader& first = slices.front();
+  const bool alike = std::ranges::all_of(slices, [&](const DicomHeader& slice) {
+    return slice.slope == first.slope && slice.intercept == first.intercept;
+  });
+  return plan.resampled() || !alike ? int{sizeof(float)} : first.bits_allocated / 8;
+}
+
 void require_whole(const DicomStack& stack, const std::string& where) {
   const DicomHeader& first = stack.slices.front();
   if (stack.slices.size() < 2 || first.columns < 2 || first.rows < 2) {
@@ -246,8 +270,9 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
                         std::move(phase.slices)});
     }
   }
-  std::ranges::stable_sort(
-      sorted, [](const DicomStack& a, const DicomStack& b) { return a.voxels() > b.voxels(); });
+  std::ranges::stable_sort(sorted, [](const DicomStack& a, const DicomStack& b) {
+    return std::pair(is_derived(a), b.voxels()) < std::pair(is_derived(b), a.voxels());
+  });
   return sorted;
 }
 
@@ -257,7 +282,7 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
   drop_repeats(whole.slices, where);
   require_whole(whole, where);
   const StackPlan plan = plan_stack(whole.slices, gaps, where);
-  const ResampleGrid grid = resample_grid(whole.slices, plan);
+  const ResampleGrid grid = resample_grid(whole.slices, plan, where);
 
   StoredImage image;
   const DicomHeader& first = whole.slices.front();
@@ -271,8 +296,7 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
     throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
   }
   if (check) {
-    const int stored_bytes = plan.resampled() ? int{sizeof(float)} : first.bits_allocated / 8;
-    check({image.dims, stored_bytes});
+    check({image.dims, bytes_of_a_value(whole.slices, plan)});
   }
   const auto voxels = static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z;
   if (plan.resampled()) {

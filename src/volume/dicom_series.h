@@ -25,8 +25,9 @@ struct DicomStack {
   std::string describe() const;
 };
 
-/// Groups images into stacks, the largest first, phases of the same size in their order. Images
-/// without a position are left out.
+/// Groups images into stacks, the largest first, phases of the same size in their order; what is
+/// derived from pictures (segmentations, doses) after all pictures. Images without a position are
+/// left out.
 std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& headers);
 
 /// Reads the stack's pixels onto a regular grid. Tilted and uneven stacks and those that lack a few

@@ -31,5 +31,18 @@ TEST(Stacks, LocalizerOfTheSameSeriesStandsApart) {
   EXPECT_EQ(stacks[0].slices.size(), 4);
 }
 
+TEST(Stacks, WhatIsDerivedFromPicturesComesAfterThem) {
+  std::vector<DicomHeader> headers = headers_at({1, 1, 1});
+  for (DicomHeader frame : headers_at({1, 1, 1, 1, 1, 1})) {
+    frame.series_uid = "1.2.3";
+    frame.modality = "SEG";
+    headers.push_back(frame);
+  }
+  const std::vector<DicomStack> stacks = group_into_stacks(headers);
+  ASSERT_EQ(stacks.size(), 2);
+  EXPECT_EQ(stacks[0].modality, "");
+  EXPECT_EQ(stacks[1].slices.size(), 7);
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -99,23 +99,6 @@ Bytes DicomSource::read() const {
   return begins_gzip(bytes) ? unpacked(bytes, name()) : bytes;
 }
 
-bool begins_dicom(std::span<const std::uint8_t> head) {
-  constexpr size_t kPreamble = 128;
-  constexpr std::string_view kMagic = "DICM";
-  std::array<std::uint8_t, kPreamble + kMagic.size()> begin{};
-  if (begins_gzip(head)) {
-    std::istringstream stream(std::string(head.begin(), head.end()));
-    if (Inflater(stream).read(begin) < begin.size()) {
-      return false;
-    }
-  } else if (head.size() < begin.size()) {
-    return false;
-  } else {
-    std::ranges::copy(head.first(begin.size()), begin.begin());
-  }
-  return std::ranges::equal(std::span(begin).subspan(kPreamble), kMagic);
-}
-
 bool is_dicom_file(const fs::path& path) {
   return begins_dicom(head_of(std::ifstream(path, std::ios::binary)));
 }

@@ -204,6 +204,40 @@ TEST(Dicom, WhatWouldGiveWrongValuesIsRefused) {
   EXPECT_THAT(error(0x0102, std::string("\x0d\0", 2)), HasSubstr("the highest number 13"));
 }
 
+TEST(Dicom, PositionsFarApartWithinThePlanesAreRefused) {
+  const TestFolder folder;
+  write_series(folder.path(), even_table(6, 2), FixtureSlice());
+  FixtureSlice astray;
+  astray.position = {1e8, 0, -22};
+  fill(astray);
+  write_dicom(folder / "astray", astray);
+  testing::internal::CaptureStderr();
+  EXPECT_THAT(error_of([&] { load_volume(folder.path()); }),
+              HasSubstr("its slices lie 1e+08 mm apart within their planes"));
+  testing::internal::GetCapturedStderr();
+}
+
+TEST(Dicom, SlicesEachScaledInItsOwnWayAreKnownToNeedMoreMemory) {
+  const TestFolder folder;
+  FixtureSlice slice;
+  slice.position.z = -22;
+  fill(slice);
+  write_dicom(folder / "first", slice);
+  LoadOptions options;
+  int stored_bytes = 0;
+  options.work = [&](const VolumeSize& size) {
+    stored_bytes = size.stored_bytes;
+    return std::uint64_t{0};
+  };
+  write_series(folder.path(), even_table(6, 2), slice);
+  load_volume(folder.path(), options);
+  EXPECT_EQ(stored_bytes, 2);
+  slice.slope = 0.5;
+  write_series(folder.path(), even_table(6, 2), slice);
+  load_volume(folder.path(), options);
+  EXPECT_EQ(stored_bytes, 4);
+}
+
 TEST(Dicom, EmptyFilesOfASeriesAreMissed) {
   const TestFolder folder;
   write_series(folder.path(), even_table(6, 2), FixtureSlice());

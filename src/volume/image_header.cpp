@@ -56,6 +56,16 @@ double finite(double value, const std::string& field, const std::string& where) 
   return value;
 }
 
+double spacing_or_one(double spacing, const std::string& field, ImageHeader& header,
+                      const std::string& where) {
+  if (spacing != 0) {
+    return spacing;
+  }
+  header.warnings.push_back(
+      fmt::format("{}: its {} is 0: voxels of 1 are assumed along that axis", where, field));
+  return 1;
+}
+
 void set_sizes(ImageHeader& header, std::span<const double> sizes, const std::string& field,
                const std::string& where) {
   double voxels = 1;

@@ -54,6 +54,10 @@ struct GeometryFields {
   std::string origin;
 };
 
+/// `spacing`, or 1 with a warning that names the field if it is 0.
+double spacing_or_one(double spacing, const std::string& field, ImageHeader& header,
+                      const std::string& where);
+
 /// Sets sizes. Throws Error for a size below 1, more than kMaxVoxels or 2^20 frames. `sizes` has 3
 /// or more; above the third only `frames` may be more than 1.
 void set_sizes(ImageHeader& header, std::span<const double> sizes, const std::string& field,

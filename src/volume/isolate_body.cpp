@@ -71,6 +71,11 @@ void lower(float* squares, const float* others, int count, float added) {
   }
 }
 
+/// How many voxels along an axis of `count` are within `radius`; spacings may be tiny.
+int voxels_within(float radius, float spacing, int count) {
+  return static_cast<int>(std::min(radius / spacing, static_cast<float>(count - 1)));
+}
+
 /// The squares within rows and within one slice of the mask, for distances up to `radius`.
 /// Row y of them is all kFar where far[y].
 void find_squares_in_slice(const Volume& volume, const BitMask& mask, int z, float radius,
@@ -81,7 +86,7 @@ void find_squares_in_slice(const Volume& volume, const BitMask& mask, int z, flo
   std::vector<float> rows(width * dims.y);  // distances along the row alone
   std::vector<float> row(width);
   std::vector<std::uint8_t> empty(dims.y);
-  const int reach_x = std::min(static_cast<int>(radius / spacing.x), dims.x - 1);
+  const int reach_x = voxels_within(radius, spacing.x, dims.x);
   for (int y = 0; y < dims.y; ++y) {
     const size_t first = volume.offset(0, y, z);
     empty[y] = mask.next(first) >= first + width ? 1 : 0;
@@ -96,7 +101,7 @@ void find_squares_in_slice(const Volume& volume, const BitMask& mask, int z, flo
       lower(out + step, row.data(), dims.x - step, added);
     }
   }
-  const int reach_y = std::min(static_cast<int>(radius / spacing.y), dims.y - 1);
+  const int reach_y = voxels_within(radius, spacing.y, dims.y);
   for (int y = 0; y < dims.y; ++y) {
     float* const out = squares + y * width;
     std::copy_n(&rows[y * width], width, out);
@@ -119,7 +124,7 @@ BitMask dilated(const Volume& volume, const BitMask& mask, float radius) {
   constexpr int kTogether = 16;  // slices
   const IVec3 dims = volume.dims;
   const float limit = radius * radius;
-  const int reach = std::min(static_cast<int>(radius / volume.spacing.z), dims.z - 1);
+  const int reach = voxels_within(radius, volume.spacing.z, dims.z);
   const int held = std::min(kTogether + 2 * reach, dims.z);
   const size_t slice = static_cast<size_t>(dims.x) * dims.y;
   std::vector<float> squares(held * slice);  // of slice z at z % held

@@ -141,7 +141,7 @@ std::vector<SeriesInfo> choices_of(const DicomStudy& study, size_t chosen) {
   for (size_t i = 0; i < study.stacks.size(); ++i) {
     const DicomStack& stack = study.stacks[i];
     const DicomHeader& first = stack.slices.front();
-    const int slices = first.frames > 1 ? first.frames : static_cast<int>(stack.slices.size());
+    const auto slices = static_cast<int>(stack.slices.size());
     list.push_back({stack.uid, stack.modality, stack.series_number, stack.phase,
                     IVec3(first.columns, first.rows, slices), i == chosen});
   }

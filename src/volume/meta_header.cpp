@@ -189,12 +189,9 @@ glm::dvec3 spacing_of(const Fields& fields, size_t axes, ImageHeader& image,
   const std::vector<double> stored = finite_numbers(*text, axes, "ElementSpacing", where);
   glm::dvec3 spacing;
   for (int axis = 0; axis < 3; ++axis) {
-    spacing[axis] = stored[static_cast<size_t>(axis)];  // below 0 it turns the axis round
-    if (spacing[axis] == 0) {
-      image.warnings.push_back(fmt::format(
-          "{}: its ElementSpacing[{}] is 0: voxels of 1 are assumed along that axis", where, axis));
-      spacing[axis] = 1;
-    }
+    // Below 0 it turns the axis round.
+    spacing[axis] = spacing_or_one(stored[static_cast<size_t>(axis)],
+                                   fmt::format("ElementSpacing[{}]", axis), image, where);
   }
   return spacing;
 }

@@ -267,12 +267,8 @@ glm::dvec3 voxel_size(const Fields& fields, ImageHeader& image, const std::strin
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name = fmt::format("pixdim[{}]", axis + 1);
     const double stored = finite(fields.pixdim[static_cast<size_t>(axis) + 1], name, where);
-    size[axis] = std::abs(stored);
-    if (stored == 0) {
-      image.warnings.push_back(
-          fmt::format("{}: its {} is 0: voxels of 1 are assumed along that axis", where, name));
-      size[axis] = 1;
-    } else if (stored < 0) {
+    size[axis] = std::abs(spacing_or_one(stored, name, image, where));
+    if (stored < 0) {
       image.warnings.push_back(fmt::format(
           "{}: its {} is {}: the sign is left out, it turns no axis around", where, name, stored));
     }

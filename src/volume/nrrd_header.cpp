@@ -347,12 +347,7 @@ glm::dmat3 steps_of_spacings(const Fields& fields, const Axes& axes, ImageHeader
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name = fmt::format("spacings[{}]", axis);
     const double spacing = finite(spacings[axes.first + static_cast<size_t>(axis)], name, where);
-    if (spacing == 0) {
-      image.warnings.push_back(
-          fmt::format("{}: its {} is 0: voxels of 1 are assumed along that axis", where, name));
-      continue;
-    }
-    steps[axis][axis] = spacing;  // below 0 it turns the axis round
+    steps[axis][axis] = spacing_or_one(spacing, name, image, where);  // below 0: turned round
   }
   return steps;
 }

@@ -1,5 +1,7 @@
 #include "volume/pixel_decoder.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <gdcmImageReader.h>
 #include <gdcmTrace.h>
@@ -9,9 +11,17 @@
 #include <utility>
 
 #include "core/error.h"
+#include "volume/header_text.h"
 
 namespace clipgs {
 namespace {
+
+/// What GDCM decodes: JPEG, JPEG-LS, JPEG 2000, RLE (PS3.6 A).
+constexpr std::array<std::string_view, 10> kSyntaxes{
+    "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.53",
+    "1.2.840.10008.1.2.4.57", "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.80",
+    "1.2.840.10008.1.2.4.81", "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.91",
+    "1.2.840.10008.1.2.5"};
 
 /// Larger than any detector: what a few bytes of a corrupt file may promise.
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 26;
@@ -106,14 +116,25 @@ std::string PixelDecoder::decode(const DicomHeader& header,
     throw Error("{}: a compressed image of more than 2^26 pixels; downsample it",
                 header.source.name());
   }
+  if (std::ranges::find(kSyntaxes, header.transfer_syntax) == kSyntaxes.end()) {
+    throw Error("{}: compression {} is not supported; export the series uncompressed",
+                header.source.name(), printable(header.transfer_syntax));
+  }
   if (!gdcm_) {
     gdcm_.emplace(decoded, kMostMemory);
   }
   const std::uint64_t expected = pixels * (static_cast<unsigned>(header.bits_allocated) / 8);
-  std::optional<std::string> bytes = gdcm_->ask(minimal_file(header, fragments), expected,
-                                                std::chrono::seconds(8 + pixels / kPixelsASecond));
+  const std::chrono::seconds limit(8 + pixels / kPixelsASecond);
+  const auto start = std::chrono::steady_clock::now();
+  std::optional<std::string> bytes = gdcm_->ask(minimal_file(header, fragments), expected, limit);
   if (!bytes || bytes->size() != expected) {
     gdcm_.reset();
+    if (std::chrono::steady_clock::now() - start >= limit) {
+      throw Error(
+          "{}: its compressed pixels take more than {} s to decode; try again, or export "
+          "the series uncompressed",
+          header.source.name(), limit.count());
+    }
     throw Error("{}: its compressed pixels are corrupt", header.source.name());
   }
   return std::move(*bytes);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/parallel.h"
 #include "volume/image_file.h"
 #include "volume/orient.h"
@@ -25,8 +26,13 @@ Volume read_labels(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) {
     throw Error("{}: no such file; labels are one .nii(.gz), .nrrd or .mha file", where);
   }
-  const SizeCheck supported = [&](const VolumeSize& size) { require_supported(size, where); };
-  StoredImage stored = read_image_file(path, 0, supported);
+  const SizeCheck check = [&](const VolumeSize& size) {
+    require_supported(size, where);
+    if (const std::string lack = lack_of_memory(size, 0, available_memory()); !lack.empty()) {
+      throw Error("{}: {}", where, lack);
+    }
+  };
+  StoredImage stored = read_image_file(path, 0, check);
   if (stored.values.empty()) {
     throw Error("{}: a colour image; labels are one whole number a voxel", where);
   }
