@@ -26,10 +26,9 @@ constexpr const char* kExtension = ".sog";
 }
 
 std::shared_ptr<const CaseEntry> read_entry(const std::string& name, const fs::path& path,
-                                            const fs::path& folder, const FileState& state) {
+                                            const fs::path& folder) {
   auto entry = std::make_shared<CaseEntry>();
   entry->name = name;
-  entry->version = state.version;
   try {
     const OpenFile file(path, folder);
     entry->version = file.state().version;
@@ -137,7 +136,7 @@ std::shared_ptr<const CaseEntry> CaseIndex::look_at(const std::string& name,
       return known->second;
     }
   }
-  return read_entry(name, path, folder, *state);
+  return read_entry(name, path, folder);
 }
 
 nlohmann::json case_index_json(const CaseEntries& entries) {

@@ -17,7 +17,7 @@ namespace clipgs {
 /// One *.sog of the folder, at the moment it was looked at.
 struct CaseEntry {
   std::string name;          ///< the file's name without .sog; what addresses call the case
-  std::string version;       ///< changes whenever the file does
+  std::string version;       ///< changes whenever the file does; empty of what may not be read
   std::uintmax_t bytes = 0;  ///< 0 of what may not be read
   CaseInfo info;             ///< empty where error is not
   std::string error;         ///< one line saying why this is no case, or empty
@@ -26,7 +26,8 @@ struct CaseEntry {
 using CaseEntries = std::vector<std::shared_ptr<const CaseEntry>>;
 
 /// The cases of one folder, by name. Files that come, change or go are seen at the next call; one
-/// that did not change is not read again, and of the others only what read_case_summary() wants.
+/// that could be opened and did not change is not read again, and of the others only what
+/// read_case_summary() wants.
 /// Links are followed within the folder alone. Safe to use from several threads, which do not wait
 /// for each other while files are read.
 class CaseIndex {

@@ -166,5 +166,49 @@ TEST(CaseIndex, SeesWhatChanges) {
   EXPECT_EQ(seen(index, "head"), "none");
 }
 
+TEST(CaseIndex, ForgetsWhyAFileCouldNotBeOpened) {
+  const TestFolder folder;
+  const fs::path cases = folder / "cases";
+  fs::create_directories(cases);
+  fs::create_directories(folder / "outside");
+  test::write_small_case(folder / "outside" / "head.sog", "A head");
+  fs::create_directory_symlink("../outside", cases / "door");
+  fs::create_symlink("door/head.sog", cases / "head.sog");
+  CaseIndex index(cases);
+  EXPECT_THAT(seen(index, "head"), HasSubstr("leaves the folder"));
+  // The file itself stays as it is, as where only its permissions were changed.
+  fs::rename(folder / "outside", cases / "inside");
+  fs::remove(cases / "door");
+  fs::create_directory_symlink("inside", cases / "door");
+  EXPECT_EQ(seen(index, "head"), "A head");
+}
+
+TEST(CaseIndex, SeesPermissionsThatAreGiven) {
+  if (::geteuid() == 0) {
+    GTEST_SKIP() << "root may read everything";
+  }
+  const TestFolder folder;
+  test::write_small_case(folder / "head.sog", "A head");
+  fs::permissions(folder / "head.sog", fs::perms::none);
+  CaseIndex index(folder.path());
+  EXPECT_THAT(seen(index, "head"), HasSubstr("check its permissions"));
+  fs::permissions(folder / "head.sog", fs::perms::owner_read);
+  EXPECT_EQ(seen(index, "head"), "A head");
+}
+
+TEST(CaseIndex, SeesOtherContentsOfTheSameTimeAndSize) {
+  const TestFolder folder;
+  const fs::path path = folder / "head.sog";
+  test::write_small_case(path, "A head");
+  CaseIndex index(folder.path());
+  EXPECT_EQ(seen(index, "head"), "A head");
+  const fs::file_time_type time = fs::last_write_time(path);
+  test::write_small_case(folder / "other.sog", "A hand");
+  ASSERT_EQ(fs::file_size(folder / "other.sog"), fs::file_size(path));
+  fs::copy_file(folder / "other.sog", path, fs::copy_options::overwrite_existing);
+  fs::last_write_time(path, time);
+  EXPECT_EQ(seen(index, "head"), "A hand");
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -22,8 +22,10 @@ std::optional<FileState> state_of(const struct stat& status) {
   }
   FileState state;
   state.size = static_cast<std::uintmax_t>(status.st_size);
-  state.version = fmt::format("{:x}-{:x}-{:x}{:08x}", status.st_size, status.st_ino,
-                              status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+  // Who writes a file can set its time of modification back, but not that of its change.
+  state.version = fmt::format("{:x}-{:x}-{:x}{:08x}-{:x}{:08x}", status.st_size, status.st_ino,
+                              status.st_mtim.tv_sec, status.st_mtim.tv_nsec, status.st_ctim.tv_sec,
+                              status.st_ctim.tv_nsec);
   return state;
 }
 

@@ -237,7 +237,7 @@ Answer Site::answer(const HttpRequest& request, const std::string& client) {
   return answer;
 }
 
-Answer Site::refuse(const boost::system::error_code& error) const {
+Answer Site::refuse(const boost::system::error_code& error) {
   Answer answer;
   set_common_headers(answer.head);
   const bool large = error == http::error::header_limit || error == http::error::buffer_overflow;
@@ -261,7 +261,7 @@ std::string Site::answer_bytes(std::string_view bytes) {
     return {};
   }
   const Answer given = error && !parser.is_header_done() ? refuse(error) : answer(parser.get(), {});
-  std::string text = head_text(given.head);
+  const std::string text = head_text(given.head);
   std::string body(given.body.size, '\0');
   if (!body.empty()) {
     body.resize(given.body.read(0, {reinterpret_cast<std::uint8_t*>(body.data()), body.size()}));
@@ -288,10 +288,11 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
     answer.head.result(status::found);
     answer.head.set(field::location, "/");
     answer.head.set(field::cache_control, "no-store");
-    answer.head.set(
-        field::set_cookie,
-        fmt::format("{}={}; Path=/; Secure; HttpOnly; SameSite=Strict; Max-Age=31536000", kCookie,
-                    options_.token));
+    // Lax, so that a link to a view can be followed from another site: nothing is changed by GET,
+    // and what other sites embed or fetch still comes without the cookie.
+    answer.head.set(field::set_cookie,
+                    fmt::format("{}={}; Path=/; Secure; HttpOnly; SameSite=Lax; Max-Age=31536000",
+                                kCookie, options_.token));
     return false;
   }
   const bool tried = !kept.empty() || may_be_token(page);

@@ -77,6 +77,7 @@ export class App {
   readonly #ended = new AbortController();
   readonly #resized = new ResizeObserver(() => this.#resize());
   #opening = 0;
+  #again = (): void => {}; // opens the case that was asked for last
   #statsTimer = 0;
   #pictureOnly = false;
 
@@ -126,6 +127,11 @@ export class App {
       this.actions.observe();
       this.#update();
     };
+    this.viewer.failed = (error) => {
+      this.#title.textContent = kNoCase;
+      this.fail(error.message, this.#again);
+      this.headset.panel?.tell(error.message);
+    };
     this.viewer.drawnFrame = () => {
       this.#overlay.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
@@ -146,7 +152,7 @@ export class App {
     this.#resized.disconnect();
     clearTimeout(this.#statsTimer);
     this.#announcer.dispose();
-    this.viewer.changed = this.viewer.drawnFrame = this.headset.changed = () => {};
+    this.viewer.changed = this.viewer.drawnFrame = this.viewer.failed = this.headset.changed = () => {};
     this.headset.dispose();
     this.viewer.dispose();
     this.#root.replaceChildren();
@@ -171,6 +177,7 @@ export class App {
     again: () => void,
   ): Promise<void> {
     const opening = ++this.#opening;
+    this.#again = again;
     this.#message.hidden = true;
     this.#setProgress(0.02);
     try {
@@ -364,8 +371,12 @@ export class App {
     this.#themeButton.replaceChildren(icon(kIcons[shown]));
   }
 
-  #savePicture(): Promise<void> {
-    return savePicture(this.viewer, this.title, this.#root);
+  async #savePicture(): Promise<void> {
+    try {
+      await savePicture(this.viewer, this.title, this.#root);
+    } catch (error) {
+      this.fail((error as CaseError).message, () => void this.#savePicture());
+    }
   }
 
   async #offerHeadset(): Promise<void> {

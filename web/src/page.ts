@@ -23,6 +23,7 @@ class Page implements Host {
   readonly app: App;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
   #cases: CaseSummary[] = [];
+  #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
   #size: Link["size"];
   #linkTimer = 0;
 
@@ -51,6 +52,18 @@ class Page implements Host {
 
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
   async open(name: string): Promise<void> {
+    const opening = { name, opened: this.#open(name) };
+    this.#opening = opening;
+    try {
+      await opening.opened;
+    } finally {
+      if (this.#opening === opening) {
+        this.#opening = null;
+      }
+    }
+  }
+
+  async #open(name: string): Promise<void> {
     const known = this.#cases.find((one) => one.name === name);
     const again = () => void this.open(name).catch(() => {});
     await this.app.open(
@@ -94,12 +107,15 @@ class Page implements Host {
     const link = parseLink(hash);
     this.#size = link.size;
     app.setSize(link.size);
-    const name = link.case ?? app.viewer.caseName ?? this.#cases.find((one) => !one.error)?.name;
+    const wanted = this.#opening?.name ?? app.viewer.caseName;
+    const name = link.case ?? wanted ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {
       await this.#showMenu();
       return;
     }
-    if (name !== app.viewer.caseName) {
+    if (name === wanted) {
+      await this.#opening?.opened;
+    } else {
       await this.open(name);
     }
     app.follow(link);

@@ -24,7 +24,7 @@ import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
 import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
-import { kMostRays, OpenCase, type Style } from "./render/open_case";
+import { kMostRays, OpenCase, type SortResult, type Style } from "./render/open_case";
 import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
@@ -41,6 +41,13 @@ export interface ViewerState extends Style {
   pins: readonly Pin[]; // points that are marked, the oldest first
 }
 
+/** A picture's size and what panels cover of it, px. */
+interface Frame {
+  width: number;
+  height: number;
+  inset: Inset;
+}
+
 /** Behind the case, display sRGB: three colours, from the middle outwards. */
 const kBackgrounds = {
   dark: [0.14, 0.175, 0.222, 0.078, 0.1, 0.131, 0.043, 0.055, 0.075],
@@ -50,6 +57,8 @@ const kBackgrounds = {
 /** A quiet gradient, or black. */
 export type Background = keyof typeof kBackgrounds | "black";
 
+/** Why there is no picture, to whoever waited for it. */
+const kNotPictured = "the case was closed, or a headset put on, before its picture was drawn; try again";
 /** On the browser's performance timeline: a case is seen for the first time. */
 const kPictureMark = "clipgs: picture";
 /** Without changes for this long the picture is drawn at full resolution. */
@@ -64,7 +73,8 @@ const kMmFromWorld = kWorldFromPatient.clone().invert();
 
 /**
  * A case in a canvas: decoding, sorting and drawing, without any panels. Everything is said in patient space (RAS mm).
- * `changed` is called after every change of the state, `drawnFrame` after every frame.
+ * `changed` is called after every change of the state, `drawnFrame` after every frame, `failed` where a case that was
+ * shown cannot be shown any more.
  */
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
@@ -95,6 +105,7 @@ export class Viewer {
   version = 0;
   changed: () => void = () => {};
   drawnFrame: () => void = () => {};
+  failed: (error: CaseError) => void = () => {};
 
   readonly #renderer: WebGLRenderer;
   readonly #camera = new PerspectiveCamera();
@@ -223,7 +234,7 @@ export class Viewer {
     }
     await this.#nextPicture();
     if (this.#case !== opened) {
-      throw new CaseError(kSuperseded);
+      throw opened.refusal ?? new CaseError(kSuperseded);
     }
   }
 
@@ -233,7 +244,7 @@ export class Viewer {
       return new OpenCase(name, loaded, this.#client);
     } catch (error) {
       if (this.#case) {
-        this.#refuse(this.#case);
+        this.#refuse(this.#case, new CaseError(kSuperseded));
       }
       throw error;
     }
@@ -253,9 +264,15 @@ export class Viewer {
     this.setCuts(this.state.cuts, this.state.active);
   }
 
-  /** Until the case has been drawn as it is. */
-  #nextPicture(): Promise<void> {
-    return new Promise((resolve) => this.#firstFrame.push(resolve));
+  /** Until the case has been drawn as it is, or is shown no more. */
+  async #nextPicture(): Promise<void> {
+    if (this.#case) {
+      await new Promise<void>((resolve) => this.#firstFrame.push(resolve));
+    }
+  }
+
+  #endWaiting(): void {
+    this.#firstFrame.splice(0).forEach((resolve) => resolve());
   }
 
   /** Gives a case its section, after its first picture: both wait for the GPU. */
@@ -266,7 +283,7 @@ export class Viewer {
       decoded = await this.#client.section(ticket);
     } catch (error) {
       if ((error as CaseError).message !== kSuperseded) {
-        this.#refuse(opened);
+        this.#refuse(opened, error as CaseError);
       }
       throw error;
     }
@@ -281,12 +298,23 @@ export class Viewer {
   }
 
   /** Shows nothing rather than a case without the section that it was made with: behind faces its splats are hollow. */
-  #refuse(refused: OpenCase): void {
+  #refuse(refused: OpenCase, why: CaseError): void {
     if (this.#case === refused) {
+      refused.refusal = why;
       refused.free();
       this.#case = null;
+      this.#ordered = false;
       this.stats.total = 0;
       this.#touch();
+      this.#endWaiting();
+    }
+  }
+
+  /** An order that never comes would leave splats in that of a view before. */
+  #fail(failed: OpenCase, error: CaseError): void {
+    if (this.#case === failed && !this.#disposed) {
+      this.#refuse(failed, error);
+      this.failed(error);
     }
   }
 
@@ -529,34 +557,42 @@ export class Viewer {
    * moves, with fewer rays through faces.
    */
   async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
-    return this.#alone(() => {
-      const current = this.#case;
-      if (!current || this.#worn) {
-        throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
-      }
-      return this.#capture(current, width, height, moving ? 1 : kMostRays);
-    });
+    const current = this.#case;
+    if (!current || this.#worn) {
+      throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
+    }
+    const frame = { width, height, inset: { right: 0, bottom: 0 } };
+    const rays = moving ? 1 : kMostRays;
+    return this.#capture(
+      current,
+      () => frame,
+      () => this.#layer.read(this.#subject(current, rays, height), this.#camera, width, height),
+    );
   }
 
-  /** What the canvas shows, handle and all, as good as it gets, without what panels cover of it. */
-  async snapshot(): Promise<HTMLCanvasElement> {
-    await this.#alone(async () => {
-      const current = this.#case;
-      if (current && !this.#worn) {
-        this.#placeCamera();
-        await this.#sort(current, this.#camera, this.#width, this.#height);
-        this.#placeCamera();
+  /**
+   * What the canvas shows, handle and all, as good as it gets, without what panels cover of it. `finish` is called when
+   * that is drawn, while the viewer is in the state that was.
+   */
+  async snapshot(finish: (picture: HTMLCanvasElement) => void): Promise<HTMLCanvasElement> {
+    const current = this.#case;
+    const copy = (): HTMLCanvasElement => {
+      this.#drawCanvas();
+      const picture = this.#copyCanvas();
+      finish(picture);
+      return picture;
+    };
+    if (!current || this.#worn) {
+      return copy();
+    }
+    return this.#capture(
+      current,
+      () => this.#frameOfCanvas,
+      () => {
         this.#drawSplats(current, false);
-      }
-    });
-    this.#drawCanvas();
-    const ratio = this.#renderer.getPixelRatio();
-    const { width, height } = this.freeSize;
-    const copy = document.createElement("canvas");
-    copy.width = Math.round(ratio * width);
-    copy.height = Math.round(ratio * height);
-    copy.getContext("2d")!.drawImage(this.canvas, 0, 0);
-    return copy;
+        return copy();
+      },
+    );
   }
 
   /** Who draws: a headset, in its own frames, or the page. */
@@ -571,7 +607,7 @@ export class Viewer {
   /** At the start of every frame, by who draws it: it is the first one of a case whose order has come. */
   tick(): void {
     if (this.#ordered) {
-      this.#firstFrame.splice(0).forEach((resolve) => resolve());
+      this.#endWaiting();
     }
   }
 
@@ -656,12 +692,49 @@ export class Viewer {
     }
   }
 
-  async #capture(current: OpenCase, width: number, height: number, rays: number): Promise<Picture> {
-    const noInset = { right: 0, bottom: 0 };
-    this.#placeCamera(width, height, noInset);
-    await this.#sort(current, this.#camera, width, height);
-    this.#placeCamera(width, height, noInset);
-    return this.#layer.read(this.#subject(current, rays, height), this.#camera, width, height);
+  /**
+   * Sorts for a frame of a case, then calls `draw`: both in the state of now, whatever has changed meanwhile. What `draw`
+   * looks at of the state, it looks at in the turn that it is called in.
+   */
+  async #capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
+    const state = { ...this.state, view: { ...this.state.view } };
+    return this.#alone(async () => {
+      await this.#inState(state, current, frame, ({ width, height }) =>
+        this.#sort(current, this.#camera, width, height),
+      );
+      return this.#inState(state, current, frame, draw);
+    });
+  }
+
+  /** Does `work` as if the viewer were in that state, with the camera for a frame of `current`. Throws CaseError. */
+  #inState<T>(state: ViewerState, current: OpenCase, frame: () => Frame, work: (frame: Frame) => T): T {
+    if (this.#case !== current || this.#worn) {
+      throw new CaseError(kNotPictured);
+    }
+    const newest = { ...this.state };
+    Object.assign(this.state, state);
+    try {
+      const { width, height, inset } = frame();
+      this.#placeCamera(width, height, inset);
+      return work({ width, height, inset });
+    } finally {
+      Object.assign(this.state, newest);
+    }
+  }
+
+  get #frameOfCanvas(): Frame {
+    return { width: this.#width, height: this.#height, inset: this.#inset };
+  }
+
+  /** Without what panels cover of it. */
+  #copyCanvas(): HTMLCanvasElement {
+    const ratio = this.#renderer.getPixelRatio();
+    const { width, height } = this.freeSize;
+    const copy = document.createElement("canvas");
+    copy.width = Math.round(ratio * width);
+    copy.height = Math.round(ratio * height);
+    copy.getContext("2d")!.drawImage(this.canvas, 0, 0);
+    return copy;
   }
 
   async #sort(
@@ -671,7 +744,13 @@ export class Viewer {
     height: number,
     leastPixels = 0,
   ): Promise<void> {
-    const sorted = await current.sort(camera, width, height, this.state, leastPixels);
+    let sorted: SortResult | null;
+    try {
+      sorted = await current.sort(camera, width, height, this.state, leastPixels);
+    } catch (error) {
+      this.#fail(current, error as CaseError);
+      return;
+    }
     if (sorted) {
       this.#ordered = current === this.#case;
       this.stats.sortMs = sorted.milliseconds;

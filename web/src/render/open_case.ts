@@ -8,6 +8,7 @@ import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
 import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Section } from "../sog/section";
+import type { CaseError } from "../sog/zip";
 import type { CaseClient } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
 import { GpuScene } from "./gpu_scene";
@@ -34,12 +35,12 @@ export interface SortResult {
   milliseconds: number;
 }
 
-/** Why `renderer` cannot hold a section, as a line for a person; null: it can. */
-function whyNoSection(section: Section, renderer: WebGLRenderer): string | null {
+const kCannotHold = "This device cannot hold the section volume: splats draw the faces.";
+
+/** Whether `renderer` has textures that are large enough for a section. */
+function hasTextureFor(section: Section, renderer: WebGLRenderer): boolean {
   const gl = renderer.getContext() as WebGL2RenderingContext;
-  return Math.max(...section.dims) > (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number)
-    ? "This device cannot hold the section volume: splats draw the faces."
-    : null;
+  return Math.max(...section.dims) <= (gl.getParameter(gl.MAX_3D_TEXTURE_SIZE) as number);
 }
 
 /** A case that is open: what the GPU holds of it, and the order of its splats. Its section comes later. */
@@ -52,6 +53,8 @@ export class OpenCase {
   awaitsSection: boolean;
   /** Why faces are not drawn from a volume; null: they can be, or will. */
   noSection: string | null;
+  /** Why it is shown no more, if that is not for another case. */
+  refusal: CaseError | null = null;
   /** The windows that its values are usually seen through; none for photographs and without a section. */
   windows: ReadonlyMap<string, Window> = new Map();
   /** Whether its splats have layers, which can be clipped by. */
@@ -81,19 +84,22 @@ export class OpenCase {
 
   /** Draws faces from the volume once `renderer` holds it, if it can. */
   async setSection(section: Section, renderer: WebGLRenderer): Promise<void> {
-    this.noSection = whyNoSection(section, renderer);
-    if (!this.noSection) {
-      this.#coming = new SectionFaces(section);
-      await this.#coming.upload(renderer);
-      this.faces = this.#coming;
+    const faces = hasTextureFor(section, renderer) ? new SectionFaces(section) : null;
+    this.#coming = faces;
+    if (faces && (await faces.upload(renderer))) {
+      this.faces = faces;
       this.windows = windowPresets(section);
+    } else {
+      faces?.free();
+      this.#coming = null;
+      this.noSection = kCannotHold;
     }
     this.awaitsSection = false;
   }
 
   /**
    * Culls and sorts for a picture of width × height px, without splats that reach no farther than `leastPixels`, and
-   * hands the order to the GPU. One at a time. Null where the worker has another case by now.
+   * hands the order to the GPU. One at a time. Null where the worker has another case by now. Rejects with CaseError.
    */
   async sort(
     camera: PerspectiveCamera,

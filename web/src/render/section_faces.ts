@@ -50,6 +50,15 @@ const kColumns = 2048;
 /** At least as many bytes as this go to the GPU at once: more would stop the page for too long. */
 const kUploadBytes = 4e6;
 
+/** Whether the GPU's memory has not been enough since this was asked last. */
+function wasOutOfMemory(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const errors = new Set<number>();
+  for (let error = gl.getError(); error !== gl.NO_ERROR; error = gl.getError()) {
+    errors.add(error);
+  }
+  return errors.has(gl.OUT_OF_MEMORY);
+}
+
 function volumeTexture(data: Uint8Array, { dims, channels }: Section, depth = dims[2]): Data3DTexture {
   const [width, height] = dims;
   const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, depth);
@@ -192,9 +201,14 @@ export class SectionFaces {
     this.ends = sectionEnds(section);
   }
 
-  /** Gives the volume to the GPU, piece by piece, so that the page can do other things in between. */
-  async upload(renderer: WebGLRenderer): Promise<void> {
+  /**
+   * Gives the volume to the GPU, piece by piece, so that the page can do other things in between. Returns whether there
+   * is memory for it.
+   */
+  async upload(renderer: WebGLRenderer): Promise<boolean> {
     const { section } = this;
+    const gl = renderer.getContext();
+    wasOutOfMemory(gl); // before this, for something else
     const [nx, ny, nz] = section.dims;
     const sliceBytes = nx * ny * section.channels;
     const slices = Math.ceil(kUploadBytes / sliceBytes);
@@ -219,6 +233,7 @@ export class SectionFaces {
     if (lost) {
       texture.needsUpdate = true;
     }
+    return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
   /** Rays a pixel. */

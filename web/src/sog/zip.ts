@@ -11,17 +11,23 @@ const kMaxComment = 0xffff;
 
 const kStored = 0;
 const kDeflated = 8;
-const kMaxEntryBytes = 1 << 30;
+const kMaxEntries = 256;
+const kMaxTotal = 1 << 30; // bytes
 
 /**
  * Entries of a ZIP archive by name, stored (as SOG writes them) or deflated (as other tools repack them). Every
- * offset is checked against the archive before use, and every entry against its CRC-32. Throws CaseError.
+ * offset is checked against the archive before use, and every entry against its CRC-32. Throws CaseError, also on more
+ * than 256 entries, more than 1 GiB of them and a name that is there twice, as read_zip() of src/asset/zip.h does.
  */
 export async function readZip(archive: Uint8Array): Promise<Map<string, Uint8Array>> {
   const view = new DataView(archive.buffer, archive.byteOffset, archive.byteLength);
   const end = findEnd(view);
   const count = view.getUint16(end + 10, true);
+  if (count > kMaxEntries) {
+    throw new CaseError(`the archive holds more than ${kMaxEntries} files; is it a case?`);
+  }
   let at = view.getUint32(end + 16, true);
+  let room = kMaxTotal;
   const entries = new Map<string, Uint8Array>();
   for (let i = 0; i < count; ++i) {
     if (at + 46 > end || view.getUint32(at, true) !== kCentralSignature) {
@@ -37,7 +43,14 @@ export async function readZip(archive: Uint8Array): Promise<Map<string, Uint8Arr
       throw new CaseError("the archive's directory is damaged; copy the file again");
     }
     const name = new TextDecoder().decode(archive.subarray(at + 46, at + 46 + nameLength));
-    if ((method !== kStored && method !== kDeflated) || size > kMaxEntryBytes) {
+    if (entries.has(name)) {
+      throw new CaseError(`the archive holds "${name}" twice; the file is corrupt`);
+    }
+    if (size > room) {
+      throw new CaseError(`the archive holds more than ${kMaxTotal >> 20} MiB; no case is that large`);
+    }
+    room -= size;
+    if (method !== kStored && method !== kDeflated) {
       throw new CaseError(`${name} is packed in a way that SOG does not use; pack the case again`);
     }
     let data = entryData(view, archive, view.getUint32(at + 42, true), packedSize, name);

@@ -18,17 +18,24 @@ interface Colors {
   halo: string;
 }
 
-/** Saves what the viewer shows as a PNG, in the colours of `root`: its name is the case's. */
+/**
+ * Saves what the viewer shows as a PNG, in the colours of `root`: its name is the case's. Rejects with CaseError where
+ * that case is closed meanwhile.
+ */
 export async function savePicture(viewer: Viewer, title: string, root: HTMLElement): Promise<void> {
-  const picture = await viewer.snapshot();
+  const name = viewer.caseName ?? "clipgs";
+  const picture = await viewer.snapshot((drawn) => drawCaption(drawn, viewer, title, root));
+  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
+  if (blob) {
+    download(blob, `${fileName(name)}.png`);
+  }
+}
+
+function drawCaption(picture: HTMLCanvasElement, viewer: Viewer, title: string, root: HTMLElement): void {
   const styles = getComputedStyle(root);
   const color = (name: string) => styles.getPropertyValue(`--${name}`);
   const colors = { text: color("text"), panel: color("panel"), halo: color("halo") };
   new Caption(picture, viewer, colors, styles.fontFamily).draw(title);
-  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
-  if (blob) {
-    download(blob, `${fileName(viewer.caseName ?? "clipgs")}.png`);
-  }
 }
 
 /** What file systems take of a case's name. */

@@ -9,6 +9,9 @@ import {
   type SectionReply,
 } from "./protocol";
 
+const kStopped = "the viewer's worker stopped; open the case again";
+const kGone = "the viewer is gone";
+
 export interface Sorted {
   order: Uint32Array;
   /** −1: the scene is no longer the worker's. */
@@ -43,19 +46,18 @@ interface Decoding {
 
 /** The main thread's end of case_worker.ts and section_worker.ts. */
 export class CaseClient {
-  readonly #worker: Worker;
+  #worker: Worker | null; // null after it failed: the next case to be loaded has another one
   readonly #loads = new Map<number, Waiting<LoadedCase> & { progress: (share: number) => void }>();
   #decoding: Decoding | null = null; // of the case that was loaded last
   #stopDecoding: (message: string) => void = () => {};
-  #sorted: ((value: Sorted) => void) | null = null;
-  #sorting: Promise<Sorted> | null = null;
+  #sorted: Waiting<Sorted> | null = null;
+  #sorting: Promise<void> | null = null;
   #tickets = 0;
   #expected: Expected | null = null;
+  #disposed = false;
 
   constructor() {
-    this.#worker = new Worker(new URL("./case_worker.ts", import.meta.url), { type: "module" });
-    this.#worker.onmessage = (event: MessageEvent<Reply>) => this.#receive(event.data);
-    this.#worker.onerror = () => this.#fail("the viewer's worker stopped; reload the page");
+    this.#worker = this.#startWorker();
   }
 
   /** Begins to load what the first load() will ask for. */
@@ -80,13 +82,15 @@ export class CaseClient {
     return expected.loaded;
   }
 
-  /** The section of the case that was loaded last and has one. Rejects with CaseError. */
+  /** The section of the case that was loaded last and has one, once. Rejects with CaseError. */
   async section(ticket: number): Promise<DecodedSection> {
     const start = performance.now();
     if (this.#decoding?.ticket !== ticket) {
       throw new CaseError(kSuperseded);
     }
-    const section = await this.#decoding.decoded;
+    const { decoded } = this.#decoding;
+    this.#decoding = null; // its voxels are the caller's
+    const section = await decoded;
     return { section, milliseconds: performance.now() - start };
   }
 
@@ -95,28 +99,65 @@ export class CaseClient {
     this.#post({ kind: "prefetch", url: new URL(url, location.href).href });
   }
 
-  /** What is being sorted; null: nothing. */
-  get sorting(): Promise<unknown> | null {
+  /** Until what is being sorted is, or cannot be; null: nothing is. */
+  get sorting(): Promise<void> | null {
     return this.#sorting;
   }
 
-  /** One at a time. `order` is given away until the answer brings it back. */
+  /** One at a time. `order` is given away until the answer brings it back. Rejects with CaseError. */
   sort(scene: number, view: Float32Array, clip: number, order: Uint32Array): Promise<Sorted> {
-    this.#sorting = new Promise((resolve) => {
-      this.#sorted = resolve;
+    if (!this.#worker) {
+      return Promise.reject(new CaseError(kStopped));
+    }
+    const sorted = new Promise<Sorted>((resolve, reject) => {
+      this.#sorted = { resolve, reject };
       this.#post({ kind: "sort", scene, view, clip, order }, [order.buffer]);
     });
-    return this.#sorting;
+    this.#sorting = sorted.then(
+      () => {},
+      () => {},
+    );
+    return sorted;
   }
 
   dispose(): void {
-    this.#worker.terminate();
-    this.#stopDecoding("the viewer is gone");
-    this.#fail("the viewer is gone");
+    this.#disposed = true;
+    this.#stopDecoding(kGone);
+    this.#decoding = null;
+    this.#stop(kGone);
+  }
+
+  #startWorker(): Worker {
+    const worker = new Worker(new URL("./case_worker.ts", import.meta.url), { type: "module" });
+    worker.onmessage = (event: MessageEvent<Reply>) => this.#receive(event.data);
+    worker.onerror = () => this.#stop(kStopped);
+    return worker;
+  }
+
+  /** Ends the worker, and whatever waits for it. */
+  #stop(message: string): void {
+    this.#worker?.terminate();
+    this.#worker = null;
+    const error = new CaseError(message);
+    this.#loads.forEach(({ reject }) => reject(error));
+    this.#loads.clear();
+    this.#endSorting()?.reject(error);
+  }
+
+  /** Who waits for what was being sorted. */
+  #endSorting(): Waiting<Sorted> | null {
+    const waiting = this.#sorted;
+    this.#sorted = null;
+    this.#sorting = null;
+    return waiting;
   }
 
   #load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+    if (this.#disposed) {
+      return Promise.reject(new CaseError(kGone));
+    }
     const ticket = this.#tickets++;
+    this.#worker ??= this.#startWorker();
     return new Promise((resolve, reject) => {
       this.#loads.set(ticket, { resolve, reject, progress });
       this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
@@ -124,12 +165,7 @@ export class CaseClient {
   }
 
   #post(message: Request, transfer: Transferable[] = []): void {
-    this.#worker.postMessage(message, transfer);
-  }
-
-  #fail(message: string): void {
-    this.#loads.forEach(({ reject }) => reject(new CaseError(message)));
-    this.#loads.clear();
+    this.#worker?.postMessage(message, transfer);
   }
 
   /** Begins to decode a section: its worker ends with it, and its memory goes with the worker. */
@@ -139,6 +175,9 @@ export class CaseClient {
       const end = (message: string): void => {
         worker.terminate();
         reject(new CaseError(message));
+        if (this.#stopDecoding === end) {
+          this.#stopDecoding = () => {}; // it would hold what was decoded
+        }
       };
       this.#stopDecoding = end;
       worker.onerror = () => end(`${coded.info.file} cannot be decoded: its worker stopped; reload the page`);
@@ -156,10 +195,7 @@ export class CaseClient {
 
   #receive(reply: Reply): void {
     if (reply.kind === "sorted") {
-      const resolve = this.#sorted;
-      this.#sorted = null;
-      this.#sorting = null;
-      resolve?.(reply);
+      this.#endSorting()?.resolve(reply);
       return;
     }
     const { ticket } = reply;
@@ -169,6 +205,7 @@ export class CaseClient {
     } else if (reply.kind === "loaded") {
       this.#loads.delete(ticket);
       this.#stopDecoding(kSuperseded);
+      this.#decoding = null;
       if (reply.section) {
         this.#decode(ticket, reply.section);
       }

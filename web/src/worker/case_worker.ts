@@ -19,10 +19,8 @@ const worker = self as unknown as {
 };
 
 const files = new FileCache();
-const modules = Promise.all(
-  [splatOrderUrl, libwebpUrl].map((url) => WebAssembly.compileStreaming(fetch(url))),
-) as Promise<[WebAssembly.Module, WebAssembly.Module]>;
-modules.catch(() => {}); // said by whatever is loaded
+let modules: Promise<[WebAssembly.Module, WebAssembly.Module]> | null = null;
+fetchModules().catch(() => {}); // while the first case is on its way, which says what failed
 let current: { ticket: number; order: SplatOrder } | null = null;
 let newest = { ticket: -1, superseded: new AbortController() }; // load
 
@@ -33,6 +31,23 @@ function reply(message: Reply, transfer: Transferable[] = []): void {
 function fail(ticket: number, error: unknown): void {
   const message = error instanceof CaseError ? error.message : `the case cannot be shown: ${String(error)}`;
   reply({ kind: "failed", ticket, message });
+}
+
+/** Once, or again where that failed. */
+function fetchModules(): Promise<[WebAssembly.Module, WebAssembly.Module]> {
+  if (!modules) {
+    modules = Promise.all([compile(splatOrderUrl), compile(libwebpUrl)]);
+    modules.catch(() => (modules = null));
+  }
+  return modules;
+}
+
+async function compile(url: string): Promise<WebAssembly.Module> {
+  try {
+    return await WebAssembly.compileStreaming(fetch(url));
+  } catch (error) {
+    throw new CaseError(`a part of the viewer cannot be fetched (${String(error)}); try again`);
+  }
 }
 
 function decodeImages(
@@ -73,7 +88,7 @@ async function load(ticket: number, url: string): Promise<void> {
   try {
     const [bytes, [splatOrder, libwebp]] = await Promise.all([
       files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total }), signal),
-      modules,
+      fetchModules(),
     ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);

@@ -94,7 +94,8 @@ export class FileCache {
     }
     const bytes = await readBody(response, response.body, progress, signal);
     const etag = response.headers.get("etag");
-    if (etag) {
+    // Another origin would have to allow the header that asks whether a file changed: the browser's own cache does there.
+    if (etag && response.type !== "cors") {
       this.#keep(url, { etag, bytes });
     }
     return bytes;

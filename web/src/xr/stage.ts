@@ -116,7 +116,6 @@ export class Stage {
     }
     const { mesh, info } = shown;
     this.#body.add(mesh);
-    this.#takeFaces();
     const { bounds, sphere } = info;
     const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
     this.#body.matrix.makeTranslation(middle.negate());
@@ -129,7 +128,7 @@ export class Stage {
     this.grip.setSphere(sphere);
   }
 
-  /** The faces of the case, which come after its body. */
+  /** The faces of the case, which may come after its body. */
   #takeFaces(): void {
     const faces = this.#case?.faces;
     if (faces && faces.opaque.parent !== this.#body) {

@@ -148,6 +148,23 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
     }
   });
 
+  it("holds nothing of a section when another case is there", async () => {
+    const visitor = await session.open("#case=solid&size=64x64", errors, { width: 200, height: 150 });
+    await visitor.evaluate(() => window.clipgs.ready);
+    const devtools = await visitor.context().newCDPSession(visitor);
+    const held = async () => {
+      await devtools.send("HeapProfiler.collectGarbage");
+      return (await devtools.send("Runtime.getHeapUsage")) as { backingStorageSize: number };
+    };
+    const before = await held();
+    await visitor.evaluate(() => window.clipgs.open("phantom"));
+    const { sectionBytes } = await visitor.evaluate(() => window.clipgs.stats);
+    await visitor.evaluate(() => window.clipgs.open("solid"));
+    const after = await held();
+    expect(after.backingStorageSize - before.backingStorageSize).toBeLessThan(0.3 * sectionBytes);
+    await visitor.close();
+  });
+
   it("frees what it held when cases are switched, fifty times", async () => {
     const script = {
       content: `window.held = { textures: 0, buffers: 0 };

@@ -2,10 +2,10 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
 import { copyMadeCases } from "./made_cases";
-import { type Picture, psnr, readPng } from "./picture";
+import { pagePicture, type Picture, psnr, readPng } from "./picture";
 import { missing } from "./program";
 import { Session } from "./session";
-import { show } from "./shot";
+import { type Shot, show } from "./shot";
 
 describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -83,6 +83,32 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
     expect(changed(0.5 * (pins[0]!.x + pins[1]!.x), 0.5 * (pins[0]!.y + pins[1]!.y))).toBe(true);
     const uncut = await page.evaluate(() => window.clipgs.state.cuts.length);
     expect(uncut).toBe(1); // nothing of the state was touched
+  });
+
+  it("saves and gives what was shown when it was asked for, whatever changes meanwhile", async () => {
+    const shot: Shot = { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" };
+    const moveOn = () => {
+      window.clipgs.removePin(0);
+      window.clipgs.setView({ azimuth: 80, elevation: 5 });
+      window.clipgs.setPlane(null);
+    };
+    await show(page, shot);
+    const pin = () => page.evaluate(() => window.clipgs.addPin([0, 0, 0]));
+    await page.evaluate(() => window.clipgs.pins.forEach(() => window.clipgs.removePin(0)));
+    expect(await pin()).toBe(true);
+    const still = await saved(() => page.keyboard.press("d"));
+    const key = `document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "d", bubbles: true }))`;
+    const meanwhile = await saved(() => page.evaluate(`${key}; (${moveOn.toString()})()`));
+    expect(psnr(meanwhile, still).color).toBeGreaterThan(60);
+    expect(await page.evaluate(() => window.clipgs.state.view.azimuth)).toBe(80);
+
+    await show(page, shot);
+    const before = await pagePicture(page, 96, 96);
+    const data = await page.evaluate<number[]>(
+      `{ const picture = window.clipgs.renderToPixels(96, 96); (${moveOn.toString()})();
+        picture.then(({ data }) => Array.from(data)) }`,
+    );
+    expect(psnr({ ...before, data: Uint8Array.from(data) }, before).color).toBeGreaterThan(60);
   });
 
   it("fills the screen with a key and a button", async () => {

@@ -1,6 +1,6 @@
 import { createServer, type Server } from "node:http";
 import type { AddressInfo } from "node:net";
-import { afterAll, beforeAll, beforeEach, describe, expect, it } from "vitest";
+import { afterAll, beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { FileCache } from "../../src/worker/file_cache";
 
@@ -128,6 +128,19 @@ describe("the cache of files", () => {
       await ended;
       expect(given).toBeLessThan(0.5 * kParts * part.length);
     });
+  });
+
+  it("asks other origins plainly, for nothing that they would have to allow", async () => {
+    const asked: unknown[] = [];
+    vi.stubGlobal("fetch", async (_url: string, { headers }: RequestInit) => {
+      asked.push(headers);
+      const response = new Response("of another origin", { headers: { etag: '"1"' } });
+      return Object.defineProperty(response, "type", { value: "cors" });
+    });
+    const cache = new FileCache();
+    expect([await text(cache, "a"), await text(cache, "a")]).toEqual(Array(2).fill("of another origin"));
+    vi.unstubAllGlobals();
+    expect(asked).toEqual([{}, {}]);
   });
 
   it("keeps no more than it may, the oldest go", async () => {

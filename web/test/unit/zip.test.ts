@@ -70,6 +70,23 @@ describe("readZip", () => {
     }
   });
 
+  it("refuses more entries than a case has, and a name that is there twice", async () => {
+    const many = (count: number) =>
+      makeZip(Object.fromEntries(Array.from({ length: count }, (_, i) => [`file ${i}`, bytes("")])));
+    expect((await readZip(many(256))).size).toBe(256);
+    await expect(readZip(many(257))).rejects.toThrow(/more than 256 files/);
+    const doubled = makeZip({ a: bytes("first"), b: bytes("first") });
+    doubled[doubled.lastIndexOf("b".charCodeAt(0))] = "a".charCodeAt(0);
+    await expect(readZip(doubled)).rejects.toThrow(/holds "a" twice/);
+  });
+
+  it("refuses more bytes than a case has, whatever their entries say together", async () => {
+    const archive = makeZip({ a: bytes("first"), b: bytes("second") });
+    const directory = new DataView(archive.buffer).getUint32(archive.length - 6, true);
+    new DataView(archive.buffer).setUint32(directory + 46 + 1 + 24, 2 ** 30, true);
+    await expect(readZip(archive)).rejects.toThrow(/more than 1024 MiB/);
+  });
+
   it("says what is wrong", async () => {
     await expect(readZip(bytes("<html>"))).rejects.toThrow(/not a SOG file/);
     await expect(readZip(zip.slice(0, 60))).rejects.toThrow(/ends too early/);

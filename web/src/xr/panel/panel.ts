@@ -194,6 +194,12 @@ export class Panel {
     return this.#message.value;
   }
 
+  /** Says why a case cannot be opened, or shown any more. */
+  tell(message: string): void {
+    this.#root.setProperties({ fontFamilies: this.#font.families(message) });
+    this.#message.value = message;
+  }
+
   /** Where this text is, of its own, a mark's or a letter, or the cube's side of this name, in the room; null: it is
    * not shown. */
   find(text: string): Vector3 | null {
@@ -621,9 +627,7 @@ export class Panel {
     try {
       await this.#host.open(name);
     } catch (error) {
-      const message = failureText(name, error);
-      this.#root.setProperties({ fontFamilies: this.#font.families(message) });
-      this.#message.value = message;
+      this.tell(failureText(name, error));
     }
     this.refresh();
   }

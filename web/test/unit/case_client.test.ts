@@ -1,0 +1,96 @@
+import { afterAll, beforeEach, describe, expect, it, vi } from "vitest";
+
+import { CaseClient } from "../../src/worker/case_client";
+import { kSuperseded, type Reply } from "../../src/worker/protocol";
+
+/** A worker that answers what a test says. */
+class FakeWorker {
+  static made: FakeWorker[] = [];
+  readonly asked: { kind?: string; ticket: number }[] = [];
+  ended = false;
+  onmessage: (event: { data: unknown }) => void = () => {};
+  onerror: () => void = () => {};
+
+  constructor() {
+    FakeWorker.made.push(this);
+  }
+
+  postMessage(message: { kind?: string; ticket: number }): void {
+    this.asked.push(message);
+  }
+
+  terminate(): void {
+    this.ended = true;
+  }
+
+  /** Answers the newest request. */
+  load(section: object | null): void {
+    const { ticket } = this.asked.at(-1)!;
+    this.onmessage({ data: { kind: "loaded", ticket, section } as unknown as Reply });
+  }
+}
+
+describe("the client of the case worker", () => {
+  vi.stubGlobal("Worker", FakeWorker);
+  vi.stubGlobal("location", { href: "http://127.0.0.1/" });
+  let client: CaseClient;
+  let worker: FakeWorker;
+
+  beforeEach(() => {
+    FakeWorker.made = [];
+    client = new CaseClient();
+    worker = FakeWorker.made[0]!;
+  });
+
+  afterAll(() => void vi.unstubAllGlobals());
+
+  const sort = () => client.sort(0, new Float32Array(1), 0, new Uint32Array(1));
+  const load = () => client.load("a.sog", () => {});
+  const section = () => ({ info: { file: "section.webp" }, webp: new Uint8Array(1) });
+
+  it("ends what waits for a worker that fails, and has another one for the next case", async () => {
+    const [sorted, loaded, sorting] = [sort(), load(), client.sorting];
+    worker.onerror();
+    await expect(sorted).rejects.toThrow(/worker stopped/);
+    await expect(loaded).rejects.toThrow(/worker stopped/);
+    await sorting; // whoever waits for its end alone hears of none
+    expect(client.sorting).toBe(null);
+    expect(worker.ended).toBe(true);
+    await expect(sort()).rejects.toThrow(/worker stopped/);
+    expect(client.sorting).toBe(null);
+
+    const again = load();
+    expect(FakeWorker.made).toHaveLength(2);
+    FakeWorker.made[1]!.load(null);
+    expect(await again).toMatchObject({ section: null });
+  });
+
+  it("ends what waits when it is disposed of, and begins nothing then", async () => {
+    const [sorted, loaded] = [sort(), load()];
+    client.dispose();
+    await expect(sorted).rejects.toThrow("the viewer is gone");
+    await expect(loaded).rejects.toThrow("the viewer is gone");
+    await expect(load()).rejects.toThrow("the viewer is gone");
+    expect(FakeWorker.made).toHaveLength(1);
+  });
+
+  it("gives a section away once", async () => {
+    const loaded = load();
+    worker.load(section());
+    const { ticket } = await loaded;
+    const decoded = client.section(ticket);
+    FakeWorker.made[1]!.onmessage({ data: { section: { voxels: "those" } } });
+    expect((await decoded).section).toEqual({ voxels: "those" });
+    await expect(client.section(ticket)).rejects.toThrow(kSuperseded);
+  });
+
+  it("forgets a section that nobody asked for when another case is there", async () => {
+    const first = load();
+    worker.load(section());
+    const { ticket } = await first;
+    const next = load();
+    worker.load(null);
+    await next;
+    await expect(client.section(ticket)).rejects.toThrow(kSuperseded);
+  });
+});
