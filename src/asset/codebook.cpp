@@ -39,7 +39,7 @@ std::array<float, kLevels> companded_levels(const std::vector<float>& sorted) {
 }  // namespace
 
 std::uint8_t Codebook::nearest(float x) const {
-  const auto above = std::lower_bound(values.begin(), values.end(), x);
+  const auto* const above = std::ranges::lower_bound(values, x);
   if (above == values.begin()) {
     return 0;
   }
@@ -66,7 +66,7 @@ Codebook fit_codebook(std::vector<float> samples) {
   }
   if (different.size() <= kLevels) {
     codebook.values.fill(different.back());
-    std::copy(different.begin(), different.end(), codebook.values.begin());
+    std::ranges::copy(different, codebook.values.begin());
     return codebook;
   }
 
@@ -82,8 +82,7 @@ Codebook fit_codebook(std::vector<float> samples) {
       size_t end = samples.size();
       if (k + 1 < kLevels) {
         const float border = 0.5f * (levels[k] + levels[k + 1]);
-        end = static_cast<size_t>(std::lower_bound(samples.begin(), samples.end(), border) -
-                                  samples.begin());
+        end = static_cast<size_t>(std::ranges::lower_bound(samples, border) - samples.begin());
       }
       if (end > begin) {
         levels[k] =
@@ -93,7 +92,7 @@ Codebook fit_codebook(std::vector<float> samples) {
     }
   }
   // An empty level may have been overtaken by its neighbour.
-  std::sort(levels.begin(), levels.end());
+  std::ranges::sort(levels);
   return codebook;
 }
 

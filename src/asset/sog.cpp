@@ -544,7 +544,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
   writer.add_colors();
   std::vector<ZipEntry> encoded = writer.encode();
   const size_t taken = total_bytes(encoded);
-  std::move(encoded.begin(), encoded.end(), std::back_inserter(files));
+  std::ranges::move(encoded, std::back_inserter(files));
 
   std::vector<ColorSets> all_sets;
   if (ordered.sh_degree() > 0) {
@@ -569,7 +569,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
     encoded = writer.encode();
     size /= 2;
   } while (size >= least && taken + total_bytes(encoded) > room);
-  std::move(encoded.begin(), encoded.end(), std::back_inserter(files));
+  std::ranges::move(encoded, std::back_inserter(files));
   return meta;
 }
 

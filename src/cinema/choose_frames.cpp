@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include "core/parallel.h"
@@ -128,12 +129,13 @@ class CoarseMatter {
     }
     const float step = cell_size();
     const int steps = static_cast<int>((end - begin) / step);
+    constexpr float kHalf = std::numbers::ln2_v<float>;  // of the light is gone
     float depth = 0;
     for (int i = 0; i < steps; ++i) {
       const float t = begin + (static_cast<float>(i) + 0.5f) * step;
       const Vec3 unit = (origin + t * direction) / (2 * sphere_.radius);
       depth += step * extinction_[cell_of(unit, kFine)];
-      if (depth > 0.6931f) {
+      if (depth > kHalf) {
         const size_t place = cell_of(unit, kCells) * kSides + side_of(direction);
         hits.push_back(static_cast<std::uint32_t>(
             place * kBands + band_of(frame, frame.camera.position + t * direction)));

@@ -10,7 +10,7 @@ namespace {
 
 // Raised whenever the same input gives other pictures, or other points, so that old ones are not
 // taken for new.
-constexpr int kPicturesRevision = 5;
+constexpr int kPicturesRevision = 6;
 constexpr int kPointsRevision = 2;
 
 // Structured bindings name every member of what is hashed: whoever adds one finds that nothing

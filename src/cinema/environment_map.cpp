@@ -33,7 +33,7 @@ float sum_of(const Vec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.
 size_t texel(const Vec2& at) {
   const int x = std::min(static_cast<int>(at.x * kSide), kSide - 1);
   const int y = std::min(static_cast<int>(at.y * kSide), kSide - 1);
-  return static_cast<size_t>(y * kSide + x);
+  return static_cast<size_t>(y) * kSide + static_cast<size_t>(x);
 }
 
 }  // namespace
@@ -66,9 +66,11 @@ EnvironmentMap::EnvironmentMap(const Image& panorama, float turn, const Mat3& fr
     for (size_t y = begin; y < end; ++y) {
       for (size_t x = 0; x < kSide; ++x) {
         Vec3 sum(0);
-        for (size_t i = 0; i < kSubsamples * kSubsamples; ++i) {
-          const Vec2 at((static_cast<float>(x * kSubsamples + i % kSubsamples) + 0.5f) / kFine,
-                        (static_cast<float>(y * kSubsamples + i / kSubsamples) + 0.5f) / kFine);
+        for (size_t i = 0; i < size_t{kSubsamples} * kSubsamples; ++i) {
+          const size_t column = x * kSubsamples + i % kSubsamples;
+          const size_t row = y * kSubsamples + i / kSubsamples;
+          const Vec2 at((static_cast<float>(column) + 0.5f) / kFine,
+                        (static_cast<float>(row) + 0.5f) / kFine);
           sum += look_up(panorama, world_from_frame * direction_from_square(at), turn);
         }
         for (int c = 0; c < 3; ++c) {
@@ -81,7 +83,7 @@ EnvironmentMap::EnvironmentMap(const Image& panorama, float turn, const Mat3& fr
 
   // dω = 4·(|x| + |y| + |z|)³·d(square): the octahedron's faces all have the same distance.
   constexpr int kBlocks = kSide / kBlock;
-  flux_.resize(kBlocks * kBlocks);
+  flux_.resize(size_t{kBlocks} * kBlocks);
   std::vector<double> power(kTexels);
   for (int i = 0; i < kTexels; ++i) {
     const int x = i % kSide;
@@ -89,7 +91,8 @@ EnvironmentMap::EnvironmentMap(const Image& panorama, float turn, const Mat3& fr
     const Vec3 direction = direction_from_square((Vec2(x, y) + 0.5f) / static_cast<float>(kSide));
     const float angle = 4 * std::pow(sum_of(direction), 3.0f) / kTexels;
     const Vec3 light = radiance(direction);
-    std::array<Vec3, 3>& block = flux_[static_cast<size_t>(y / kBlock * kBlocks + x / kBlock)];
+    std::array<Vec3, 3>& block =
+        flux_[static_cast<size_t>(y / kBlock) * kBlocks + static_cast<size_t>(x / kBlock)];
     for (int c = 0; c < 3; ++c) {
       block[static_cast<size_t>(c)] += light[c] * angle * direction;
     }

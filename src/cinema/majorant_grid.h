@@ -91,7 +91,8 @@ class MajorantGrid {
  private:
   static int matter_bit(int x, int y, int z) { return x % 2 + 2 * (y % 2) + 4 * (z % 2); }
   size_t index(int x, int y, int z) const {
-    return static_cast<size_t>(x + y * cells_.stride_y + z * cells_.stride_z);
+    return static_cast<size_t>(x) + static_cast<size_t>(y) * cells_.stride_y +
+           static_cast<size_t>(z) * cells_.stride_z;
   }
   float at(int x, int y, int z) const {
     return std::bit_cast<float>(cells_.words[index(x, y, z)] &

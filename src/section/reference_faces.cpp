@@ -75,8 +75,10 @@ glm::dvec4 trace(const Section& section, const Camera& camera, std::span<const P
   const double surface = section.surface_depth();
   const double slope = glm::dot(DVec3(face->normal), direction);
   double transmittance = 1;
-  for (double t = enter + 0.5 * step; t < std::min(leave, enter + kReferenceDepthVoxels * voxel);
-       t += step) {
+  const double end = std::min(leave, enter + kReferenceDepthVoxels * voxel);
+  const int steps = std::max(0, static_cast<int>(std::ceil((end - enter) / step - 0.5)));
+  for (int i = 0; i < steps; ++i) {
+    const double t = enter + (i + 0.5) * step;
     const DVec3 index =
         ((eye + t * direction - DVec3(section.origin)) * glm::dmat3(section.direction)) /
         DVec3(section.spacing);

@@ -29,7 +29,7 @@ float ValueCurve::value(float code) const {
 }
 
 float ValueCurve::code(float value) const {
-  const auto above = std::upper_bound(values_.begin(), values_.end(), value);
+  const auto* const above = std::ranges::upper_bound(values_, value);
   if (above == values_.begin()) {
     return 0;
   }

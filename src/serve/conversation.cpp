@@ -106,7 +106,7 @@ class Conversation {
 
   asio::awaitable<Answer> find_answer(const HttpRequest& request, error_code error) {
     if (error) {
-      co_return host_.site.refuse(error);
+      co_return Site::refuse(error);
     }
     co_return host_.site.answer(request, client_);
   }

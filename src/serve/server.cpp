@@ -76,7 +76,7 @@ bool is_local(const asio::ip::address& address) { return is_loopback(address.to_
 
 class Server::Implementation {
  public:
-  explicit Implementation(const ServerOptions& options) : options_(options), acceptor_(io_) {
+  explicit Implementation(ServerOptions options) : options_(std::move(options)), acceptor_(io_) {
     if (options_.identity) {
       set_up(tls_, options_.identity->certificate);
     }

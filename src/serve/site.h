@@ -56,7 +56,7 @@ class Site {
   /// `client`: who asks, see Throttle.
   Answer answer(const HttpRequest& request, const std::string& client);
   /// To what is no request.
-  Answer refuse(const boost::system::error_code& error) const;
+  static Answer refuse(const boost::system::error_code& error);
   /// To the bytes that a client sent, up to the end of the first request in them: all that it is
   /// sent. "" if there is no end.
   std::string answer_bytes(std::string_view bytes);

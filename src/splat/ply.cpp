@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "PLY is read and writt
 
 namespace {
 
-constexpr size_t kMaxHeader = 64 * 1024;
+constexpr size_t kMaxHeader = size_t{64} << 10;
 constexpr size_t kMaxVertices = size_t{1} << 28;
 constexpr size_t kPlyGrain = 8192;
 

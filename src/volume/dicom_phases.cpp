@@ -91,7 +91,7 @@ class Sorting {
 
   /// The phases that split_phases() describes, none if there is no telling.
   Groups phases() const {
-    const Groups by_value = grouped([&](size_t i) { return values_[i]; });
+    Groups by_value = grouped([&](size_t i) { return values_[i]; });
     if (std::ranges::all_of(by_value, [&](const auto& group) {
           return places_in(group).size() == values_at_.size();
         })) {
@@ -188,7 +188,8 @@ void split(Slices slices, size_t property, const std::string& name,
         }
         const std::string own = name_of(by, sorting, groups[g], sorting.least(),
                                         fmt::format("phase {} of {}", g + 1, groups.size()));
-        split(std::move(chosen), property + 1, name + (name.empty() ? "" : ", ") + own, phases);
+        split(std::move(chosen), property + 1,
+              fmt::format("{}{}{}", name, name.empty() ? "" : ", ", own), phases);
       }
       if (!groups.empty()) {
         return;

@@ -126,6 +126,7 @@ bool is_zip_file(const fs::path& path) {
 std::vector<DicomSource> dicom_files_in_zip(const fs::path& path) {
   const auto archive = std::make_shared<const DicomArchive>(path);
   std::vector<DicomSource> sources;
+  sources.reserve(archive->size());
   for (size_t i = 0; i < archive->size(); ++i) {
     sources.push_back({path, archive, i});
   }

@@ -97,12 +97,7 @@ Opened open_nifti(const fs::path& given) {
 Opened open_image(const fs::path& path) {
   const std::string name = lower_case(path.filename().string());
   const auto is = [&](std::initializer_list<const char*> ends) {
-    for (const char* end : ends) {
-      if (name.ends_with(end)) {
-        return true;
-      }
-    }
-    return false;
+    return std::ranges::any_of(ends, [&](const char* end) { return name.ends_with(end); });
   };
   if (is({".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"})) {
     return open_nifti(path);

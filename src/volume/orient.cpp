@@ -42,7 +42,8 @@ AxisMap closest_axes(const glm::dmat3& ras) {
   std::array<int, 3> order{0, 1, 2};
   do {
     for (int signs = 0; signs < kSigns; ++signs) {
-      const std::array<int, 3> sign{signs & 1 ? -1 : 1, signs & 2 ? -1 : 1, signs & 4 ? -1 : 1};
+      const std::array<int, 3> sign{(signs & 1) != 0 ? -1 : 1, (signs & 2) != 0 ? -1 : 1,
+                                    (signs & 4) != 0 ? -1 : 1};
       double score = 0;
       glm::dmat3 turned;
       for (int world = 0; world < 3; ++world) {

@@ -75,6 +75,7 @@ class Reader {
       fail(key, "holds {} entries, at most {}", values.size(), most);
     }
     std::vector<Reader> result;
+    result.reserve(values.size());
     for (size_t i = 0; i < values.size(); ++i) {
       result.emplace_back(values[i], file_, fmt::format("{}[{}]", path_of(key), i));
     }
