@@ -51,7 +51,7 @@ async function makeCase(
     "--points",
     "20000",
   );
-  await clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 20000 --sh-degree 3".split(" "));
+  await clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 8000 --sh-degree 3".split(" "));
   await clipgs("pack", scene, "-o", out, "--title", title);
 }
 
@@ -64,7 +64,7 @@ async function makePhantomCase(work: string, out: string): Promise<void> {
 /** A case of the same pictures without a section: its splats are solid and have face colours. */
 async function makeSolidCase(work: string, out: string): Promise<void> {
   const scene = join(work, "solid.ply");
-  const options = "--no-section --steps 300 --budget 20000 --sh-degree 1".split(" ");
+  const options = "--no-section --steps 200 --budget 8000 --sh-degree 1".split(" ");
   await clipgs("train", join(work, "dataset"), "-o", scene, ...options);
   await clipgs("pack", scene, "-o", out, "--title", "Solid phantom");
 }
@@ -72,7 +72,7 @@ async function makeSolidCase(work: string, out: string): Promise<void> {
 /** A case of the same pictures with layers: the states of a neural model. */
 async function makeLayeredCase(work: string, out: string): Promise<void> {
   const [model, scene] = [join(work, "neural.ply"), join(work, "layered.ply")];
-  const options = "--model clipgs --no-section --steps 150 --budget 15000 --sh-degree 1".split(" ");
+  const options = "--model clipgs --no-section --steps 150 --budget 8000 --sh-degree 1".split(" ");
   await clipgs("train", join(work, "dataset"), "-o", model, ...options);
   await clipgs("bake", model, "-o", scene);
   await clipgs("pack", scene, "-o", out, "--title", "Layered phantom");

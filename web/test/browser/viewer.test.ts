@@ -195,7 +195,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await expect.poll(() => pins.getByRole("listitem").count()).toBe(1);
     expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
     const pinned = await page.evaluate(() => window.clipgs.pins[0]!);
-    await page.waitForFunction(() => location.hash.split("pin=").length === 2);
+    // Not the first pin's link: the address follows when all has been still for a while.
+    await page.waitForFunction(
+      (z) => Math.abs(Number(location.hash.split("pin=")[1]?.split(/[,&]/)[2]) - z) < 0.01,
+      pinned.point[2],
+    );
     const visitor = await session.open(await hashOf(page), errors);
     await visitor.evaluate(() => window.clipgs.ready);
     const [followed] = await visitor.evaluate(() => window.clipgs.pins);
