@@ -3,7 +3,7 @@
 #
 #   bench/web.sh CASE.sog [OTHER.sog] [--size PX] [--frames N] [--rounds N] [--shots FOLDER] [--alone]
 #
-# OTHER is what is switched to; --alone leaves the other viewers out. Needs a built clipgs, Chromium, and the npm
+# OTHER is what is switched to; --alone leaves the other viewers' frames out. Needs a built clipgs, Chromium, and the npm
 # registry for the other viewers.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -20,9 +20,6 @@ fi
 
 cd web
 [ -d node_modules ] || npm ci --silent
-case " $* " in
-  *" --alone "*) ;;
-  *) [ -d bench/peers/node_modules ] || npm ci --silent --prefix bench/peers ;;
-esac
+[ -d bench/peers/node_modules ] || npm ci --silent --prefix bench/peers
 npx vite-node bench/costs.ts -- "${cases[@]}"
 npx vite-node bench/frames.ts -- "${cases[0]}" "$@"
