@@ -1,6 +1,5 @@
 #include "cinema/dataset.h"
 
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,7 +14,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::array kSplits{Split::kTrain, Split::kTestAxis, Split::kTestOblique};
 constexpr size_t kMostFrames = 1'000'000;
 constexpr const char* kRemedy = "make the dataset again";
 
@@ -42,6 +40,25 @@ Plane read_plane(const JsonReader& reader, const char* key) {
   return plane;
 }
 
+/// The sides of the box that voxels' centres span.
+std::vector<Plane> read_ends(const JsonReader& volume) {
+  const glm::dmat4 world_from_index = volume.matrix("world_from_index");
+  const Vec3 dims = volume.vector<3>("dims");
+  std::vector<Plane> ends;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 step(world_from_index[k]);
+    if (!(glm::length(step) > 0)) {
+      volume.fail("world_from_index", "an invertible matrix");
+    }
+    const Vec3 normal = glm::normalize(step);
+    const Vec3 first(world_from_index[3]);
+    const Vec3 last = first + (dims[k] - 1) * step;
+    ends.push_back({normal, glm::dot(normal, first)});
+    ends.push_back({-normal, -glm::dot(normal, last)});
+  }
+  return ends;
+}
+
 Split read_split(const JsonReader& reader) {
   const std::string name = reader.text("split");
   for (const Split split : kSplits) {
@@ -49,7 +66,7 @@ Split read_split(const JsonReader& reader) {
       return split;
     }
   }
-  reader.fail("split", "train, test_axis or test_oblique");
+  reader.fail("split", "train, test_axis, test_oblique, validation_axis or validation_oblique");
 }
 
 Frame read_frame(const JsonReader& reader) {
@@ -66,6 +83,9 @@ Frame read_frame(const JsonReader& reader) {
   if (reader.has("depth_file_path")) {
     frame.depth_file = read_file(reader, "depth_file_path");
   }
+  if (reader.has("uncut_depth_file_path")) {
+    frame.uncut_depth_file = read_file(reader, "uncut_depth_file_path");
+  }
   frame.noise_db = reader.number("noise_db");
   frame.masked_noise_db = reader.number("masked_noise_db");
   return frame;
@@ -81,6 +101,10 @@ const char* split_name(Split split) {
       return "test_axis";
     case Split::kTestOblique:
       return "test_oblique";
+    case Split::kValidationAxis:
+      return "validation_axis";
+    case Split::kValidationOblique:
+      return "validation_oblique";
   }
   return "";
 }
@@ -128,7 +152,9 @@ Dataset load_dataset(const std::filesystem::path& folder) {
   const JsonReader bounds = top.child("bounds");
   dataset.bounds.min = bounds.vector<3>("min");
   dataset.bounds.max = bounds.vector<3>("max");
-  dataset.voxel_mm = mean_spacing(top.child("volume").vector<3>("spacing"));
+  const JsonReader volume = top.child("volume");
+  dataset.voxel_mm = mean_spacing(volume.vector<3>("spacing"));
+  dataset.ends = read_ends(volume);
   dataset.preset = top.text("preset");
   dataset.depth_scale = top.number("depth_scale");
   if (!(dataset.extent.x < dataset.extent.y) || !(dataset.sphere.radius > 0) ||

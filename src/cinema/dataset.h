@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -11,19 +12,26 @@
 
 namespace clipgs {
 
-enum class Split { kTrain, kTestAxis, kTestOblique };
-const char* split_name(Split split);  ///< "train", "test_axis", "test_oblique"
+/// What pictures are for: learning, the figures of tables, and choices between methods, which must
+/// not be made on the tables' pictures.
+enum class Split { kTrain, kTestAxis, kTestOblique, kValidationAxis, kValidationOblique };
+inline constexpr std::array kSplits{Split::kTrain, Split::kTestAxis, Split::kTestOblique,
+                                    Split::kValidationAxis, Split::kValidationOblique};
+/// "train", "test_axis", "test_oblique", "validation_axis", "validation_oblique"
+const char* split_name(Split split);
 
 /// One picture of the dataset.
 struct Frame {
   Camera camera;
   std::optional<Plane> plane;
   Split split = Split::kTrain;
-  std::string file;        ///< PNG, relative to the folder: 8-bit sRGB RGBA, straight alpha
-  std::string uncut_file;  ///< test frames: the same view without the plane ("leak" needs it)
-  std::string
-      depth_file;      ///< test frames: first-hit depth, 16-bit grey PNG: mm = value·depth_scale
-  float noise_db = 0;  ///< noise floor of the picture over black, dB
+  std::string file;  ///< PNG, relative to the folder: 8-bit sRGB RGBA, straight alpha
+  // Of test and validation frames only:
+  std::string uncut_file;        ///< the same view without the plane ("leak" needs it)
+  std::string depth_file;        ///< first-hit depth, 16-bit grey PNG: mm = value·depth_scale
+  std::string uncut_depth_file;  ///< … without the plane
+
+  float noise_db = 0;         ///< noise floor of the picture over black, dB
   float masked_noise_db = 0;  ///< … of its pixels that show matter, dB
 };
 
@@ -33,10 +41,11 @@ struct Dataset {
   std::filesystem::path folder;
   std::vector<Frame> frames;
   Vec3 axis{0, 0, 1};
-  Vec2 extent{0};      ///< interval of axis·x over the visible matter, mm
-  Sphere sphere;       ///< bounding sphere of the visible matter
-  Box bounds;          ///< bounding box of the visible matter
-  float voxel_mm = 1;  ///< spacing of the source volume (geometric mean)
+  Vec2 extent{0};           ///< interval of axis·x over the visible matter, mm
+  Sphere sphere;            ///< bounding sphere of the visible matter
+  Box bounds;               ///< bounding box of the visible matter
+  float voxel_mm = 1;       ///< spacing of the source volume (geometric mean)
+  std::vector<Plane> ends;  ///< the sides of the volume, as planes that keep the inside
   std::string preset;
   float depth_scale = 0;  ///< mm per unit of the depth pictures' 16-bit values
 

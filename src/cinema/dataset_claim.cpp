@@ -10,7 +10,7 @@ namespace {
 
 // Raised whenever the same input gives other pictures, or other points, so that old ones are not
 // taken for new.
-constexpr int kPicturesRevision = 6;
+constexpr int kPicturesRevision = 7;
 constexpr int kPointsRevision = 2;
 
 // Structured bindings name every member of what is hashed: whoever adds one finds that nothing
@@ -102,9 +102,9 @@ Claim claim_of_look(const Volume& volume, const Preset& preset) {
 }  // namespace
 
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options) {
-  const auto& [size, train_frames, test_frames, train_spp, test_noise_db, test_masked_noise_db,
-               test_spp, max_bounces, seed_points, seed, axis, one_sided, choose_views, denoise] =
-      options;
+  const auto& [size, train_frames, test_frames, validation_frames, train_spp, test_noise_db,
+               test_masked_noise_db, test_spp, max_bounces, seed_points, seed, axis, one_sided,
+               choose_views, denoise] = options;
   const Claim look = claim_of_look(volume, preset);
   DatasetClaims claims{claim_of_step("pictures", kPicturesRevision),
                        claim_of_step("points", kPointsRevision)};
@@ -112,6 +112,7 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
   claims.pictures.update({{"size", size},
                           {"train_frames", train_frames},
                           {"test_frames", test_frames},
+                          {"validation_frames", validation_frames},
                           {"train_spp", train_spp},
                           {"test_noise", json_number(test_noise_db)},
                           {"test_masked_noise", json_number(test_masked_noise_db)},

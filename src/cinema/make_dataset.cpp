@@ -78,6 +78,15 @@ OrderedJson matrix_of(const Mat4& m) {
   return rows;
 }
 
+Mat4 world_from_index(const Volume& volume) {
+  Mat4 matrix(volume.direction);
+  for (int k = 0; k < 3; ++k) {
+    matrix[k] *= volume.spacing[k];
+  }
+  matrix[3] = glm::vec4(volume.origin, 1);
+  return matrix;
+}
+
 OrderedJson frame_json(const Frame& frame) {
   const Camera& c = frame.camera;
   OrderedJson json = {{"file_path", frame.file},
@@ -103,6 +112,9 @@ OrderedJson frame_json(const Frame& frame) {
   if (!frame.depth_file.empty()) {
     json["depth_file_path"] = frame.depth_file;
   }
+  if (!frame.uncut_depth_file.empty()) {
+    json["uncut_depth_file_path"] = frame.uncut_depth_file;
+  }
   return json;
 }
 
@@ -118,8 +130,8 @@ void check(const DatasetOptions& options) {
   if (options.size < 16 || options.size > 4096) {
     throw Error("dataset: pictures of {0}x{0} px are out of range; use 16 to 4096", options.size);
   }
-  if (options.train_frames < 1 || options.test_frames < 0 || options.train_spp < 2 ||
-      options.test_spp < 2) {
+  if (options.train_frames < 1 || options.test_frames < 0 || options.validation_frames < 0 ||
+      options.train_spp < 2 || options.test_spp < 2) {
     throw Error("dataset: needs at least one training frame and two samples a pixel");
   }
   if (std::abs(glm::length(options.axis) - 1.0f) > 1e-4f) {
@@ -155,6 +167,8 @@ class Maker {
       write_picture(frame.uncut_file, render_picture(scene_, frame.camera, std::nullopt, options));
       write_depth(folder_ / frame.depth_file, render_depth(scene_, frame.camera, frame.plane),
                   depth_scale_);
+      write_depth(folder_ / frame.uncut_depth_file,
+                  render_depth(scene_, frame.camera, std::nullopt), depth_scale_);
       options.noise_db = options_.test_noise_db + kNoiseMargin;
       options.masked_noise_db = options_.test_masked_noise_db + kNoiseMargin;
     }
@@ -180,7 +194,7 @@ class Maker {
 
 void make_pictures(const Volume& volume, const Preset& preset, const fs::path& folder,
                    const DatasetOptions& options) {
-  for (const char* name : {"images", "uncut", "depth"}) {
+  for (const char* name : {"images", "uncut", "depth", "uncut_depth"}) {
     create_folder(folder / name);
     sweep_leftovers(folder / name);
   }
@@ -221,7 +235,8 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
       {"bounds", {{"min", list_of(matter.bounds.min)}, {"max", list_of(matter.bounds.max)}}},
       {"volume",
        {{"dims", {volume.dims.x, volume.dims.y, volume.dims.z}},
-        {"spacing", list_of(volume.spacing)}}},
+        {"spacing", list_of(volume.spacing)},
+        {"world_from_index", matrix_of(world_from_index(volume))}}},
       {"depth_scale", maker.depth_scale()},
       {"frames", OrderedJson::array()}};
   for (const Frame& frame : frames) {

@@ -16,8 +16,9 @@ struct DatasetOptions {
   int size = 256;                   ///< pictures are size × size px
   int train_frames = 600;           ///< about 40 % axis planes, 45 % oblique, 15 % uncut
   int test_frames = 30;             ///< of each test split
+  int validation_frames = 15;       ///< of each validation split
   int train_spp = 32;               ///< samples a pixel of a training picture, mean over matter
-  float test_noise_db = 46;         ///< noise floor that every test picture reaches …
+  float test_noise_db = 46;         ///< noise floor that test and validation pictures reach …
   float test_masked_noise_db = 40;  ///< … and that of its pixels that show matter …
   int test_spp = 4096;              ///< … unless this many samples a pixel are not enough
   int max_bounces = 6;              ///< vertices of a path
@@ -27,13 +28,14 @@ struct DatasetOptions {
   bool one_sided = false;    ///< axis planes keep what is below them, along the axis, as a neural
                              ///< uniaxial model needs them; else the side that suits the view
   bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
-  bool denoise = false;  ///< training pictures only: what tests are measured by is never filtered
+  bool denoise = false;      ///< training pictures only: what is measured by is never filtered
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at
 /// three distances (training) or the nominal one (tests); planes go through the visible matter, and
 /// three times in four leave the side that the camera does not stand on, so that it sees the face.
-/// No test plane or test camera is one of training.
+/// Test and validation frames are held out (HeldOut): no plane of another split comes within 1 % of
+/// the extent of theirs, no view within 5°.
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options);
 
 /// The same with other training frames of the same kinds, chosen by what they show out of five

@@ -2,9 +2,11 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <numeric>
+#include <iterator>
+#include <span>
 
 #include "cinema/choose_frames.h"
+#include "cinema/held_out.h"
 #include "cinema/make_dataset.h"
 #include "core/random.h"
 
@@ -23,8 +25,11 @@ constexpr Vec2 kTestRangeBelow{kLeastKept + 0.02f, 0.90f};
 // Distances of training cameras, relative to the nominal one; that comes twice as often.
 constexpr std::array<float, 4> kDistances{1.0f, 0.8f, 1.0f, 1.2f};
 
-// Distance of test planes from training's, in mean distances of training's axis planes.
-constexpr float kHeldOut = 0.2f;
+// Axis planes of tests and of validation, at most: several views share one, so that the windows
+// around them leave most of the extent to training. Half as many for validation, as there are
+// frames: they come to lie in the middle between those of tests.
+constexpr int kMostTestPlanes = 10;
+constexpr int kMostValidationPlanes = 5;
 
 // Frames that are planned besides to choose from, as a multiple of the training frames.
 constexpr int kOthers = 4;
@@ -32,7 +37,14 @@ constexpr int kOthers = 4;
 enum Kind : size_t { kAxis, kOblique, kUncut, kKinds };
 
 // Independent random streams of a plan.
-enum Stream : std::uint64_t { kTraining = 1, kTestAxis, kTestOblique, kOtherTraining };
+enum Stream : std::uint64_t {
+  kTraining = 1,
+  kTestAxis,
+  kTestOblique,
+  kOtherTraining,
+  kValidationAxis,
+  kValidationOblique
+};
 
 float lerp(const Vec2& range, float t) { return range.x + (range.y - range.x) * t; }
 
@@ -65,41 +77,40 @@ void shuffle(std::vector<T>& list, Rng& rng) {
 class Planner {
  public:
   Planner(const VisibleMatter& matter, const DatasetOptions& options)
-      : matter_(matter), options_(options) {}
+      : matter_(matter),
+        options_(options),
+        held_out_(matter, options.axis, options.one_sided,
+                  2 * static_cast<size_t>(options.test_frames + options.validation_frames)) {}
 
   std::vector<Frame> plan() {
+    std::vector<Frame> others;
+    const auto hold_out = [&](Split axis, Split oblique, int count) {
+      const size_t begin = others.size();
+      plan_held_out(axis, count, others);
+      plan_held_out(oblique, count, others);
+      held_out_.add(std::span(others).subspan(begin));
+    };
+    hold_out(Split::kTestAxis, Split::kTestOblique, options_.test_frames);
+    hold_out(Split::kValidationAxis, Split::kValidationOblique, options_.validation_frames);
     Rng rng(options_.seed, kTraining);
-    frames_ = training_frames(options_.train_frames, rng);
-    for (const Frame& frame : frames_) {
-      if (kind_of(frame) == kAxis) {
-        axis_offsets_.push_back(axis_offset(frame));
-      }
-    }
-    plan_test(Split::kTestAxis);
-    plan_test(Split::kTestOblique);
-    return std::move(frames_);
+    std::vector<Frame> frames = training_frames(options_.train_frames, rng);
+    std::ranges::move(others, std::back_inserter(frames));
+    return frames;
   }
 
   /// The training frames of a plan and others, to choose as many of each kind and distance from.
   FramePool pool(const std::vector<Frame>& plan) const {
     FramePool pool;
     pool.quotas.assign(kKinds * kDistances.size(), 0);
-    std::vector<float> test_offsets;
     for (const Frame& frame : plan) {
       if (frame.split == Split::kTrain) {
         pool.frames.push_back(frame);
         ++pool.quotas[group_of(frame)];
-      } else if (frame.split == Split::kTestAxis) {
-        test_offsets.push_back(axis_offset(frame));
       }
     }
     Rng rng(options_.seed, kOtherTraining);
-    const int others = kOthers * options_.train_frames;
-    for (Frame& frame : training_frames(others, rng)) {
-      if (kind_of(frame) != kAxis || !near_any(test_offsets, axis_offset(frame))) {
-        pool.frames.push_back(std::move(frame));
-      }
-    }
+    std::ranges::move(training_frames(kOthers * options_.train_frames, rng),
+                      std::back_inserter(pool.frames));
     for (const Frame& frame : pool.frames) {
       pool.groups.push_back(group_of(frame));
     }
@@ -124,11 +135,6 @@ class Planner {
     return kind_of(frame) * kDistances.size() + static_cast<size_t>(nearest - kDistances.begin());
   }
 
-  /// Along +axis, of a frame with an axis plane.
-  float axis_offset(const Frame& frame) const {
-    return glm::dot(frame.plane->normal, options_.axis) * frame.plane->offset;
-  }
-
   std::vector<Frame> training_frames(int count, Rng& rng) const {
     std::vector<Frame> frames;
     const Mat3 rotation = random_rotation(rng);
@@ -143,6 +149,7 @@ class Planner {
                                                           : kUncut);
       axis_count += kinds.back() == kAxis ? 1 : 0;
     }
+    const std::vector<Vec3> directions = held_out_.spread_directions(count, rotation);
     // One axis plane in each of as many equal steps.
     std::vector<float> heights;
     heights.reserve(static_cast<size_t>(axis_count));
@@ -152,42 +159,60 @@ class Planner {
     shuffle(heights, rng);
     for (int i = 0; i < count; ++i) {
       const float distance = kDistances[rng.below(kDistances.size())];
-      Frame frame = make_frame(Split::kTrain, i, rotation * fibonacci_sphere(i, count), distance);
+      Frame frame = make_frame(Split::kTrain, i, directions[static_cast<size_t>(i)], distance);
       if (kinds[static_cast<size_t>(i)] == kAxis) {
         const Vec2 range = options_.one_sided ? kTrainRangeBelow : kTrainRange;
-        set_axis_plane(frame, lerp(range, heights.back()), rng);
+        set_axis_plane(frame, held_out_.free_height(range, heights.back()), rng);
         heights.pop_back();
       } else if (kinds[static_cast<size_t>(i)] == kOblique) {
-        const Vec3 normal = random_direction(rng);
-        frame.plane = make_plane(normal, lerp(kTrainRange, rng.uniform()), frame.camera, rng);
+        frame.plane = make_oblique_plane(kTrainRange, frame.camera, rng);
       }
       frames.push_back(frame);
     }
     return frames;
   }
 
-  void plan_test(Split split) {
-    const bool axis = split == Split::kTestAxis;
-    Rng rng(options_.seed, axis ? kTestAxis : kTestOblique);
-    const Mat3 rotation = random_rotation(rng);
-    const int count = options_.test_frames;
-    std::vector<int> cameras(static_cast<size_t>(count));
-    std::iota(cameras.begin(), cameras.end(), 0);
-    shuffle(cameras, rng);
+  static Stream stream_of(Split split) {
+    switch (split) {
+      case Split::kTestAxis:
+        return kTestAxis;
+      case Split::kTestOblique:
+        return kTestOblique;
+      case Split::kValidationAxis:
+        return kValidationAxis;
+      case Split::kValidationOblique:
+        return kValidationOblique;
+      case Split::kTrain:
+        break;
+    }
+    return kTraining;
+  }
+
+  static int most_planes(Split split) {
+    return split == Split::kTestAxis ? kMostTestPlanes : kMostValidationPlanes;
+  }
+
+  /// Appends the frames of a test or validation split.
+  void plan_held_out(Split split, int count, std::vector<Frame>& frames) const {
+    const bool axis = split == Split::kTestAxis || split == Split::kValidationAxis;
+    Rng rng(options_.seed, stream_of(split));
+    std::vector<Vec3> directions = held_out_.spread_directions(count, random_rotation(rng));
+    shuffle(directions, rng);
+    const int planes = std::min(count, most_planes(split));
     for (int i = 0; i < count; ++i) {
-      Frame frame = make_frame(
-          split, i, rotation * fibonacci_sphere(cameras[static_cast<size_t>(i)], count), 1.0f);
-      const float step = (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+      Frame frame = make_frame(split, i, directions[static_cast<size_t>(i)], 1.0f);
       if (axis) {
         const Vec2 range = options_.one_sided ? kTestRangeBelow : kTestRange;
-        set_axis_plane(frame, held_out(lerp(range, step)), rng);
+        const float step = (static_cast<float>(i % planes) + 0.5f) / static_cast<float>(planes);
+        set_axis_plane(frame, held_out_.free_height(range, step), rng);
       } else {
-        const Vec3 normal = random_direction(rng);
-        frame.plane = make_plane(normal, lerp(kTestRange, rng.uniform()), frame.camera, rng);
+        frame.plane = make_oblique_plane(kTestRange, frame.camera, rng);
       }
-      frame.uncut_file = fmt::format("uncut/{}_{:04}.png", split_name(split), i);
-      frame.depth_file = fmt::format("depth/{}_{:04}.png", split_name(split), i);
-      frames_.push_back(frame);
+      const std::string file = fmt::format("{}_{:04}.png", split_name(split), i);
+      frame.uncut_file = "uncut/" + file;
+      frame.depth_file = "depth/" + file;
+      frame.uncut_depth_file = "uncut_depth/" + file;
+      frames.push_back(frame);
     }
   }
 
@@ -221,6 +246,17 @@ class Planner {
     frame.plane = plane;
   }
 
+  // A plane of any direction, far enough from those that are held out.
+  Plane make_oblique_plane(const Vec2& range, const Camera& camera, Rng& rng) const {
+    for (;;) {
+      const Vec3 normal = random_direction(rng);
+      const Plane plane = make_plane(normal, lerp(range, rng.uniform()), camera, rng);
+      if (!held_out_.near(plane)) {
+        return plane;
+      }
+    }
+  }
+
   // A plane at `height` of the matter's extent along `normal`, keeping the side that suits.
   Plane make_plane(const Vec3& normal, float height, const Camera& camera, Rng& rng) const {
     Plane plane{normal, lerp(matter_.extent(normal), height)};
@@ -234,32 +270,9 @@ class Planner {
     return kept < kLeastKept ? plane.flipped() : plane;
   }
 
-  // Height, as a share of the extent along the axis, that two planes differ by at least.
-  float least_step() const {
-    return kHeldOut / static_cast<float>(std::max<size_t>(1, axis_offsets_.size()));
-  }
-
-  // Whether an axis plane at `offset` would be as good as one of the others.
-  bool near_any(const std::vector<float>& others, float offset) const {
-    const Vec2 extent = matter_.extent(options_.axis);
-    const float least = least_step() * (extent.y - extent.x);
-    return std::ranges::any_of(others,
-                               [&](float other) { return std::abs(other - offset) < least; });
-  }
-
-  // The height moved, if need be, so that its plane is none of training's.
-  float held_out(float height) const {
-    const Vec2 extent = matter_.extent(options_.axis);
-    while (near_any(axis_offsets_, lerp(extent, height))) {
-      height += 0.7f * least_step();
-    }
-    return height;
-  }
-
   const VisibleMatter& matter_;
   const DatasetOptions& options_;
-  std::vector<Frame> frames_;
-  std::vector<float> axis_offsets_;  // of the training planes, along +axis
+  HeldOut held_out_;
 };
 
 }  // namespace

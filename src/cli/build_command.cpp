@@ -24,7 +24,7 @@ struct Quality {
   const char* name;
   int size;  // px, training and test pictures
   int train_frames;
-  int test_frames;  // per test split
+  int test_frames;  // per test split; half as many per validation split
   int train_spp;
   size_t budget;
   size_t steps;
@@ -100,6 +100,7 @@ BuildOptions build_options(const BuildArguments& arguments) {
   options.pictures.size = quality.size;
   options.pictures.train_frames = quality.train_frames;
   options.pictures.test_frames = quality.test_frames;
+  options.pictures.validation_frames = (quality.test_frames + 1) / 2;
   options.pictures.train_spp = quality.train_spp;
   options.pictures.seed = arguments.seed;
   options.pictures.denoise = arguments.denoise;
@@ -171,7 +172,9 @@ void add_build_command(CLI::App& app) {
   command->add_option("--train-frames", overrides.train_frames, "Training pictures")
       ->check(CLI::Range(1, 100000))
       ->group("Instead of what the quality says");
-  command->add_option("--test-frames", overrides.test_frames, "Test pictures of each split")
+  command
+      ->add_option("--test-frames", overrides.test_frames,
+                   "Test pictures of each split, and half as many to validate by")
       ->check(CLI::Range(1, 10000))
       ->group("Instead of what the quality says");
   command->add_flag("--denoise", arguments->denoise,

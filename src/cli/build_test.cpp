@@ -234,7 +234,7 @@ TEST_F(BuildTest, BuildTheWayOfThePapersHasLayersAndResumes) {
   const Finished measured =
       run_clipgs({"eval", at("layered.sog"), "--model", model, "--dataset", dataset});
   ASSERT_EQ(measured.status, 0) << measured.err;
-  EXPECT_THAT(measured.out, HasSubstr("model      test_axis     own    splats   truth"));
+  EXPECT_THAT(measured.out, HasSubstr("model      test_axis          own    splats   truth"));
   EXPECT_THAT(measured.out, HasSubstr("200 states as PLY"));
   EXPECT_EQ(run_clipgs({"render", model, "-o", at("own.png"), "--plane", "0,0,-1,0"}).status, 0);
   expect_failure({"render", model, "-o", at("no.png"), "--plane", "1,0,0,0"}, "clipgs bake",

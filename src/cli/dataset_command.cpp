@@ -25,6 +25,7 @@ struct DatasetArguments {
   std::string axis = "0,0,1";
   std::string views;  // empty: need with a section, spiral without
   DatasetOptions options;
+  int validation_frames = -1;  // as the tests say
   SectionChoice section;
   bool json = false;
 };
@@ -41,6 +42,8 @@ void run_dataset(const DatasetArguments& arguments) {
     throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
   }
   options.axis = glm::normalize(options.axis);
+  options.validation_frames = arguments.validation_frames >= 0 ? arguments.validation_frames
+                                                               : (options.test_frames + 1) / 2;
   options.choose_views =
       arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
   const FolderLock lock(arguments.folder);
@@ -54,7 +57,7 @@ void run_dataset(const DatasetArguments& arguments) {
                                  {"preset", preset.name},
                                  {"frames", dataset.frames.size()}};
   std::string text = fmt::format("{}: preset {}", arguments.folder.string(), preset.name);
-  for (const Split split : {Split::kTrain, Split::kTestAxis, Split::kTestOblique}) {
+  for (const Split split : kSplits) {
     const std::vector<const Frame*> frames = dataset.split(split);
     if (!frames.empty()) {
       const float noise = lowest(frames, &Frame::noise_db);
@@ -97,6 +100,11 @@ void add_dataset_command(CLI::App& app) {
   command->add_option("--test-frames", options.test_frames, "Pictures of each test split")
       ->check(CLI::Range(0, 10000))
       ->capture_default_str();
+  command
+      ->add_option("--validation-frames", arguments->validation_frames,
+                   "Pictures of each validation split, to choose between methods by (default: half "
+                   "as many as test pictures)")
+      ->check(CLI::Range(0, 10000));
   command->add_option("--train-spp", options.train_spp, "Samples a pixel of training pictures")
       ->check(CLI::Range(2, 65536))
       ->capture_default_str();

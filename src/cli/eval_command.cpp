@@ -34,10 +34,14 @@ struct EvalArguments {
   std::string report;
   std::vector<std::string> clips = {"hard", "soft", "exact"};
   std::vector<std::string> sections;
+  std::string split = "test";
 };
 
 EvaluationOptions evaluation_options(const EvalArguments& arguments) {
   EvaluationOptions options;
+  if (arguments.split == "validation") {
+    options.splits = kValidationSplits;
+  }
   options.clips.clear();
   for (const std::string& name : arguments.clips) {
     const ClipOperator clip = parse_clip_operator(name);
@@ -134,19 +138,19 @@ void run_eval(const EvalArguments& arguments) {
     evaluation.sizes = size_stages(arguments.scene, cases.front().scene, cases.back());
   }
   if (!arguments.json.empty()) {
-    write_text(arguments.json, evaluation_json(evaluation));
+    write_text(arguments.json, evaluation_json(evaluation, dataset));
   }
   if (!arguments.report.empty()) {
     write_text(arguments.report, evaluation_report(subjects, dataset, evaluation));
   }
-  fmt::print("{}", evaluation_table(evaluation));
+  fmt::print("{}", evaluation_table(evaluation, dataset));
 }
 
 }  // namespace
 
 void add_eval_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "eval", "Measure a case or scene against a dataset's path-traced test pictures");
+      "eval", "Measure a case or scene against a dataset's path-traced pictures");
   const auto arguments = std::make_shared<EvalArguments>();
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
   command->add_option("--dataset", arguments->dataset, "Folder that clipgs dataset or build made")
@@ -177,6 +181,11 @@ void add_eval_command(CLI::App& app) {
                    "What draws the faces of the cut: volume, splats (default: what the case has)")
       ->delimiter(',')
       ->check(CLI::IsMember({"volume", "splats"}));
+  command
+      ->add_option("--split", arguments->split,
+                   "Pictures: test, for tables, or validation, to choose between methods by")
+      ->check(CLI::IsMember({"test", "validation"}))
+      ->capture_default_str();
   command->footer(
       "Scenes are called by their files' names.\n"
       "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html\n"

@@ -92,7 +92,7 @@ TEST_F(EvalCommandTest, RefusesToOverwriteTheScene) {
 TEST_F(EvalCommandTest, BadInputIsOneLine) {
   make_dataset("untested", "0");
   for (const auto& [dataset, says] :
-       {std::pair{"untested", "no test pictures"}, {"none", "none"}}) {
+       {std::pair{"untested", "no pictures of test_axis"}, {"none", "none"}}) {
     const Finished finished =
         run_clipgs({"eval", at("scene.ply"), "--dataset", at(dataset), "--json", at("out.json")});
     EXPECT_EQ(finished.status, 1);

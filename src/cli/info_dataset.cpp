@@ -12,7 +12,7 @@ bool is_dataset(const std::filesystem::path& path) {
 nlohmann::ordered_json describe_dataset(const std::filesystem::path& path) {
   const Dataset dataset = load_dataset(path);
   nlohmann::ordered_json json = {{"kind", "dataset"}, {"preset", dataset.preset}};
-  for (const Split split : {Split::kTrain, Split::kTestAxis, Split::kTestOblique}) {
+  for (const Split split : kSplits) {
     const std::vector<const Frame*> frames = dataset.split(split);
     double noise = 0;
     double masked = 0;

@@ -1,9 +1,10 @@
 #include "measure/evaluation.h"
 
 #include <algorithm>
-#include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "core/error.h"
 #include "core/progress.h"
@@ -12,7 +13,9 @@ namespace clipgs {
 
 namespace {
 
-constexpr std::array<Split, 2> kTestSplits = {Split::kTestAxis, Split::kTestOblique};
+/// A first hit this near to a plane lies on it, in mean voxels: matter whose median depth is looked
+/// for begins up to a voxel below its face.
+constexpr float kFaceTolerance = 1.5f;
 
 Image load_picture(const Dataset& dataset, const Frame& frame, const std::string& file) {
   Image image = read_png(dataset.folder / file);
@@ -25,8 +28,8 @@ Image load_picture(const Dataset& dataset, const Frame& frame, const std::string
 }
 
 /// First-hit distances in mm, [height, width, 1].
-Image load_depth(const Dataset& dataset, const Frame& frame) {
-  const Image grey = load_picture(dataset, frame, frame.depth_file);
+Image load_depth(const Dataset& dataset, const Frame& frame, const std::string& file) {
+  const Image grey = load_picture(dataset, frame, file);
   Image depth(grey.width, grey.height, 1);
   const float mm = 65535.0f * dataset.depth_scale;
   for (size_t i = 0; i < depth.pixels(); ++i) {
@@ -40,15 +43,21 @@ struct Truth {
   Image picture;
   std::optional<Image> uncut;
   std::optional<Image> depth;
+  std::vector<PixelClass> classes;  ///< empty if not known
 };
 
 Truth load_truths(const Dataset& dataset, const Frame& frame) {
-  Truth truth{load_truth(dataset, frame), std::nullopt, std::nullopt};
+  Truth truth{load_truth(dataset, frame), std::nullopt, std::nullopt, {}};
   if (frame.plane && !frame.uncut_file.empty()) {
     truth.uncut = load_picture(dataset, frame, frame.uncut_file);
   }
   if (frame.plane && !frame.depth_file.empty()) {
-    truth.depth = load_depth(dataset, frame);
+    truth.depth = load_depth(dataset, frame, frame.depth_file);
+  }
+  if (truth.depth && !frame.uncut_depth_file.empty()) {
+    truth.classes = classify_pixels(
+        {*truth.depth, load_depth(dataset, frame, frame.uncut_depth_file)}, frame.camera,
+        *frame.plane, dataset.ends, kFaceTolerance * dataset.voxel_mm);
   }
   return truth;
 }
@@ -57,13 +66,17 @@ Scores compare(const Truth& truth, const Image& picture, const Frame& frame, flo
   const Image map = ssim_map(truth.picture, picture);
   Scores scores;
   scores.psnr = psnr(truth.picture, picture);
-  scores.psnr_masked = masked_psnr(truth.picture, picture);
+  scores.masked = masked_error(truth.picture, picture);
+  scores.psnr_masked = scores.masked.psnr();
   scores.ssim = mean(map);
   if (frame.plane && truth.depth) {
     scores.band_ssim = band_ssim(map, *truth.depth, frame.camera, *frame.plane, band);
   }
   if (truth.uncut) {
     scores.leak = leak(truth.picture, *truth.uncut, picture);
+  }
+  if (!truth.classes.empty()) {
+    scores.classes = masked_errors(truth.picture, picture, truth.classes);
   }
   return scores;
 }
@@ -73,18 +86,41 @@ class Mean {
  public:
   void add(const std::optional<double>& value) {
     if (value) {
-      sum_ += *value;
-      ++count_;
+      values_.push_back(*value);
     }
   }
   std::optional<double> value() const {
-    return count_ > 0 ? std::optional(sum_ / count_) : std::nullopt;
+    return values_.empty() ? std::nullopt
+                           : std::optional(std::accumulate(values_.begin(), values_.end(), 0.0) /
+                                           static_cast<double>(values_.size()));
+  }
+  /// Half width of its 95 % confidence interval.
+  std::optional<double> confidence() const {
+    if (values_.size() < 2) {
+      return std::nullopt;
+    }
+    const auto count = static_cast<double>(values_.size());
+    double squares = 0;
+    for (const double v : values_) {
+      squares += (v - *value()) * (v - *value());
+    }
+    const double quantile =
+        boost::math::quantile(boost::math::students_t_distribution<double>(count - 1), 0.975);
+    return quantile * std::sqrt(squares / (count - 1) / count);
   }
 
  private:
-  double sum_ = 0;
-  int count_ = 0;
+  std::vector<double> values_;
 };
+
+/// Adds what is summed over pictures.
+template <typename Sum>
+void add_to(std::optional<Sum>& sum, const std::optional<Sum>& other, const auto& add) {
+  if (other) {
+    sum = sum.value_or(Sum{});
+    add(*sum, *other);
+  }
+}
 
 EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& frames, Split split,
                        const Drawing& drawing) {
@@ -92,24 +128,33 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
   row.split = split;
   row.drawing = drawing;
   Mean psnr, psnr_masked, ssim, band_ssim;
-  Leak leaks;
-  bool any_leak = false;
   for (const FrameScores& frame : frames) {
     if (frame.drawing != drawing || dataset.frames[frame.frame].split != split) {
       continue;
     }
-    psnr.add(frame.scores.psnr);
-    psnr_masked.add(frame.scores.psnr_masked);
-    ssim.add(frame.scores.ssim);
-    band_ssim.add(frame.scores.band_ssim);
-    if (frame.scores.leak) {
-      leaks.add(*frame.scores.leak);
-      any_leak = true;
+    const Scores& scores = frame.scores;
+    psnr.add(scores.psnr);
+    psnr_masked.add(scores.psnr_masked);
+    ssim.add(scores.ssim);
+    band_ssim.add(scores.band_ssim);
+    row.mean.masked.add(scores.masked);
+    add_to(row.mean.leak, scores.leak, [](Leak& sum, const Leak& one) { sum.add(one); });
+    add_to(row.mean.classes, scores.classes, [](ClassErrors& sum, const ClassErrors& one) {
+      for (size_t i = 0; i < sum.size(); ++i) {
+        sum[i].add(one[i]);
+      }
+    });
+    if (scores.psnr_masked && (!row.worst || *scores.psnr_masked < *row.worst_db)) {
+      row.worst = frame.frame;
+      row.worst_db = scores.psnr_masked;
     }
     ++row.images;
   }
-  row.mean = {psnr.value().value_or(0), psnr_masked.value(), ssim.value().value_or(0),
-              band_ssim.value(), any_leak ? std::optional(leaks) : std::nullopt};
+  row.mean.psnr = psnr.value().value_or(0);
+  row.mean.psnr_masked = psnr_masked.value();
+  row.mean.ssim = ssim.value().value_or(0);
+  row.mean.band_ssim = band_ssim.value();
+  row.confidence = psnr_masked.confidence();
   return row;
 }
 
@@ -194,6 +239,18 @@ const Case* find_model(std::span<const Subject> subjects) {
 
 }  // namespace
 
+ClassShare Scores::share(PixelClass which) const {
+  if (!classes) {
+    return {};
+  }
+  const SquaredError& own = (*classes)[static_cast<size_t>(which)];
+  const auto share = [](double part, double whole) {
+    return whole > 0 ? std::optional(part / whole) : std::nullopt;
+  };
+  return {own.psnr(), share(static_cast<double>(own.pixels), static_cast<double>(masked.pixels)),
+          share(own.sum, masked.sum)};
+}
+
 Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing) {
   return draw_case(contents, frame.camera, frame.plane,
                    {.clip = drawing.clip, .faces = drawing.faces});
@@ -225,7 +282,7 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
   }
   evaluation.splats = subjects[0].contents->scene.gaussians.size();
   std::vector<size_t> tests;
-  for (const Split split : kTestSplits) {
+  for (const Split split : options.splits) {
     const std::vector<size_t> frames = frames_of(dataset, split);
     if (!frames.empty()) {
       evaluation.noise_floors.push_back(mean_noise_floor(dataset, split, frames));
@@ -233,8 +290,8 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
     }
   }
   if (tests.empty()) {
-    throw Error("{}: has no test pictures, nothing to compare with; make one with clipgs dataset",
-                dataset.folder.string());
+    throw Error("{}: has no pictures of {}, nothing to compare with; make some with clipgs dataset",
+                dataset.folder.string(), split_name(options.splits.front()));
   }
 
   const Case* const model = find_model(subjects);
@@ -246,7 +303,7 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
     const bool model_draws =
         model != nullptr && can_draw(*model, frame.plane, ClipOperator::kExact);
     const Truth of_model{model_draws ? draw_frame(*model, frame, {}) : Image(), std::nullopt,
-                         truth.depth};
+                         truth.depth, truth.classes};
     for (const Drawing& drawing : drawings) {
       const Case& contents = *subjects[drawing.subject].contents;
       if (!can_draw(contents, frame.plane, drawing.clip) ||
@@ -268,14 +325,55 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
     }
   }
   if (evaluation.rows.empty()) {
-    throw Error("{}: has no test pictures that layers can draw: none is cut along the axis",
+    throw Error("{}: has no pictures that layers can draw: none is cut along the axis",
                 dataset.folder.string());
   }
   return evaluation;
 }
 
-std::string evaluation_json(const Evaluation& evaluation) {
-  nlohmann::ordered_json json;
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+OrderedJson drawing_json(const Evaluation& evaluation, const Drawing& drawing) {
+  return {{"subject", evaluation.subjects[drawing.subject]},
+          {"clip", clip_text(evaluation, drawing)},
+          {"section", face_source_name(drawing.faces)},
+          {"against", against_text(evaluation, drawing)}};
+}
+
+void add_scores(const Scores& scores, OrderedJson& json) {
+  json["psnr"] = number(scores.psnr);
+  json["psnr_masked"] = number(scores.psnr_masked);
+  json["ssim"] = number(scores.ssim);
+  json["band_ssim"] = number(scores.band_ssim);
+  json["leak"] = number(scores.leak_percent());
+  for (const PixelClass which : kPixelClasses) {
+    const std::string name = pixel_class_name(which);
+    const ClassShare share = scores.share(which);
+    json["psnr_" + name] = number(share.psnr);
+    json["pixels_" + name] = number(share.pixels);
+    json["error_" + name] = number(share.error);
+  }
+}
+
+OrderedJson row_json(const Evaluation& evaluation, const Dataset& dataset,
+                     const EvaluationRow& row) {
+  OrderedJson json = drawing_json(evaluation, row.drawing);
+  json["split"] = split_name(row.split);
+  add_scores(row.mean, json);
+  json["psnr_masked_pooled"] = number(row.mean.masked.psnr());
+  json["psnr_masked_confidence"] = number(row.confidence);
+  json["psnr_masked_worst"] = number(row.worst_db);
+  json["worst"] = row.worst ? OrderedJson(dataset.frames[*row.worst].file) : OrderedJson();
+  json["images"] = row.images;
+  return json;
+}
+
+}  // namespace
+
+std::string evaluation_json(const Evaluation& evaluation, const Dataset& dataset) {
+  OrderedJson json;
   json["splats"] = evaluation.splats;
   json["bytes"] = evaluation.bytes;
   for (const SizeStage& stage : evaluation.sizes) {
@@ -285,36 +383,55 @@ std::string evaluation_json(const Evaluation& evaluation) {
     json["noise_floor_db"][split_name(noise.split)] = number(noise.db);
     json["masked_noise_floor_db"][split_name(noise.split)] = number(noise.masked_db);
   }
-  json["rows"] = nlohmann::ordered_json::array();
+  json["rows"] = OrderedJson::array();
   for (const EvaluationRow& row : evaluation.rows) {
-    json["rows"].push_back({{"subject", evaluation.subjects[row.drawing.subject]},
-                            {"split", split_name(row.split)},
-                            {"clip", clip_text(evaluation, row.drawing)},
-                            {"section", face_source_name(row.drawing.faces)},
-                            {"against", against_text(evaluation, row.drawing)},
-                            {"psnr", number(row.mean.psnr)},
-                            {"psnr_masked", number(row.mean.psnr_masked)},
-                            {"ssim", number(row.mean.ssim)},
-                            {"band_ssim", number(row.mean.band_ssim)},
-                            {"leak", number(row.mean.leak_percent())},
-                            {"images", row.images}});
+    json["rows"].push_back(row_json(evaluation, dataset, row));
+  }
+  for (const FrameScores& frame : evaluation.frames) {
+    OrderedJson one = {{"file", dataset.frames[frame.frame].file},
+                       {"split", split_name(dataset.frames[frame.frame].split)}};
+    one.update(drawing_json(evaluation, frame.drawing));
+    add_scores(frame.scores, one);
+    json["frames"].push_back(std::move(one));
   }
   return json.dump(2) + "\n";
 }
 
-std::string evaluation_table(const Evaluation& evaluation) {
+std::string evaluation_table(const Evaluation& evaluation, const Dataset& dataset) {
   std::string text = fmt::format("{} splats, {:.2f} MB\n", evaluation.splats,
                                  static_cast<double>(evaluation.bytes) / 1e6);
-  constexpr const char* kLine =
-      "{:<10} {:<13} {:<6} {:<8} {:<8} {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n";
-  text += fmt::format(kLine, "scene", "split", "clip", "section", "against", "PSNR dB", "masked",
-                      "SSIM", "band", "leak e-2", "images");
+  constexpr const char* kWay = "{:<10} {:<18} {:<6} {:<8} {:<8}";
+  constexpr const char* kLine = " {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n";
+  const auto way = [&](const EvaluationRow& row) {
+    return fmt::format(kWay, evaluation.subjects[row.drawing.subject], split_name(row.split),
+                       clip_text(evaluation, row.drawing), face_source_name(row.drawing.faces),
+                       against_text(evaluation, row.drawing));
+  };
+  const std::string title = fmt::format(kWay, "scene", "split", "clip", "section", "against");
+  text += title + fmt::format(kLine, "PSNR dB", "masked", "SSIM", "band", "leak e-2", "images");
   for (const EvaluationRow& row : evaluation.rows) {
-    text += fmt::format(kLine, evaluation.subjects[row.drawing.subject], split_name(row.split),
-                        clip_text(evaluation, row.drawing), face_source_name(row.drawing.faces),
-                        against_text(evaluation, row.drawing), cell(row.mean.psnr, 2),
-                        cell(row.mean.psnr_masked, 2), cell(row.mean.ssim, 4),
-                        cell(row.mean.band_ssim, 4), cell(row.mean.leak_percent(), 3), row.images);
+    text += way(row) + fmt::format(kLine, cell(row.mean.psnr, 2), cell(row.mean.psnr_masked, 2),
+                                   cell(row.mean.ssim, 4), cell(row.mean.band_ssim, 4),
+                                   cell(row.mean.leak_percent(), 3), row.images);
+  }
+  constexpr const char* kMasked = " {:>6} {:>5} {:>6} {:>6} {:>16} {:>16} {:>16}\n";
+  text += "\nmasked PSNR, and of what pixels show (dB, share of pixels, of squared error)\n" +
+          title + fmt::format(kMasked, "mean", "±", "pooled", "worst", "face", "opened", "outside");
+  for (const EvaluationRow& row : evaluation.rows) {
+    const auto share = [&](PixelClass which) {
+      const ClassShare one = row.mean.share(which);
+      return one.psnr ? fmt::format("{:.2f} {:>4.1f}% {:>4.1f}%", *one.psnr, 100 * *one.pixels,
+                                    100 * *one.error)
+                      : "-";
+    };
+    text += way(row) + fmt::format(kMasked, cell(row.mean.psnr_masked, 2), cell(row.confidence, 2),
+                                   cell(row.mean.masked.psnr(), 2), cell(row.worst_db, 2),
+                                   share(PixelClass::kFace), share(PixelClass::kOpened),
+                                   share(PixelClass::kOutside));
+  }
+  if (!evaluation.rows.empty() && evaluation.rows.front().worst) {
+    text += fmt::format("worst of the first row: {}\n",
+                        dataset.frames[*evaluation.rows.front().worst].file);
   }
   for (const NoiseFloor& noise : evaluation.noise_floors) {
     text += fmt::format(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -13,6 +14,14 @@
 
 namespace clipgs {
 
+/// What one class of pixels has of a picture: PSNR, dB, and its shares (0…1) of the masked pixels
+/// and of their squared error.
+struct ClassShare {
+  std::optional<double> psnr;
+  std::optional<double> pixels;
+  std::optional<double> error;
+};
+
 /// Metrics of one picture, or their means; a metric that is not defined there is empty (see
 /// metrics.h): no plane or no matter near it, nothing visible, no uncut picture in the dataset.
 struct Scores {
@@ -20,9 +29,14 @@ struct Scores {
   std::optional<double> psnr_masked;
   double ssim = 0;
   std::optional<double> band_ssim;
+  // Energies and errors are summed over pictures: one that shows almost none of a class, or that
+  // the cut leaves almost empty, has no figure of its own worth averaging.
   std::optional<Leak> leak;
+  SquaredError masked;  ///< what psnr_masked is made of
+  std::optional<ClassErrors> classes;
 
   std::optional<double> leak_percent() const { return leak ? leak->percent() : std::nullopt; }
+  ClassShare share(PixelClass which) const;  ///< empty where classes are not known
 };
 
 /// What is measured, and what the tables call it.
@@ -48,13 +62,17 @@ struct FrameScores {
 };
 
 /// One line of the table: the mean of every metric over the pictures of a split where it is
-/// defined. A mean PSNR is the mean of the pictures' PSNR, not the PSNR of their mean error. The
-/// leak is the pictures' leaked energy together over their truths' energy together: a picture that
-/// the cut leaves almost empty has no ratio of its own worth averaging.
+/// defined, sums where Scores has sums. A mean PSNR is the mean of the pictures' PSNR, not the PSNR
+/// of their mean error, which `mean.masked` has.
 struct EvaluationRow {
   Split split = Split::kTestAxis;
   Drawing drawing;
   Scores mean;
+  /// Half width of the 95 % confidence interval of the mean masked PSNR, dB (Student's t: the
+  /// pictures are a sample of all views and planes). Empty for fewer than two pictures.
+  std::optional<double> confidence;
+  std::optional<size_t> worst;     ///< index into Dataset::frames: the least masked PSNR …
+  std::optional<double> worst_db;  ///< … and that
   size_t images = 0;
 };
 
@@ -82,24 +100,29 @@ struct Evaluation {
   std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
 };
 
+/// The splits that tables are made of, and those that choices are made by.
+inline constexpr std::array kTestSplits{Split::kTestAxis, Split::kTestOblique};
+inline constexpr std::array kValidationSplits{Split::kValidationAxis, Split::kValidationOblique};
+
 struct EvaluationOptions {
+  std::span<const Split> splits = kTestSplits;
   std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,
                                      ClipOperator::kExact};
   /// Empty: the volume, if the case has one, and the splats.
   std::vector<FaceSource> faces;
 };
 
-/// A test picture of the dataset, checked against its camera's size. Throws Error.
+/// A test or validation picture of the dataset, checked against its camera's size. Throws Error.
 Image load_truth(const Dataset& dataset, const Frame& frame);
 
 /// The picture of a frame, as the evaluation draws it.
 Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing);
 
-/// Draws every test picture of the dataset in every way and compares it with the path-traced truth
+/// Draws every picture of the splits in every way and compares it with the path-traced truth
 /// over black. A neural model among the subjects draws the frames that it can, in its own way, and
 /// the others are held against its pictures too, faces by splats, as ClipGS-VR's table has it. By
 /// layers the frames are drawn that they can draw.
-/// Throws Error for a dataset without test pictures, pictures that are missing or of the wrong
+/// Throws Error for a dataset without such pictures, pictures that are missing or of the wrong
 /// size, and a first subject without the section that is asked for.
 Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
                     const EvaluationOptions& options = {});
@@ -112,11 +135,14 @@ std::string against_text(const Evaluation& evaluation, const Drawing& drawing);
 
 /// {"splats", "bytes", "sizes": [{"stage", "bytes"}], "noise_floor_db": {split: dB},
 /// "masked_noise_floor_db": {split: dB}, "rows": [{"subject", "split", "clip", "section",
-/// "against", "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "images"}]}; null where a metric
-/// is not defined.
-std::string evaluation_json(const Evaluation& evaluation);
+/// "against", SCORES, "psnr_masked_pooled", "psnr_masked_confidence", "psnr_masked_worst", "worst",
+/// "images"}], "frames": [{"file", "split", "subject", "clip", "section", "against", SCORES}]};
+/// SCORES: "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "psnr_face", "pixels_face",
+/// "error_face" and the same of "opened" and "outside": shares of the masked pixels and of their
+/// squared error. null where a metric is not defined.
+std::string evaluation_json(const Evaluation& evaluation, const Dataset& dataset);
 
-/// The same rows as a table for a terminal.
-std::string evaluation_table(const Evaluation& evaluation);
+/// The same rows as tables for a terminal.
+std::string evaluation_table(const Evaluation& evaluation, const Dataset& dataset);
 
 }  // namespace clipgs

@@ -87,6 +87,8 @@ class EvaluationTest : public testing::Test {
     write_png(folder_ / frame.uncut_file,
               render(scene_.gaussians, frame.camera, std::nullopt, ClipOperator::kExact), 16);
     write_png(folder_ / frame.depth_file, plane_depth(frame.camera, plane, truth), 16);
+    frame.uncut_depth_file = name + "-uncut-depth.png";
+    write_png(folder_ / frame.uncut_depth_file, Image(64, 48, 1), 16);
     dataset_.frames.push_back(frame);
   }
 
@@ -146,7 +148,8 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
 TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kSoft));
   evaluation.bytes = 1234;
-  const nlohmann::ordered_json json = nlohmann::ordered_json::parse(evaluation_json(evaluation));
+  const nlohmann::ordered_json json =
+      nlohmann::ordered_json::parse(evaluation_json(evaluation, dataset_));
   EXPECT_EQ(json["splats"], 600);
   EXPECT_EQ(json["bytes"], 1234);
   EXPECT_EQ(json["noise_floor_db"]["test_axis"], 43.0);
@@ -157,8 +160,15 @@ TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   for (const auto& item : row.items()) {
     keys.push_back(item.key());
   }
-  EXPECT_THAT(keys, testing::ElementsAre("subject", "split", "clip", "section", "against", "psnr",
-                                         "psnr_masked", "ssim", "band_ssim", "leak", "images"));
+  EXPECT_THAT(keys, testing::ElementsAre(
+                        "subject", "clip", "section", "against", "split", "psnr", "psnr_masked",
+                        "ssim", "band_ssim", "leak", "psnr_face", "pixels_face", "error_face",
+                        "psnr_opened", "pixels_opened", "error_opened", "psnr_outside",
+                        "pixels_outside", "error_outside", "psnr_masked_pooled",
+                        "psnr_masked_confidence", "psnr_masked_worst", "worst", "images"));
+  ASSERT_EQ(json["frames"].size(), 6u);
+  EXPECT_EQ(json["frames"][0]["file"], "0.png");
+  EXPECT_TRUE(json["frames"][0]["psnr_face"].is_number());
   EXPECT_EQ(row["split"], "test_oblique");
   EXPECT_EQ(row["clip"], "soft");
   EXPECT_EQ(row["section"], "splats");
@@ -167,15 +177,67 @@ TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   EXPECT_NEAR(row["psnr"], evaluation.rows[1].mean.psnr, 1e-5);
 }
 
+TEST_F(EvaluationTest, ARowSumsUpItsPictures) {
+  const Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kHard));
+  const EvaluationRow& row = evaluation.rows[0];
+  double sum = 0, squares = 0, error = 0;
+  size_t pixels = 0;
+  std::pair<double, size_t> worst{kMaxPsnr, 0};
+  for (const FrameScores& frame : evaluation.frames) {
+    if (dataset_.frames[frame.frame].split != row.split) {
+      continue;
+    }
+    const double db = *frame.scores.psnr_masked;
+    sum += db;
+    squares += db * db;
+    worst = std::min(worst, {db, frame.frame});
+    pixels += frame.scores.masked.pixels;
+    error += static_cast<double>(frame.scores.masked.pixels) * 3 * std::pow(10, -db / 10);
+  }
+  const double mean = sum / 3;
+  EXPECT_NEAR(*row.mean.psnr_masked, mean, 1e-9);
+  // t(0.975; 2) = 4.30265, of a table.
+  EXPECT_NEAR(*row.confidence, 4.30265 * std::sqrt((squares - 3 * mean * mean) / 2 / 3), 1e-4);
+  EXPECT_EQ(*row.worst, worst.second);
+  EXPECT_NEAR(*row.worst_db, worst.first, 1e-12);
+  EXPECT_NEAR(*row.mean.masked.psnr(), psnr_from_mse(error / (3.0 * static_cast<double>(pixels))),
+              1e-9);
+  double shares = 0, errors = 0;
+  for (const PixelClass which : kPixelClasses) {
+    shares += row.mean.share(which).pixels.value_or(0);
+    errors += row.mean.share(which).error.value_or(0);
+  }
+  EXPECT_NEAR(shares, 1, 1e-12);
+  EXPECT_NEAR(errors, 1, 1e-12);
+  // The splats' centres alone decide what the hard operator draws: wrong at the face first of all.
+  EXPECT_GT(*row.mean.share(PixelClass::kFace).error, *row.mean.share(PixelClass::kFace).pixels);
+}
+
+TEST_F(EvaluationTest, ValidationIsASplitOfItsOwn) {
+  EvaluationOptions options = only(ClipOperator::kHard);
+  options.splits = kValidationSplits;
+  EXPECT_THAT([&] { evaluate(subjects_, dataset_, options); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("no pictures of validation_axis")));
+  dataset_.frames[1].split = Split::kValidationOblique;
+  const Evaluation evaluation = evaluate(subjects_, dataset_, options);
+  ASSERT_EQ(evaluation.rows.size(), 1U);
+  EXPECT_EQ(evaluation.rows[0].split, Split::kValidationOblique);
+  EXPECT_EQ(evaluation.rows[0].images, 1U);
+  EXPECT_FALSE(evaluation.rows[0].confidence);
+  EXPECT_THAT(evaluation_table(evaluation, dataset_), testing::HasSubstr("validation_oblique"));
+}
+
 TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
   for (Frame& frame : dataset_.frames) {
     frame.uncut_file.clear();
     frame.depth_file.clear();
+    frame.uncut_depth_file.clear();
   }
   const Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kExact));
-  const auto json = nlohmann::json::parse(evaluation_json(evaluation));
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation, dataset_));
   EXPECT_TRUE(json["rows"][0]["leak"].is_null());
   EXPECT_TRUE(json["rows"][0]["band_ssim"].is_null());
+  EXPECT_TRUE(json["rows"][0]["psnr_face"].is_null());
   EXPECT_TRUE(json["rows"][0]["psnr_masked"].is_number());
 }
 
@@ -191,7 +253,7 @@ TEST_F(EvaluationTest, ReportIsOneSafeFileWithPictures) {
        at = html.find("data:image/webp", at + 1)) {
     ++pictures;
   }
-  EXPECT_EQ(pictures, 2u * 3 * 5);  // splits × worst, median, best × truth, three operators, error
+  EXPECT_EQ(pictures, 2u * 3 * 5);  // splits × all three × truth, three operators, error
 }
 
 TEST_F(EvaluationTest, WithASectionBothSourcesOfFacesAreMeasuredAndShown) {
@@ -244,13 +306,13 @@ TEST_F(EvaluationTest, AModelIsMeasuredWhereItCanDrawAndOthersAgainstIt) {
   const std::string html = evaluation_report(subjects_, dataset_, evaluation);
   EXPECT_THAT(html, testing::HasSubstr("class=\"other\">● neural"));
   EXPECT_THAT(html, testing::HasSubstr("raw states</td><td>6.00"));
-  EXPECT_THAT(evaluation_table(evaluation), testing::HasSubstr("raw states"));
+  EXPECT_THAT(evaluation_table(evaluation, dataset_), testing::HasSubstr("raw states"));
 }
 
 TEST_F(EvaluationTest, ADatasetWithoutTestPicturesIsAnError) {
   std::erase_if(dataset_.frames, [](const Frame&) { return true; });
   EXPECT_THAT([&] { evaluate(subjects_, dataset_); },
-              testing::ThrowsMessage<Error>(testing::HasSubstr("no test pictures")));
+              testing::ThrowsMessage<Error>(testing::HasSubstr("no pictures of test_axis")));
 }
 
 TEST_F(EvaluationTest, AMissingPictureIsAnError) {

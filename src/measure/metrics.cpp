@@ -134,22 +134,31 @@ double psnr(const Image& truth, const Image& picture) {
   return psnr_from_mse(sum / (3.0 * static_cast<double>(a.pixels())));
 }
 
-std::optional<double> masked_psnr(const Image& truth, const Image& picture) {
+std::optional<double> SquaredError::psnr() const {
+  return pixels > 0 ? std::optional(psnr_from_mse(sum / (3.0 * static_cast<double>(pixels))))
+                    : std::nullopt;
+}
+
+ClassErrors masked_errors(const Image& truth, const Image& picture,
+                          std::span<const PixelClass> classes) {
   require_same_size(truth, picture);
+  if (classes.size() != truth.pixels()) {
+    throw Error("{} pixels have classes, but the picture has {}", classes.size(), truth.pixels());
+  }
   const Image a = over_black(truth);
   const Image b = over_black(picture);
-  double sum = 0;
-  size_t count = 0;
+  ClassErrors errors;
   for (size_t i = 0; i < a.pixels(); ++i) {
     if (alpha_at(truth, i) > kMaskAlpha || alpha_at(picture, i) > kMaskAlpha) {
-      sum += squared_error(a, b, i);
-      ++count;
+      errors[static_cast<size_t>(classes[i])].add({squared_error(a, b, i), 1});
     }
   }
-  if (count == 0) {
-    return std::nullopt;
-  }
-  return psnr_from_mse(sum / (3.0 * static_cast<double>(count)));
+  return errors;
+}
+
+SquaredError masked_error(const Image& truth, const Image& picture) {
+  const std::vector<PixelClass> one(truth.pixels(), PixelClass::kOutside);
+  return masked_errors(truth, picture, one)[static_cast<size_t>(PixelClass::kOutside)];
 }
 
 Image ssim_map(const Image& truth, const Image& picture) {

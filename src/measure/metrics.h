@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "measure/pixel_classes.h"
 
 namespace clipgs {
 
@@ -25,9 +28,27 @@ double psnr_from_mse(double mse);
 /// PSNR over RGB of the whole picture, dB.
 double psnr(const Image& truth, const Image& picture);
 
-/// PSNR over the pixels where either alpha exceeds kMaskAlpha, dB: no background can flatter it.
-/// Empty when both pictures are.
-std::optional<double> masked_psnr(const Image& truth, const Image& picture);
+/// Squared differences of RGB, summed over pixels and channels; sums add up over pictures.
+struct SquaredError {
+  double sum = 0;
+  size_t pixels = 0;
+
+  void add(const SquaredError& other) {
+    sum += other.sum;
+    pixels += other.pixels;
+  }
+  /// dB; empty without pixels.
+  std::optional<double> psnr() const;
+};
+
+/// Over the pixels where either alpha exceeds kMaskAlpha: no background can flatter its PSNR, the
+/// masked PSNR.
+SquaredError masked_error(const Image& truth, const Image& picture);
+
+/// The same by class, in the order of kPixelClasses; `classes` are of all pixels.
+using ClassErrors = std::array<SquaredError, kPixelClasses.size()>;
+ClassErrors masked_errors(const Image& truth, const Image& picture,
+                          std::span<const PixelClass> classes);
 
 /// SSIM per pixel (Wang et al. 2004), mean of the three channels: [height, width, 1]. Gaussian
 /// window of 11×11 pixels, σ 1.5, K1 0.01, K2 0.03, data range 1, zero padding as 3DGS.

@@ -81,12 +81,27 @@ TEST(MaskedPsnr, CountsOnlyPixelsThatEitherPictureCovers) {
     picture.at(1, 0)[c] = 0.3f;
   }
   picture.at(0, 0)[3] = picture.at(1, 0)[3] = 1;
-  EXPECT_NEAR(*masked_psnr(truth, picture), -10 * std::log10((0.01 + 0.09) / 2), 1e-4);
+  EXPECT_NEAR(*masked_error(truth, picture).psnr(), -10 * std::log10((0.01 + 0.09) / 2), 1e-4);
   EXPECT_NEAR(psnr(truth, picture), -10 * std::log10((0.01 + 0.09) / 4), 1e-4);
 }
 
 TEST(MaskedPsnr, OfTwoEmptyPicturesIsNone) {
-  EXPECT_FALSE(masked_psnr(constant(4, 4, 1, 0.005f), constant(4, 4, 0, 0)).has_value());
+  EXPECT_FALSE(masked_error(constant(4, 4, 1, 0.005f), constant(4, 4, 0, 0)).psnr().has_value());
+}
+
+TEST(MaskedErrors, AreByClassAndAddUp) {
+  const Image truth = noise(8, 8, 1);
+  const Image picture = noise(8, 8, 2);
+  std::vector<PixelClass> classes(64, PixelClass::kFace);
+  std::fill(classes.begin() + 10, classes.begin() + 30, PixelClass::kOpened);
+  const ClassErrors errors = masked_errors(truth, picture, classes);
+  EXPECT_EQ(errors[0].pixels, 44U);
+  EXPECT_EQ(errors[1].pixels, 20U);
+  EXPECT_FALSE(errors[2].psnr());
+  SquaredError sum = errors[0];
+  sum.add(errors[1]);
+  EXPECT_NEAR(*sum.psnr(), psnr(truth, picture), 1e-9);
+  EXPECT_THROW(masked_errors(truth, picture, std::span(classes).first(63)), Error);
 }
 
 TEST(Ssim, MatchesTheDefinitionInsideAndAtTheBorder) {
@@ -150,7 +165,7 @@ TEST(Metrics, RefusePicturesOfDifferentSize) {
   const Image a = constant(4, 4, 0, 1);
   const Image b = constant(4, 5, 0, 1);
   EXPECT_THROW(psnr(a, b), Error);
-  EXPECT_THROW(masked_psnr(a, b), Error);
+  EXPECT_THROW(masked_error(a, b).psnr(), Error);
   EXPECT_THROW(ssim_map(a, b), Error);
   EXPECT_THROW(leak(a, a, b), Error);
 }

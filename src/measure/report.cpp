@@ -72,6 +72,11 @@ constexpr const char* kDefinitions = R"html(
 object that fills little of the frame makes it high.</dd>
 <dt>masked</dt><dd>PSNR over the pixels where the truth's or the picture's alpha exceeds 0.01: the
 figure to compare.</dd>
+<dt>pooled</dt><dd>The same of all the pictures' pixels together: one bad picture weighs what it
+shows. ± is half the 95&nbsp;% confidence interval of the mean (Student's t over the pictures).</dd>
+<dt>face, opened, outside</dt><dd>Masked PSNR by what a pixel shows, pooled: matter that begins at
+the plane or at an end of the volume; what lay hidden behind matter that the plane took away; the
+rest. In brackets the shares of the masked pixels and of their squared error.</dd>
 <dt>SSIM</dt><dd>Window of 11×11 pixels, σ 1.5, zero padded, mean of the channels.</dd>
 <dt>band SSIM</dt><dd>Mean of the SSIM map where the truth's first hit lies within 2&nbsp;% of the
 extent of the plane: at the cut.</dd>
@@ -98,6 +103,10 @@ const char* split_title(Split split) {
       return "Planes along the axis";
     case Split::kTestOblique:
       return "Oblique planes";
+    case Split::kValidationAxis:
+      return "Planes along the axis, validation";
+    case Split::kValidationOblique:
+      return "Oblique planes, validation";
     case Split::kTrain:
       break;
   }
@@ -112,13 +121,33 @@ struct Column {
   std::optional<double> (*value)(const Scores&);
 };
 
-const std::array<Column, 5> kColumns = {{
+const std::array<Column, 9> kColumns = {{
     {"PSNR, dB", 2, 1, [](const Scores& s) { return std::optional(s.psnr); }},
     {"masked, dB", 2, 1, [](const Scores& s) { return s.psnr_masked; }},
+    {"pooled", 2, 1, [](const Scores& s) { return s.masked.psnr(); }},
+    {"face", 2, 1, [](const Scores& s) { return s.share(PixelClass::kFace).psnr; }},
+    {"opened", 2, 1, [](const Scores& s) { return s.share(PixelClass::kOpened).psnr; }},
+    {"outside", 2, 1, [](const Scores& s) { return s.share(PixelClass::kOutside).psnr; }},
     {"SSIM", 4, 1, [](const Scores& s) { return std::optional(s.ssim); }},
     {"band SSIM", 4, 1, [](const Scores& s) { return s.band_ssim; }},
     {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak_percent(); }},
 }};
+
+/// What stands smaller behind a value: how sure it is, or what share it is of.
+std::string column_note(const EvaluationRow& row, const Column& column) {
+  const std::string title = column.title;
+  if (title == "masked, dB" && row.confidence) {
+    return fmt::format(" <span class=\"quiet\">± {:.2f}</span>", *row.confidence);
+  }
+  for (const PixelClass which : kPixelClasses) {
+    const ClassShare share = row.mean.share(which);
+    if (title == pixel_class_name(which) && share.psnr) {
+      return fmt::format(" <span class=\"quiet\">({:.0f} %, {:.0f} %)</span>", 100 * *share.pixels,
+                         100 * *share.error);
+    }
+  }
+  return {};
+}
 
 /// The best value of a column among the rows of one split that are held against the same.
 std::optional<double> best_value(const Evaluation& evaluation, const EvaluationRow& among,
@@ -158,8 +187,8 @@ std::string table_html(const Evaluation& evaluation) {
       for (const Column& column : kColumns) {
         const std::optional<double> value = column.value(row.mean);
         const bool best = value && value == best_value(evaluation, row, column);
-        html += fmt::format("<td{}>{}</td>", best ? " class=\"best\"" : "",
-                            value_text(value, column.decimals));
+        html += fmt::format("<td{}>{}{}</td>", best ? " class=\"best\"" : "",
+                            value_text(value, column.decimals), column_note(row, column));
       }
       html += fmt::format("<td>{:.1f}</td><td>{:.1f}</td><td>{}</td></tr>\n", noise.db,
                           noise.masked_db, row.images);
@@ -437,7 +466,7 @@ std::string frame_html(std::span<const Subject> subjects, const Dataset& dataset
   return html + "</figure>\n";
 }
 
-/// The worst, the median and the best picture of a split, each once.
+/// The three worst, the median and the best picture of a split, each once.
 std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset,
                                                           const Evaluation& evaluation,
                                                           Split split) {
@@ -449,14 +478,15 @@ std::vector<std::pair<const char*, size_t>> chosen_frames(const Dataset& dataset
     }
   }
   std::ranges::sort(ranked);
+  constexpr std::array kRanks{"Worst", "Second worst", "Third worst"};
   std::vector<std::pair<const char*, size_t>> chosen;
-  if (!ranked.empty()) {
-    chosen.emplace_back("Worst", ranked.front().second);
+  for (size_t i = 0; i < std::min(kRanks.size(), ranked.size()); ++i) {
+    chosen.emplace_back(kRanks[i], ranked[i].second);
   }
-  if (ranked.size() > 2) {
+  if (ranked.size() / 2 >= kRanks.size()) {
     chosen.emplace_back("Median", ranked[ranked.size() / 2].second);
   }
-  if (ranked.size() > 1) {
+  if (ranked.size() > kRanks.size()) {
     chosen.emplace_back("Best", ranked.back().second);
   }
   return chosen;

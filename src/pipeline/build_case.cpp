@@ -38,8 +38,9 @@ DatasetOptions dataset_options(const BuildOptions& build) {
 Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOptions& build,
                       const fs::path& folder) {
   const DatasetOptions options = dataset_options(build);
-  say_step(2, fmt::format("pictures: {} training, {} test, {}x{}, preset {}", options.train_frames,
-                          2 * options.test_frames, options.size, options.size, preset.name));
+  say_step(2, fmt::format("pictures: {} training, {} test, {} validation, {}x{}, preset {}",
+                          options.train_frames, 2 * options.test_frames,
+                          2 * options.validation_frames, options.size, options.size, preset.name));
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, build.section);
   return dataset;

@@ -29,6 +29,7 @@ struct Input {
     pictures.size = 32;
     pictures.train_frames = 6;
     pictures.test_frames = 1;
+    pictures.validation_frames = 1;
     pictures.train_spp = 2;
     pictures.test_noise_db = 20;
     pictures.test_masked_noise_db = 0;

@@ -34,6 +34,7 @@ TEST(FitReflectance, LearnsWhatLightDoesBeneathTheFace) {
   options.size = 32;
   options.train_frames = 40;
   options.test_frames = 4;
+  options.validation_frames = 0;
   options.train_spp = 24;
   options.test_noise_db = 32;
   options.test_masked_noise_db = 0;

@@ -25,6 +25,7 @@ Trainer& trainer() {
     options.size = 16;
     options.train_frames = 2;
     options.test_frames = 1;
+    options.validation_frames = 1;
     options.train_spp = 2;
     options.test_noise_db = 10;
     options.test_masked_noise_db = 0;

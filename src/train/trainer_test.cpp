@@ -32,6 +32,7 @@ class TrainerTest : public testing::Test {
     options.size = 48;
     options.train_frames = 10;
     options.test_frames = 1;
+    options.validation_frames = 0;
     options.train_spp = 4;
     options.test_noise_db = 20;
     options.test_masked_noise_db = 0;
