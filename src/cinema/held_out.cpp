@@ -64,6 +64,7 @@ std::vector<Vec3> HeldOut::spread_directions(int count, const Mat3& rotation) co
     }
   }
   std::vector<Vec3> directions;
+  directions.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) {
     directions.push_back(free[static_cast<size_t>(i) * free.size() / static_cast<size_t>(count)]);
   }
