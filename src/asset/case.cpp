@@ -193,6 +193,12 @@ Case read_case(const std::filesystem::path& path) {
   return read_case(read_file(path, kMaxCase), path.string());
 }
 
+void prepare_openings(Case& contents) {
+  if (contents.section && !contents.openings) {
+    contents.openings = std::make_shared<const Openings>(*contents.section);
+  }
+}
+
 Case load_case(const std::filesystem::path& path) {
   if (path.extension() != ".ply") {
     return read_case(path);

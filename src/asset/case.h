@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include "asset/section_file.h"
 #include "asset/zip.h"
 #include "core/image.h"
+#include "section/openings.h"
 #include "splat/scene.h"
 #include "train/uniaxial_model.h"
 
@@ -25,7 +27,12 @@ struct Case {
   Scene scene;
   std::optional<Section> section;
   std::optional<UniaxialParameters> model;
+  /// Of the section; null: what a cut opens is left to the splats. See prepare_openings().
+  std::shared_ptr<const Openings> openings;
 };
+
+/// Makes what draws the walls that a cut opens, if the case has a section: a second or so, once.
+void prepare_openings(Case& contents);
 
 /// What a case says of itself, without decoding its images.
 struct CaseInfo {

@@ -22,6 +22,7 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
   }
   FaceOptions face_options;
   face_options.style = options.style;
+  face_options.openings = contents.openings.get();
   return draw_faces(*contents.section, camera, cut, face_options);
 }
 

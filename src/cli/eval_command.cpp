@@ -101,6 +101,7 @@ std::vector<Case> load_subjects(const EvalArguments& arguments, const Dataset& d
     }
     add(arguments.model);
   }
+  std::ranges::for_each(cases, prepare_openings);
   return cases;
 }
 

@@ -75,7 +75,8 @@ void run_render(const RenderArguments& arguments) {
   }
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
-  const Case contents = load_case(arguments.scene);
+  Case contents = load_case(arguments.scene);
+  prepare_openings(contents);
   options.faces = face_source(arguments, contents);
   if (options.clip == ClipOperator::kLayers && !contents.model && contents.scene.layers.empty()) {
     throw Error("{}: has no layers to clip by; clipgs bake makes them of a neural model",

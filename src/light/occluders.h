@@ -1,20 +1,23 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "core/cut.h"
+#include "light/empty_space.h"
+
 #include "core/geometry.h"
 
 namespace clipgs {
 
-/// The matter that stands in the light, on a coarse grid.
+/// The matter that stands in the light, on a grid of cubes.
 struct Occluders {
   IVec3 dims{0};
-  float spacing = 1;              ///< mm between samples, along every axis
-  Mat3 direction{1};              ///< columns: unit RAS directions of the index axes (a rotation)
-  Vec3 origin{0};                 ///< RAS mm of sample (0, 0, 0)
-  std::vector<float> extinction;  ///< [nz, ny, nx], 1/mm
-  std::vector<Vec3> albedo;       ///< [nz, ny, nx]: what matter there reflects, linear RGB
+  float spacing = 1;  ///< mm between samples, along every axis
+  Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
+  Vec3 origin{0};     ///< RAS mm of sample (0, 0, 0)
+  /// [nz, ny, nx]: how much of the light a voxel there takes, 0…255.
+  std::vector<std::uint8_t> coverage;
 
   size_t offset(const IVec3& sample) const {
     return (static_cast<size_t>(sample.z) * dims.y + sample.y) * dims.x + sample.x;
@@ -23,20 +26,23 @@ struct Occluders {
     return ((world - origin) * direction) / spacing;
   }
   Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }
-  /// Trilinear extinction at an index; beyond the grid there is nothing.
-  float extinction_at(const Vec3& index) const;
-  /// Albedo of the sample nearest to a point.
-  const Vec3& albedo_at(const Vec3& world) const;
+  /// Trilinear coverage at an index, 0…255; beyond the grid there is nothing.
+  float coverage_at(const Vec3& index) const;
 };
 
 /// Of rays that meet nothing, or never leave.
 constexpr float kNever = 1e9f;
 
-/// Distance from a point (RAS mm) along a unit direction at which half of the light is gone, mm;
-/// kNever if that much matter does not lie there.
-float horizon_distance(const Occluders& occluders, const Vec3& from, const Vec3& direction);
+/// Where none of them take half of the light.
+EmptySpace find_empty_space(const Occluders& occluders);
 
-/// Distance at which a ray from a kept point leaves what `cut` keeps, mm; kNever if it stays.
-float exit_distance(const Cut& cut, const Vec3& from, const Vec3& direction);
+/// Distance from a point (RAS mm) along a unit direction at which matter begins (half of the light
+/// is gone), mm, looked for from `start` on; kNever if there is none. `empty`: of the occluders.
+float horizon_distance(const Occluders& occluders, const EmptySpace& empty, const Vec3& from,
+                       const Vec3& direction, float start);
+
+/// Distance at which a ray from a kept point leaves what all planes keep, mm; 0 from a point that
+/// is not kept, kNever if the ray stays.
+float exit_distance(std::span<const Plane> planes, const Vec3& from, const Vec3& direction);
 
 }  // namespace clipgs

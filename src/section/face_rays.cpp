@@ -10,12 +10,6 @@ namespace {
 
 constexpr float kDepthVoxels = 4;  // of the traced volume: what lies deeper is left to the splats
 
-FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t) {
-  return {glm::mix(a.extinction, b.extinction, t), glm::mix(a.specular, b.specular, t),
-          glm::mix(a.roughness, b.roughness, t), glm::mix(a.surface, b.surface, t),
-          glm::mix(a.interior, b.interior, t)};
-}
-
 /// The growth g with first·(g^count − 1)/(g − 1) = sum, for sum ≥ first·count.
 float growth(float first, int count, float sum) {
   float low = 1;
@@ -59,8 +53,7 @@ FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut,
       surface_depth_(section.surface_depth()),
       camera_(camera),
       origin_(section.index_from_world(camera.position)),
-      low_(section.curve.values().front()),
-      entries_per_value_((kEntries - 1) / (section.curve.values().back() - low_)) {
+      materials_(section) {
   for (int k = 0; k < 3; ++k) {
     index_from_direction_[k] = section.direction[k] / section.spacing[k];
   }
@@ -71,7 +64,6 @@ FaceRays::FaceRays(const Section& section, const Camera& camera, const Cut& cut,
     add_face(end);
   }
   if (any()) {
-    fill_materials();
     plan_steps(taps);
   }
 }
@@ -92,22 +84,12 @@ void FaceRays::plan_steps(int taps) {
   float at = 0;
   for (int i = 0; i < taps; ++i) {
     Step step{length, at + 0.5f * length, {}};
-    for (const FaceMaterial& material : materials_) {
-      step.alphas.push_back(1 - std::exp(-material.extinction * length));
+    for (size_t entry = 0; entry < MaterialTable::kEntries; ++entry) {
+      step.alphas.push_back(1 - std::exp(-materials_[entry].extinction * length));
     }
     steps_.push_back(std::move(step));
     at += length;
     length *= factor;
-  }
-}
-
-void FaceRays::fill_materials() {
-  for (size_t i = 0; i < kEntries; ++i) {
-    const float code = section_.curve.code(low_ + static_cast<float>(i) / entries_per_value_);
-    const size_t low = std::min(static_cast<size_t>(code), ValueCurve::kCodes - 2);
-    codes_.push_back(code);
-    materials_.push_back(
-        mix(section_.materials[low], section_.materials[low + 1], code - static_cast<float>(low)));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/camera.h"
 #include "core/cut.h"
+#include "section/material_table.h"
 #include "section/section.h"
 
 namespace clipgs {
@@ -25,6 +26,12 @@ struct FaceRay {
   Vec3 step;        ///< section's voxels per mm
   float enter = 0;  ///< mm from the camera
   float leave = 0;
+};
+
+/// What a ray met at a face.
+struct March {
+  float alpha = 0;
+  std::optional<float> gap;  ///< mm from the camera
 };
 
 /// Where in a pixel ray `i` of `count` goes, 0…1: one through the middle, more of them spread by
@@ -71,9 +78,10 @@ class FaceRays {
 
   /// Calls visit(weight, sampled, code, material, surface) for what the ray sees, from the face
   /// inwards: `sampled` is what Section::sample() returned, `code` that of its value, `weight` is
-  /// transmittance times opacity, `surface` whether it is matter at the face. Returns alpha.
+  /// transmittance times opacity, `surface` whether it is matter at the face. Returns alpha, and
+  /// where, if anywhere, the matter that begins at the face ends in a gap.
   template <typename Visit>
-  float march(const FaceRay& ray, const Visit& visit) const {
+  March march(const FaceRay& ray, const Visit& visit) const {
     constexpr float kLeastTransmittance = 1.0f / 256;
     const float slope = -glm::dot(ray.face->outward, ray.direction);
     float transmittance = 1;
@@ -84,46 +92,40 @@ class FaceRays {
       }
       const bool surface = step.middle * slope < surface_depth_;
       const Vec3 sampled = section_.sample(index_at(ray, t));
-      const size_t entry = entry_of(section_.value(sampled));
+      const size_t entry = materials_.entry_of(section_.value(sampled));
       const float alpha = step.alphas[entry];
       if (alpha <= 0 || (!surface && transmittance == 1)) {
-        // Matter beyond a gap is another surface, with light of its own: the splats show it.
+        // Matter beyond a gap is another surface, with light of its own.
         if (!surface || transmittance < 1) {
-          break;
+          return {1 - transmittance, t};
         }
         continue;
       }
       const FaceMaterial& material = materials_[entry];
-      const float code = codes_[entry];
+      const float code = materials_.code(entry);
       if (transmittance * (1 - alpha) < kLeastTransmittance) {
         // As good as opaque: the rest is this tissue's, so that nothing behind counts as seen.
         visit(transmittance, sampled, code, material, surface);
-        return 1;
+        return {1, std::nullopt};
       }
       visit(transmittance * alpha, sampled, code, material, surface);
       transmittance *= 1 - alpha;
     }
-    return 1 - transmittance;
+    // Along a ray that grazes the face, too, nothing at all is a gap.
+    const float end = ray.enter + steps_.back().middle;
+    return {1 - transmittance, transmittance == 1 ? std::optional(end) : std::nullopt};
   }
 
  private:
-  static constexpr size_t kEntries = 2048;  // of tables over the section's values
-
   /// A step of the march, mm: short at the face, where most is seen.
   struct Step {
     float length = 0;
     float middle = 0;
-    std::vector<float> alphas;  // what a step through matter of each value hides
+    std::vector<float> alphas;  // what a step through matter of each entry hides
   };
 
   void add_face(const Plane& plane);
   void plan_steps(int taps);
-  void fill_materials();
-  size_t entry_of(float value) const {
-    const float at = (value - low_) * entries_per_value_ + 0.5f;
-    return std::min(static_cast<size_t>(std::max(at, 0.0f)), kEntries - 1);
-  }
-
   /// The part of a face that the section's box and the other faces leave: a convex polygon, RAS mm.
   std::vector<Vec3> polygon_of(const Face& face) const;
 
@@ -134,10 +136,7 @@ class FaceRays {
   Mat3 index_from_direction_;  // a row vector times this: mm to section's voxels
   std::vector<Face> faces_;
   std::vector<Step> steps_;
-  float low_;  // value of the first entry
-  float entries_per_value_;
-  std::vector<float> codes_;
-  std::vector<FaceMaterial> materials_;
+  MaterialTable materials_;
 };
 
 }  // namespace clipgs

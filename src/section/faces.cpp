@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/parallel.h"
 #include "section/face_light.h"
 #include "section/face_rays.h"
+#include "section/openings.h"
 
 namespace clipgs {
 namespace {
@@ -38,10 +41,47 @@ float display(float linear) {
   return curve(linear);
 }
 
+/// The walls behind a picture's openings, whose light is computed when the first one is met.
+class PictureOpenings {
+ public:
+  PictureOpenings(const Section& section, const Openings* openings, const Camera& camera,
+                  const Cut& cut)
+      : section_(section),
+        openings_(openings != nullptr && openings->drawn() ? openings : nullptr),
+        eye_(camera.position),
+        cut_(cut) {}
+
+  bool any() const { return openings_ != nullptr && !cut_.empty(); }
+
+  /// What the wall radiates that a ray meets beyond `from` mm which enters at an index; nothing
+  /// where it meets none, or comes from the air around the body.
+  std::optional<Vec3> look(const FaceRay& ray, const Vec3& entry, float from) {
+    if (!openings_->is_inside(entry)) {
+      return std::nullopt;
+    }
+    const std::optional<Wall> wall =
+        openings_->first_wall(section_, eye_, ray.direction, from, ray.leave);
+    if (!wall) {
+      return std::nullopt;
+    }
+    std::call_once(once_, [&] { light_.emplace(*openings_, cut_); });
+    return light_->radiance(*wall);
+  }
+
+ private:
+  const Section& section_;
+  const Openings* openings_;
+  Vec3 eye_;
+  const Cut& cut_;
+  std::once_flag once_;
+  std::optional<OpenedLight> light_;
+};
+
 /// Sums what the rays of one pixel see.
 class PixelSum {
  public:
-  PixelSum(const Section& section, const FaceRays& rays) : section_(section), rays_(rays) {}
+  PixelSum(const Section& section, const FaceRays& rays, PictureOpenings& openings)
+      : section_(section), rays_(rays), openings_(openings) {}
 
   void add(const FaceRay& ray) {
     if (ray.face != face_) {
@@ -62,8 +102,16 @@ class PixelSum {
         roughness_ += weight * material.specular * material.roughness;
       }
     };
-    alpha_ += rays_.march(ray, visit);
+    const March march = rays_.march(ray, visit);
+    alpha_ += march.alpha;
     light_ += light * face_->light;
+    if (march.gap && openings_.any()) {
+      const Vec3 entry = rays_.index_at(ray, ray.enter);
+      if (const std::optional<Vec3> wall = openings_.look(ray, entry, *march.gap)) {
+        light_ += (1 - march.alpha) * *wall;
+        alpha_ += 1 - march.alpha;
+      }
+    }
   }
 
   /// Premultiplied display sRGB and alpha, for `count` rays, some of which met no face.
@@ -89,6 +137,7 @@ class PixelSum {
 
   const Section& section_;
   const FaceRays& rays_;
+  PictureOpenings& openings_;
   const Face* face_ = nullptr;
   Vec3 out_{0};  // towards the camera
   Vec3 light_{0};
@@ -119,9 +168,9 @@ Vec4 grey_at(const Section& section, const FaceRays& rays, const FaceRay& ray,
   return {Vec3(alpha * shade), alpha};
 }
 
-Vec4 draw_pixel(const Section& section, const FaceRays& rays, int x, int y, int count,
-                const FaceStyle& style) {
-  PixelSum cinematic(section, rays);
+Vec4 draw_pixel(const Section& section, const FaceRays& rays, PictureOpenings& openings, int x,
+                int y, int count, const FaceStyle& style) {
+  PixelSum cinematic(section, rays, openings);
   Vec4 grey(0);
   rays.for_rays(x, y, count, [&](const FaceRay& ray) {
     if (style.grey < 1) {
@@ -174,6 +223,7 @@ Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
     return image;
   }
   const PixelBox box = rays.covered();
+  PictureOpenings openings(section, options.openings, camera, cut);
   // draw(count, wanted): the wanted pixels, by `count` rays each.
   const auto draw = [&](int count, const auto& wanted) {
     const auto rows = static_cast<size_t>(std::max(0, box.high.y - box.low.y));
@@ -182,7 +232,7 @@ Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
         const int y = box.low.y + static_cast<int>(row);
         for (int x = box.low.x; x < box.high.x; ++x) {
           if (wanted(x, y)) {
-            const Vec4 color = draw_pixel(section, rays, x, y, count, options.style);
+            const Vec4 color = draw_pixel(section, rays, openings, x, y, count, options.style);
             std::copy_n(&color[0], 4, image.at(x, y));
           }
         }

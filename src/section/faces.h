@@ -20,19 +20,24 @@ struct FaceStyle {
   Window window;
 };
 
+class Openings;
+
 struct FaceOptions {
   static constexpr int kMostRays = 8;
   int taps = 8;  ///< samples along a ray, from the face inwards
   int rays = 0;  ///< a pixel; 0: one, and kMostRays where that differs from a pixel beside it
   FaceStyle style = {};
+  /// Of the section; null: what lies behind a gap of a face is left to the splats.
+  const Openings* openings = nullptr;
 };
 
 /// Draws the faces that `cut` exposes of what it keeps, as far as
 /// `camera` sees them from the removed side: [height, width, 4], premultiplied display sRGB and
 /// alpha, 0 elsewhere. A ray enters the kept region through one plane at most, so faces of several
 /// planes cut each other without seams. Where the volume ends in matter there is a face too, with
-/// planes or without. Shown is matter that begins at the face; alpha tells how
-/// much of what lies behind is seen.
+/// planes or without. Shown is matter that begins at the face and, with `options.openings`, the
+/// walls that the cut lays open inside of the body; alpha tells how much of what lies behind is
+/// seen.
 Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options = {});
 

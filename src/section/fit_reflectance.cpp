@@ -88,7 +88,7 @@ Pixel pixel_of(const Section& section, const FaceRays& rays, int x, int y) {
             face_gloss(section.rig, ray.face->outward, -ray.direction, material.roughness);
       }
     };
-    pixel.alpha += share * rays.march(ray, add);
+    pixel.alpha += share * rays.march(ray, add).alpha;
   });
   return pixel;
 }

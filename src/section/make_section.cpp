@@ -8,6 +8,7 @@
 #include "section/error_bands.h"
 #include "section/field.h"
 #include "section/section.h"
+#include "volume/preset.h"
 #include "volume/slice_flood.h"
 
 namespace clipgs {

@@ -6,6 +6,12 @@ namespace clipgs {
 
 const std::array<float, ValueCurve::kCodes> Section::kIdentity = ValueCurve().values();
 
+FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t) {
+  return {glm::mix(a.extinction, b.extinction, t), glm::mix(a.specular, b.specular, t),
+          glm::mix(a.roughness, b.roughness, t), glm::mix(a.surface, b.surface, t),
+          glm::mix(a.interior, b.interior, t)};
+}
+
 std::optional<Section::Reading> Section::read(const Vec3& world) const {
   const Vec3 index = index_from_world(world);
   const bool inside = glm::all(glm::greaterThanEqual(index, Vec3(0))) &&
@@ -50,6 +56,18 @@ std::vector<Plane> Section::ends() const {
     }
   }
   return planes;
+}
+
+Vec3 gradient_at(const Section& section, const Vec3& index) {
+  Vec3 slope;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 step(0);
+    step[k] = section.source_spacing[k] / section.spacing[k];
+    slope[k] = (section.value(section.sample(index + step)) -
+                section.value(section.sample(index - step))) /
+               (2 * section.source_spacing[k]);
+  }
+  return section.direction * slope;
 }
 
 Vec3 photo_albedo(const Vec3& sampled) {

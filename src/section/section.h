@@ -8,11 +8,13 @@
 
 #include "core/geometry.h"
 #include "section/value_curve.h"
-#include "volume/preset.h"
+#include "volume/light_rig.h"
 #include "volume/volume.h"
 #include "volume/volume_size.h"
 
 namespace clipgs {
+
+struct Preset;
 
 /// What an exposed face shows of matter with one code.
 struct FaceMaterial {
@@ -22,6 +24,8 @@ struct FaceMaterial {
   Vec3 surface{0};   ///< reflectance of matter at the face, linear RGB, gloss not counted
   Vec3 interior{0};  ///< … of matter seen through the face, beyond `Section::surface_depth`
 };
+
+FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t);
 
 /// The compact volume that exposed faces are drawn from, and how they are lit (method.md §8).
 ///
@@ -117,6 +121,10 @@ struct Section {
                     glm::mix(along_x(z), along_x(z + y), t.y), t.z);
   }
 };
+
+/// Gradient of the values at an index, value units per mm along RAS: central differences over a
+/// voxel of the traced volume, as the path tracer takes them.
+Vec3 gradient_at(const Section& section, const Vec3& index);
 
 /// Linear albedo of a photograph's colour as Section::sample() returns it.
 Vec3 photo_albedo(const Vec3& sampled);

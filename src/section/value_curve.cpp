@@ -29,15 +29,16 @@ float ValueCurve::value(float code) const {
 }
 
 float ValueCurve::code(float value) const {
-  const auto* const above = std::ranges::upper_bound(values_, value);
-  if (above == values_.begin()) {
+  const auto above =
+      static_cast<size_t>(std::ranges::upper_bound(values_, value) - values_.begin());
+  if (above == 0) {
     return 0;
   }
-  if (above == values_.end()) {
+  if (above == kCodes) {
     return static_cast<float>(kCodes - 1);
   }
-  const float low = *(above - 1);
-  return static_cast<float>(above - values_.begin() - 1) + (value - low) / (*above - low);
+  const float low = values_[above - 1];
+  return static_cast<float>(above - 1) + (value - low) / (values_[above] - low);
 }
 
 ValueCurve fit_value_curve(const ValueImportance& importance, size_t first) {

@@ -12,6 +12,7 @@
 #include "core/progress.h"
 #include "core/random.h"
 #include "section/faces.h"
+#include "section/openings.h"
 #include "splat/overdraw.h"
 #include "train/densification.h"
 #include "train/seeding.h"
@@ -220,13 +221,18 @@ std::string Trainer::digest_of_start(const Dataset& dataset) const {
 void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
                          const Section* section) {
   views_.resize(frames.size());
+  FaceOptions options;
+  std::optional<Openings> openings;
+  if (section != nullptr) {
+    options.openings = &openings.emplace(*section);
+  }
   const auto load = [&](size_t i) {
     View& view = views_[i];
     view.camera = frames[i]->camera;
     view.plane = frames[i]->plane;
     view.rgba = to_bytes(premultiplied(dataset.load(*frames[i])));
     if (section != nullptr) {
-      const Image faces = draw_faces(*section, view.camera, view.plane);
+      const Image faces = draw_faces(*section, view.camera, view.plane, options);
       // Most uncut views show none: nothing is kept for them, and nothing put in front.
       if (std::ranges::any_of(faces.data, [](float v) { return v > 0; })) {
         view.faces = to_bytes(faces);

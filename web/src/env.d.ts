@@ -1,4 +1,4 @@
-declare module "@wasm/splat_order.wasm?url" {
+declare module "@wasm/*.wasm?url" {
   const url: string;
   export default url;
 }

@@ -288,7 +288,9 @@ export class Viewer {
       throw error;
     }
     if (this.#case === opened) {
-      await opened.setSection(decoded.section, this.#renderer);
+      await opened.setSection(decoded, this.#renderer, () => this.#case === opened && this.#relit());
+    } else {
+      decoded.light.dispose();
     }
     if (this.#case === opened) {
       this.stats.sectionBytes = opened.faces?.bytes ?? 0;
@@ -612,10 +614,11 @@ export class Viewer {
   }
 
   /**
-   * Begins to cull and sort for `camera` and a picture of width × height px, without splats that reach no farther than
+   * Lets the light follow the cut, and begins to cull and sort for `camera` and a picture of width × height px, without splats that reach no farther than
    * `leastPixels`, unless that is being done.
    */
   sortFor(camera: PerspectiveCamera, width: number, height: number, leastPixels: number): void {
+    this.#case?.followLight(this.state.cuts, performance.now() - this.#lastChange < kSettleMs);
     if (this.#case && !this.#client.sorting) {
       void this.#sort(this.#case, camera, width, height, leastPixels);
     }
@@ -666,6 +669,13 @@ export class Viewer {
     this.changed();
   }
 
+  /** What cuts open looks otherwise. */
+  #relit(): void {
+    ++this.version;
+    this.#splatsStale = true;
+    this.stats.settled = false;
+  }
+
   #placeCamera(width = this.#width, height = this.#height, inset = this.#inset): void {
     const sphere = this.#case?.info.sphere ?? { center: new Vector3(), radius: 100 };
     applyView(this.#camera, this.state.view, sphere, width, height, inset);
@@ -702,6 +712,7 @@ export class Viewer {
       await this.#inState(state, current, frame, ({ width, height }) =>
         this.#sort(current, this.#camera, width, height),
       );
+      await current.light(state.cuts);
       return this.#inState(state, current, frame, draw);
     });
   }
@@ -782,6 +793,7 @@ export class Viewer {
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
       const changed = this.#ticks - this.#changeTick < 2 || now - this.#lastChange < pause;
       const moving = !this.#pictured || current.awaitsSection || changed;
+      current.followLight(this.state.cuts, moving);
       const due = moving
         ? this.#splatsStale
         : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;
@@ -800,6 +812,7 @@ export class Viewer {
     this.stats.settled =
       current !== null &&
       !current.awaitsSection &&
+      current.isLit(this.state.cuts) &&
       !this.#orderStale &&
       !this.#client.sorting &&
       !this.#splatsStale &&

@@ -9,9 +9,10 @@ import type { Layers } from "../model/layers";
 import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Section } from "../sog/section";
 import type { CaseError } from "../sog/zip";
-import type { CaseClient } from "../worker/case_client";
+import type { CaseClient, DecodedSection } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
 import { GpuScene } from "./gpu_scene";
+import { OpenedLight } from "./opened_light";
 import { writeSortView } from "./scene_camera";
 import { SectionFaces } from "./section_faces";
 import type { Subject } from "./splat_layer";
@@ -63,6 +64,7 @@ export class OpenCase {
   readonly #ticket: number;
   readonly #view = new Float32Array(kViewFloats); // that the worker is told
   #coming: SectionFaces | null = null; // what `faces` will be
+  #light: OpenedLight | null = null;
   #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 
   /** Throws CaseError. */
@@ -82,14 +84,23 @@ export class OpenCase {
     this.#spare = new Uint32Array(scene.capacity);
   }
 
-  /** Draws faces from the volume once `renderer` holds it, if it can. */
-  async setSection(section: Section, renderer: WebGLRenderer): Promise<void> {
+  /**
+   * Draws faces from the volume once `renderer` holds it, if it can, and what cuts open a little later; `relit` is called
+   * when that changes.
+   */
+  async setSection(
+    { section, light }: Pick<DecodedSection, "section" | "light">,
+    renderer: WebGLRenderer,
+    relit: () => void,
+  ): Promise<void> {
     const faces = hasTextureFor(section, renderer) ? new SectionFaces(section) : null;
     this.#coming = faces;
     if (faces && (await faces.upload(renderer))) {
       this.faces = faces;
       this.windows = windowPresets(section);
+      this.#light = new OpenedLight(light, faces, relit);
     } else {
+      light.dispose();
       faces?.free();
       this.#coming = null;
       this.noSection = kCannotHold;
@@ -125,6 +136,21 @@ export class OpenCase {
     );
     this.#spare = count < 0 ? order : mesh.setOrder(order, count);
     return count < 0 ? null : { count, milliseconds };
+  }
+
+  /** Whether the light in what is cut open is that of the cuts. */
+  isLit(cuts: readonly Cut[]): boolean {
+    return this.#light?.isSettled(this.#planes(cuts)) ?? true;
+  }
+
+  /** Lets the light follow the cuts: nearly, while they are `moving`. */
+  followLight(cuts: readonly Cut[], moving: boolean): void {
+    this.#light?.follow(this.#planes(cuts), moving);
+  }
+
+  /** Until the light is that of the cuts. */
+  async light(cuts: readonly Cut[]): Promise<void> {
+    await this.#light?.settle(this.#planes(cuts));
   }
 
   /** What is drawn in `style` with `rays` a pixel of a face, seen by `camera` in a picture of `height` px. */
@@ -169,6 +195,7 @@ export class OpenCase {
   /** Frees what the GPU holds. */
   free(): void {
     this.mesh.free();
+    this.#light?.dispose();
     this.#coming?.free();
   }
 }

@@ -13,8 +13,10 @@ import {
   type IUniform,
   LessDepth,
   LinearFilter,
+  Matrix3,
   Matrix4,
   Mesh,
+  NearestFilter,
   NoBlending,
   OneFactor,
   OneMinusSrcAlphaFactor,
@@ -36,6 +38,7 @@ import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type Section } from "../sog/section";
+import type { OpeningsInfo } from "../worker/protocol";
 import { kBehindSplats, kOverSplats } from "./draw_order";
 import { shader } from "./shaders";
 
@@ -87,19 +90,26 @@ function columnValues(curve: readonly number[]): number[] {
   return Array.from({ length: kColumns }, (_, i) => low + step * i);
 }
 
+/** Codes of the columns of the table's last row. */
+function columnCodes(): number[] {
+  return Array.from({ length: kColumns }, (_, i) => ((kCodes - 1) * i) / (kColumns - 1));
+}
+
 /**
  * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
  * by the optical depth of the first step, at most ½, so that any fits.
  */
 function materialTexture({ materials, curve }: Section, firstStep: number): DataTexture {
-  const rows = [
-    [...materials.surface, materials.extinction.map((e) => e * firstStep)],
-    [...materials.interior, materials.extinction.map((e) => e * firstStep)],
-    [materials.specular, materials.roughness],
+  const depth = materials.extinction.map((e) => e * firstStep);
+  const ofValues = columnValues(curve).map((value) => codeOfValue(curve, value));
+  const rows: [codes: number[], tables: number[][]][] = [
+    [ofValues, [...materials.surface, depth]],
+    [ofValues, [...materials.interior, depth]],
+    [ofValues, [materials.specular, materials.roughness]],
+    [columnCodes(), [...materials.surface, depth]],
   ];
-  const codes = columnValues(curve).map((value) => codeOfValue(curve, value));
   const data = new Uint16Array(kTableRows * kColumns * 4);
-  rows.forEach((tables, row) =>
+  rows.forEach(([codes, tables], row) =>
     tables.forEach((table, c) =>
       codes.forEach((code, column) => {
         data[4 * (row * kColumns + column) + c] = DataUtils.toHalfFloat(between(table, code));
@@ -127,6 +137,51 @@ function rigUniform({ rig }: Section): object {
       };
     }),
   };
+}
+
+/** A volume of one channel that nothing is interpolated of. */
+function blockTexture({
+  blocks,
+  blockDims: [x, y, z],
+}: Pick<OpeningsInfo, "blocks" | "blockDims">): Data3DTexture {
+  const texture = new Data3DTexture(blocks as BufferSource as Uint8Array<ArrayBuffer>, x, y, z);
+  texture.format = RedFormat;
+  texture.internalFormat = "R8";
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.unpackAlignment = 1;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function lightTexture(texels: Uint16Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
+  const texture = new Data3DTexture(texels as BufferSource as Uint16Array<ArrayBuffer>, x, y, 6 * z);
+  texture.format = RGBAFormat;
+  texture.type = HalfFloatType;
+  texture.internalFormat = "RGBA16F";
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+/** Light of openings that nothing is known of yet: a third of what comes from the sky, less than most are lit by. */
+function glow({ rig }: Section): Vector3 {
+  const sky = new Vector3(...rig.skyHorizon).add(new Vector3(...rig.skyTop));
+  return sky.divideScalar(6);
+}
+
+/** The rows of a matrix whose columns these are. */
+function transposed([x, y, z]: Section["axes"]): [
+  number,
+  number,
+  number,
+  number,
+  number,
+  number,
+  number,
+  number,
+  number,
+] {
+  return [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]];
 }
 
 type FaceMesh = Mesh<BufferGeometry, RawShaderMaterial>;
@@ -175,6 +230,7 @@ export class SectionFaces {
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
   #freed = false;
+  #hasOpenings = false;
 
   constructor(section: Section) {
     this.section = section;
@@ -195,6 +251,23 @@ export class SectionFaces {
       uGlossy: { value: Math.max(...section.materials.specular) > 0 },
       uRig: { value: rigUniform(section) },
       uExposure: { value: section.exposure },
+      uOpened: { value: false },
+      uBlocks: { value: blockTexture({ blocks: new Uint8Array(1), blockDims: [1, 1, 1] }) },
+      uLight: { value: lightTexture(new Uint16Array(4 * 6), [1, 1, 1]) },
+      uOpenings: {
+        value: {
+          voxel: 2 * surfaceDepth(section),
+          firstStep: first,
+          sourceVoxel: new Vector3(...section.sourceSpacing),
+          spacing: new Vector3(...section.spacing),
+          axes: new Matrix3().set(...transposed(section.axes)),
+          cell: 1,
+          cells: new Vector3(1, 1, 1),
+          effort: 1,
+          lit: false,
+          glow: glow(section),
+        },
+      },
     };
     this.opaque = faceMesh(this.#uniforms, true, section.channels);
     this.partial = faceMesh(this.#uniforms, false, section.channels);
@@ -236,6 +309,35 @@ export class SectionFaces {
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
+  /** From now on walls behind gaps are drawn: in no more than a glow until their light comes. */
+  setOpenings(openings: OpeningsInfo): void {
+    const { uOpenings, uBlocks } = this.#uniforms;
+    this.#hasOpenings = true;
+    (uBlocks!.value as Data3DTexture).dispose();
+    uBlocks!.value = blockTexture(openings);
+    uOpenings!.value.cell = openings.cellSize;
+    uOpenings!.value.cells.set(...openings.cells);
+  }
+
+  /** Takes the light under a cut, as the worker gives it. */
+  setLight(texels: Uint16Array): void {
+    const { uOpenings, uLight } = this.#uniforms;
+    const texture = uLight!.value as Data3DTexture;
+    uOpenings!.value.lit = true;
+    if (texture.image.data!.length === texels.length) {
+      texture.image.data = texels as BufferSource as Uint16Array<ArrayBuffer>;
+      texture.needsUpdate = true;
+    } else {
+      texture.dispose();
+      uLight!.value = lightTexture(texels, uOpenings!.value.cells.toArray());
+    }
+  }
+
+  /** Steps of rays that look for walls are as many times longer. */
+  set effort(effort: number) {
+    this.#uniforms["uOpenings"]!.value.effort = effort;
+  }
+
   /** Rays a pixel. */
   set rays(count: number) {
     this.#uniforms["uRays"]!.value = count;
@@ -249,6 +351,7 @@ export class SectionFaces {
   setPlanes(planes: readonly Plane[], margin: number, alone = false): void {
     planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
     this.#uniforms["uPlaneCount"]!.value = planes.length;
+    this.#uniforms["uOpened"]!.value = this.#hasOpenings && planes.length > 0 && !alone;
     const all = alone ? planes : [...planes, ...this.ends];
     const corners: number[] = [];
     const outwards: number[] = [];
@@ -305,9 +408,9 @@ export class SectionFaces {
   /** Frees what the GPU holds. */
   free(): void {
     this.#freed = true;
-    this.#uniforms["uVoxels"]!.value.dispose();
-    this.#uniforms["uCurve"]!.value.dispose();
-    this.#uniforms["uMaterials"]!.value.dispose();
+    for (const name of ["uVoxels", "uCurve", "uMaterials", "uBlocks", "uLight"]) {
+      this.#uniforms[name]!.value.dispose();
+    }
     for (const mesh of this.#meshes) {
       mesh.geometry.dispose();
       mesh.material.dispose();

@@ -26,6 +26,10 @@ uniform bool uGlossy;
 uniform float uGrey;  // 0 cinematic … 1 values through the window
 uniform LightRig uRig;
 uniform float uExposure;
+uniform bool uOpened;  // whether walls behind gaps are drawn; splats show them else
+uniform Openings uOpenings;
+uniform sampler3D uBlocks;
+uniform highp sampler3D uLight;
 
 out vec4 fragColor;
 
@@ -34,7 +38,7 @@ vec4 cinematic(FaceSum sum, vec3 towardsEye, float rays) {
   if (sum.alpha <= 0.0) {
     return vec4(0.0);
   }
-  vec3 light = sum.reflectance * vLight.rgb;
+  vec3 light = sum.reflectance * vLight.rgb + sum.opened;
   if (sum.specular > 0.0) {
     light += sum.specular * faceGloss(uRig, vOutward, towardsEye, sum.roughness / sum.specular);
   }
@@ -49,7 +53,7 @@ void main() {
   vec3 right = dFdx(vPosition);
   vec3 up = dFdy(vPosition);
   vec3 last = vec3(textureSize(uVoxels, 0) - 1);
-  FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0);
+  FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0));
   vec4 grey = vec4(0.0);
   for (int i = 0; i < uRays; ++i) {
     vec2 offset = placeInPixel(i, uRays) - 0.5;
@@ -66,7 +70,13 @@ void main() {
                     distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
     if (uGrey < 1.0) {
-      march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
+      vec2 gap = march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
+      Wall wall;
+      if (uOpened && gap.x > 0.0 && isInside(ray.start, uBlocks) &&
+          firstWall(ray, direction, gap.y, uOpenings, uVoxels, uBlocks, uMaterials, wall)) {
+        sum.opened += gap.x * wall.reflectance * wallLight(wall, uOpenings, uLight);
+        sum.alpha += gap.x;
+      }
     }
     if (uGrey > 0.0) {
       grey += greyAt(ray.start, uVoxels, uCurve, uMaterials);

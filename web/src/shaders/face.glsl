@@ -1,6 +1,6 @@
 // The mathematics of drawing exposed faces from a section's volume, as docs/method.md §8 writes it down. Functions
 // of their arguments only, so that any GLSL program can include this text. C++ twins: FaceRays::march in
-// src/section/face_rays.h, src/section/faces.cpp and src/section/face_light.cpp.
+// src/section/face_rays.h, src/section/faces.cpp, src/section/openings.cpp and src/section/face_light.cpp.
 //
 // Positions are voxel indices, directions are RAS. The including program defines kChannels: 1 (values) or 3 (sRGB),
 // and kColumns, of the table of materials.
@@ -15,6 +15,7 @@ const float kPi = 3.14159265;
 const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
 const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
 const float kGlossRow = 0.625;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
+const float kCodeRow = 0.875;      // as kSurfaceRow, but with columns evenly spread over the codes
 
 // Of codes: between these, interpolation mixes the body with the air around it.
 const float kLowestInside = 4.0 / 255.0;
@@ -43,12 +44,43 @@ struct FaceRay {
   float surface;  // mm below the face that count as the face itself
 };
 
+// Of what cuts open (src/section/openings.h).
+const float kSearch = 1.0;  // mean voxels of the traced volume: steps where there may be matter
+const float kFine = 0.25;   // … and through it, where they grow
+const float kGrowth = 1.2;
+const int kFineSteps = 12;
+const int kSearchSteps = 256;  // leaps included
+const float kOpaqueWall = 1.0 / 32.0;
+const float kWisp = 0.3;
+const int kBlock = 2;
+const float kAround = 128.0;
+
+struct Openings {
+  float voxel;        // mm, mean of the traced volume
+  float firstStep;    // mm, that optical depths of materials are told by
+  vec3 sourceVoxel;   // mm, of the traced volume
+  vec3 spacing;       // mm, of the section
+  mat3 axes;          // RAS directions of its axes
+  float cell;         // mm, of the light
+  ivec3 cells;
+  float effort;       // steps are as many times longer
+  bool lit;           // whether light is computed; until then all walls are in …
+  vec3 glow;          // … this, linear RGB
+};
+
+struct Wall {
+  vec3 index;
+  vec3 normal;  // RAS, towards the eye
+  vec3 reflectance;
+};
+
 // Sums over what rays see, each weighted by transmittance times opacity.
 struct FaceSum {
   vec3 reflectance;
   float alpha;
   float specular;
   float roughness;  // times specular
+  vec3 opened;      // linear RGB of walls, lit
 };
 
 vec3 srgbFromLinear(vec3 linear) {
@@ -145,10 +177,12 @@ float distanceToCut(vec3 position, vec3 direction, vec4 planes[kMaxPlanes], int 
   return nearest;
 }
 
-// Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first.
-void march(FaceRay ray, highp sampler3D voxels, highp sampler2D curve, sampler2D materials, vec2 steps[kTaps],
+// Adds what one ray sees. `steps` are the middles of the steps (mm) and their lengths in units of the first. Returns
+// how much of the light goes on into a gap, and where (mm) that begins; 0: there is none.
+vec2 march(FaceRay ray, highp sampler3D voxels, highp sampler2D curve, sampler2D materials, vec2 steps[kTaps],
            bool glossy, inout FaceSum sum) {
   float transmittance = 1.0;
+  vec2 gap = vec2(0.0);
   for (int i = 0; i < kTaps; ++i) {
     float depth = steps[i].x;
     if (depth > ray.leave) {
@@ -159,12 +193,14 @@ void march(FaceRay ray, highp sampler3D voxels, highp sampler2D curve, sampler2D
     float column = materialColumn(valueOf(voxel));
     vec4 material = texture(materials, vec2(column, surface ? kSurfaceRow : kInteriorRow));
     if (material.a <= 0.0 || (!surface && transmittance == 1.0)) {
-      // Matter beyond a gap is another surface, with light of its own: the splats show it.
+      // Matter beyond a gap is another surface, with light of its own.
+      gap = vec2(transmittance, depth);
       if (!surface || transmittance < 1.0) {
         break;
       }
       continue;
     }
+    gap = vec2(0.0);
     float left = transmittance * exp(-material.a * steps[i].y);
     left = left < kLeastTransmittance ? 0.0 : left;  // as good as opaque: the rest is this tissue's
     float weight = transmittance - left;
@@ -180,6 +216,113 @@ void march(FaceRay ray, highp sampler3D voxels, highp sampler2D curve, sampler2D
     }
   }
   sum.alpha += 1.0 - transmittance;
+  return gap;
+}
+
+// How a block lies: how many blocks around it are empty and one more, 0 where there may be matter; with kAround, near
+// the air around the body.
+float blockAt(ivec3 block, sampler3D blocks) { return floor(255.0 * texelFetch(blocks, block, 0).r + 0.5); }
+
+ivec3 blockOf(vec3 index, sampler3D blocks) {
+  return clamp(ivec3(index) / kBlock, ivec3(0), textureSize(blocks, 0) - 1);
+}
+
+// Whether nothing around an index is air around the body: a gap there is an opening.
+bool isInside(vec3 index, sampler3D blocks) { return blockAt(blockOf(index, blocks), blocks) < kAround; }
+
+// How far (mm) a ray may go from an index without missing matter; 0 where there may be matter.
+float leapAt(vec3 index, vec3 stride, sampler3D blocks) {
+  const float kBeyond = 0.01;  // voxels: into the next block
+  ivec3 block = blockOf(index, blocks);
+  int distance = int(mod(blockAt(block, blocks), kAround));
+  if (distance == 0) {
+    return 0.0;
+  }
+  vec3 low = vec3((block - (distance - 1)) * kBlock) - kBeyond;
+  vec3 high = vec3((block + distance) * kBlock) + kBeyond;
+  vec3 s = mix(stride, vec3(1e-6), lessThan(abs(stride), vec3(1e-6)));
+  vec3 sides = (mix(low, high, greaterThan(s, vec3(0.0))) - index) / s;
+  return max(min(sides.x, min(sides.y, sides.z)), kBeyond / length(stride));
+}
+
+// Code at an index, interpolated: 0…1.
+float codeAt(vec3 index, highp sampler3D voxels) {
+  return valueOf(texture(voxels, (index + 0.5) / vec3(textureSize(voxels, 0))));
+}
+
+vec4 materialOfCode(float code, sampler2D materials) {
+  return texture(materials, vec2(materialColumn(code), kCodeRow));
+}
+
+// Towards larger codes, RAS, any length.
+vec3 codeGradient(vec3 index, Openings o, highp sampler3D voxels) {
+  vec3 s = o.sourceVoxel / o.spacing;
+  vec3 x = vec3(s.x, 0.0, 0.0), y = vec3(0.0, s.y, 0.0), z = vec3(0.0, 0.0, s.z);
+  vec3 slope = vec3(codeAt(index + x, voxels) - codeAt(index - x, voxels),
+                    codeAt(index + y, voxels) - codeAt(index - y, voxels),
+                    codeAt(index + z, voxels) - codeAt(index - z, voxels));
+  return o.axes * (slope / o.sourceVoxel);
+}
+
+// The first wall along a ray from `from` mm on: whether there is one.
+bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D voxels, sampler3D blocks,
+               sampler2D materials, out Wall wall) {
+  float t = from;
+  for (int i = 0; i < kSearchSteps && t < ray.leave; ++i) {
+    vec3 at = ray.start + t * ray.stride;
+    float leap = leapAt(at, ray.stride, blocks);
+    if (leap > 0.0) {
+      t += leap;
+      continue;
+    }
+    if (materialOfCode(codeAt(at, voxels), materials).a <= 0.0) {
+      t += o.effort * kSearch * o.voxel;
+      continue;
+    }
+    vec3 sum = vec3(0.0);
+    float depth = 0.0;
+    float transmittance = 1.0;
+    float stepLength = kFine * o.voxel;
+    t = max(from, t - o.effort * kSearch * o.voxel);
+    for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
+      vec3 middle = ray.start + (t + 0.5 * stepLength) * ray.stride;
+      vec4 voxel = texture(voxels, (middle + 0.5) / vec3(textureSize(voxels, 0)));
+      vec4 material = materialOfCode(valueOf(voxel), materials);
+      float weight = transmittance * (1.0 - exp(-material.a * stepLength / o.firstStep));
+      sum += weight * material.rgb * (kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0));
+      depth += weight * (t + 0.5 * stepLength);
+      transmittance -= weight;
+      t += stepLength;
+      stepLength *= kGrowth;
+    }
+    float alpha = 1.0 - transmittance;
+    if (alpha < kWisp) {
+      continue;
+    }
+    wall.index = ray.start + depth / alpha * ray.stride;
+    wall.reflectance = sum / alpha;
+    vec3 slope = codeGradient(wall.index, o, voxels);
+    float steepness = length(slope);
+    wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -slope : slope) / steepness : -direction;
+    return true;
+  }
+  return false;
+}
+
+// What a white wall radiates, linear RGB: of cells around it, by the sides of their patches that it faces.
+vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
+  if (!o.lit) {
+    return o.glow;
+  }
+  vec3 n = wall.normal * o.axes;
+  vec3 at = clamp(wall.index * o.spacing / o.cell, vec3(0.0), vec3(o.cells - 1)) + 0.5;
+  vec4 sum = vec4(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    float side = float(2 * axis + (n[axis] < 0.0 ? 1 : 0));
+    vec3 texel = vec3(at.xy, at.z + side * float(o.cells.z));
+    sum += n[axis] * n[axis] * texture(light, texel / vec3(o.cells.xy, 6 * o.cells.z));
+  }
+  return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
 }
 
 float ggxLambda(float cosine, float alpha) {

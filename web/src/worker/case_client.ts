@@ -1,5 +1,6 @@
 import type { Section } from "../sog/section";
 import { CaseError } from "../sog/zip";
+import { LightClient } from "./light_client";
 import {
   type CodedSection,
   kSuperseded,
@@ -7,6 +8,7 @@ import {
   type Reply,
   type Request,
   type SectionReply,
+  type SectionRequest,
 } from "./protocol";
 
 const kStopped = "the viewer's worker stopped; open the case again";
@@ -19,11 +21,14 @@ export interface Sorted {
   milliseconds: number;
 }
 
-/** A section, and what it took once it was asked for. */
+/** A section, what lights the openings of its cuts, and what decoding took once it was asked for. */
 export interface DecodedSection {
   section: Section;
+  light: LightClient;
   milliseconds: number;
 }
+
+type Decoded = Pick<DecodedSection, "section" | "light">;
 
 /** One end of a promise. */
 interface Waiting<T> {
@@ -41,7 +46,7 @@ interface Expected {
 /** A section that is being decoded, by a worker of its own. */
 interface Decoding {
   ticket: number;
-  decoded: Promise<Section>;
+  decoded: Promise<Decoded>;
 }
 
 /** The main thread's end of case_worker.ts and section_worker.ts. */
@@ -90,8 +95,7 @@ export class CaseClient {
     }
     const { decoded } = this.#decoding;
     this.#decoding = null; // its voxels are the caller's
-    const section = await decoded;
-    return { section, milliseconds: performance.now() - start };
+    return { ...(await decoded), milliseconds: performance.now() - start };
   }
 
   /** Fetches what may be loaded next. */
@@ -122,8 +126,7 @@ export class CaseClient {
 
   dispose(): void {
     this.#disposed = true;
-    this.#stopDecoding(kGone);
-    this.#decoding = null;
+    this.#dropDecoding(kGone);
     this.#stop(kGone);
   }
 
@@ -168,29 +171,44 @@ export class CaseClient {
     this.#worker?.postMessage(message, transfer);
   }
 
-  /** Begins to decode a section: its worker ends with it, and its memory goes with the worker. */
+  /** Begins to decode a section. Its worker goes on as that of its light, or ends. */
   #decode(ticket: number, coded: CodedSection): void {
     const worker = new Worker(new URL("./section_worker.ts", import.meta.url), { type: "module" });
-    const decoded = new Promise<Section>((resolve, reject) => {
-      const end = (message: string): void => {
-        worker.terminate();
-        reject(new CaseError(message));
+    const decoded = new Promise<Decoded>((resolve, reject) => {
+      const forget = (): void => {
         if (this.#stopDecoding === end) {
           this.#stopDecoding = () => {}; // it would hold what was decoded
         }
       };
+      const end = (message: string): void => {
+        worker.terminate();
+        reject(new CaseError(message));
+        forget();
+      };
       this.#stopDecoding = end;
       worker.onerror = () => end(`${coded.info.file} cannot be decoded: its worker stopped; reload the page`);
       worker.onmessage = ({ data }: MessageEvent<SectionReply>) => {
-        if ("section" in data) {
-          resolve(data.section);
+        if (data.kind === "section") {
+          resolve({ section: data.section, light: new LightClient(worker) });
+          forget();
+        } else if (data.kind === "failed") {
+          end(data.message);
         }
-        end("message" in data ? data.message : kSuperseded);
       };
     });
     decoded.catch(() => {}); // said when it is asked for
     this.#decoding = { ticket, decoded };
-    worker.postMessage(coded, [coded.webp.buffer]);
+    worker.postMessage({ kind: "decode", coded } satisfies SectionRequest, [coded.webp.buffer]);
+  }
+
+  /** Ends the worker of a section that nobody has asked for. */
+  #dropDecoding(message: string): void {
+    this.#stopDecoding(message);
+    this.#decoding?.decoded.then(
+      ({ light }) => light.dispose(),
+      () => {},
+    );
+    this.#decoding = null;
   }
 
   #receive(reply: Reply): void {
@@ -204,8 +222,7 @@ export class CaseClient {
       load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
     } else if (reply.kind === "loaded") {
       this.#loads.delete(ticket);
-      this.#stopDecoding(kSuperseded);
-      this.#decoding = null;
+      this.#dropDecoding(kSuperseded);
       if (reply.section) {
         this.#decode(ticket, reply.section);
       }

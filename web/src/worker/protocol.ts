@@ -12,8 +12,30 @@ export interface CodedSection {
   libwebp: WebAssembly.Module;
 }
 
-/** What decoding it gives, or why it cannot be shown. */
-export type SectionReply = { section: Section } | { message: string };
+/** Where walls may be and how their light lies in space: what openings are drawn from beside the section's voxels. */
+export interface OpeningsInfo {
+  /** Of 2³ voxels each, as EmptySpace of src/light/empty_space.h has them. */
+  blocks: Uint8Array;
+  blockDims: [number, number, number];
+  /** Cells of the light along each axis of the section, and their side, mm. */
+  cells: [number, number, number];
+  cellSize: number;
+}
+
+/** To the section's worker: first the section, then cuts (x, y, z, offset of each plane, RAS mm) to be lit under. */
+export type SectionRequest =
+  | { kind: "decode"; coded: CodedSection }
+  | { kind: "light"; planes: Float32Array; quick: boolean };
+
+/**
+ * From it: the section, or why there is none; what its openings are drawn from (null: splats show them); the light under
+ * the cut that was asked for, as half floats [side, z, y, x, RGBA].
+ */
+export type SectionReply =
+  | { kind: "section"; section: Section }
+  | { kind: "failed"; message: string }
+  | { kind: "openings"; openings: OpeningsInfo | null }
+  | { kind: "lit"; texels: Uint16Array };
 
 /** A case, decoded, but for its section: that takes longer, and has a worker of its own. */
 export interface LoadedCase {

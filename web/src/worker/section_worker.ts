@@ -1,23 +1,63 @@
-// Decodes the section of one case, off the main thread and beside the worker that sorts its splats.
+// Decodes the section of one case, then finds and lights what cuts open of it: off the main thread and beside the worker
+// that sorts its splats.
 
-import { readVoxels } from "../sog/section";
+import cutLightUrl from "@wasm/cut_light.wasm?url";
+
+import { readVoxels, type Section } from "../sog/section";
 import { CaseError } from "../sog/zip";
 import { WebpDecoder } from "../sog/webp";
-import type { CodedSection, SectionReply } from "./protocol";
+import { CutLight } from "./cut_light";
+import type { CodedSection, SectionReply, SectionRequest } from "./protocol";
 
 // What a worker's global object has of DedicatedWorkerGlobalScope, whose types clash with the page's.
 const worker = self as unknown as {
   postMessage(message: SectionReply, transfer: Transferable[]): void;
-  onmessage: (event: MessageEvent<CodedSection>) => void;
+  onmessage: (event: MessageEvent<SectionRequest>) => void;
 };
 
-worker.onmessage = ({ data: { info, webp, libwebp } }) => {
+const module = WebAssembly.compileStreaming(fetch(cutLightUrl)).catch(() => null);
+let light: CutLight | null = null;
+
+async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
+  let section: Section;
   try {
-    const section = new WebpDecoder(libwebp).decode(webp, info.file, (texels) => readVoxels(info, texels));
-    worker.postMessage({ section }, [section.voxels.buffer]);
+    section = new WebpDecoder(libwebp).decode(webp, info.file, (texels) => readVoxels(info, texels));
   } catch (error) {
     const message =
       error instanceof CaseError ? error.message : `${info.file} cannot be decoded: ${String(error)}`;
-    worker.postMessage({ message }, []);
+    worker.postMessage({ kind: "failed", message }, []);
+    return;
+  }
+  const { dims } = section;
+  light = await takeOver(section); // before the voxels are given away
+  worker.postMessage({ kind: "section", section }, [section.voxels.buffer]);
+  const openings = prepare(dims);
+  worker.postMessage({ kind: "openings", openings }, openings ? [openings.blocks.buffer] : []);
+}
+
+/** Without the module, or memory for it, splats show what cuts open. */
+async function takeOver(section: Section): Promise<CutLight | null> {
+  const compiled = await module;
+  try {
+    return compiled && new CutLight(compiled, section);
+  } catch {
+    return null;
+  }
+}
+
+function prepare(dims: Section["dims"]): ReturnType<CutLight["prepare"]> {
+  try {
+    return light?.prepare({ dims }) ?? null;
+  } catch {
+    return null;
+  }
+}
+
+worker.onmessage = ({ data }) => {
+  if (data.kind === "decode") {
+    void decode(data.coded);
+  } else if (light) {
+    const texels = light.solve(data.planes, data.quick);
+    worker.postMessage({ kind: "lit", texels }, [texels.buffer]);
   }
 };

@@ -5,7 +5,7 @@ export const kCountVolumes = {
   content: `window.volumes = { bytes: [], pieces: [] };
     const { prototype } = WebGL2RenderingContext;
     const { texStorage3D, texSubImage3D } = prototype;
-    const kSizes = { 0x8229: 1, 0x8051: 3, 0x8058: 4, 0x822d: 2 }; // R8, RGB8, RGBA8, R16F
+    const kSizes = { 0x8229: 1, 0x8051: 3, 0x8058: 4, 0x822d: 2, 0x881a: 8 }; // R8, RGB8, RGBA8, R16F, RGBA16F
     prototype.texStorage3D = function (target, levels, format, w, h, d) {
       window.volumes.bytes.push(levels * kSizes[format] * w * h * d);
       return texStorage3D.apply(this, arguments);

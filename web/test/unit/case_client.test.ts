@@ -79,9 +79,40 @@ describe("the client of the case worker", () => {
     worker.load(section());
     const { ticket } = await loaded;
     const decoded = client.section(ticket);
-    FakeWorker.made[1]!.onmessage({ data: { section: { voxels: "those" } } });
-    expect((await decoded).section).toEqual({ voxels: "those" });
+    const decoder = FakeWorker.made[1]!;
+    decoder.onmessage({ data: { kind: "section", section: { voxels: "those" } } });
+    const { section: got, light } = await decoded;
+    expect(got).toEqual({ voxels: "those" });
     await expect(client.section(ticket)).rejects.toThrow(kSuperseded);
+    // Its decoder is from now on that of the light in what cuts open.
+    expect(decoder.ended).toBe(false);
+    decoder.onmessage({ data: { kind: "openings", openings: null } });
+    expect(await light.openings).toBe(null);
+    const lit = light.solve(new Float32Array([0, 0, 1, 5]), false);
+    expect(decoder.asked.at(-1)).toEqual({
+      kind: "light",
+      planes: new Float32Array([0, 0, 1, 5]),
+      quick: false,
+    });
+    decoder.onmessage({ data: { kind: "lit", texels: new Uint16Array([7]) } });
+    expect(await lit).toEqual(new Uint16Array([7]));
+    const never = light.solve(new Float32Array(4), true);
+    light.dispose();
+    expect(await never).toBe(null);
+    expect(decoder.ended).toBe(true);
+  });
+
+  it("ends the worker of a section that was decoded for nobody", async () => {
+    const first = load();
+    worker.load(section());
+    await first;
+    const decoder = FakeWorker.made[1]!;
+    decoder.onmessage({ data: { kind: "section", section: { voxels: "those" } } });
+    const next = load();
+    worker.load(null);
+    await next;
+    await Promise.resolve();
+    expect(decoder.ended).toBe(true);
   });
 
   it("forgets a section that nobody asked for when another case is there", async () => {

@@ -221,7 +221,19 @@ describe("face.glsl", () => {
     expect(Number(value(glsl, /kSurelyInside = (\S+) \/ 255/))).toBe(0.75 * inside);
     const cut = readFileSync("../src/core/cut.h", "utf8");
     expect(value(glsl, /kMaxPlanes = (\d+)/)).toBe(value(cut, /kMostPlanes = (\d+)/));
-    const lights = readFileSync("../src/volume/preset.h", "utf8");
+    const lights = readFileSync("../src/volume/light_rig.h", "utf8");
     expect(value(glsl, /kMaxKeys = (\d+)/)).toBe(value(lights, /kMostKeys = (\d+)/));
+    const openings = readFileSync("../src/section/openings.cpp", "utf8");
+    for (const name of ["kSearch", "kFine", "kGrowth", "kFineSteps", "kSearchSteps", "kWisp"]) {
+      const number = new RegExp(`${name} = ([\\d.]+)`);
+      expect(Number(value(glsl, number)), name).toBe(Number(value(openings, number)));
+    }
+    expect(value(glsl, /kOpaqueWall = 1\.0 \/ (\d+)/)).toBe(value(openings, /kOpaque = 1\.0f \/ (\d+)/));
+    const empty = readFileSync("../src/light/empty_space.h", "utf8");
+    const client = readFileSync("src/worker/cut_light.ts", "utf8");
+    for (const text of [glsl, client]) {
+      expect(value(text, /kBlock = (\d+)/)).toBe(value(empty, /kBlock = (\d+)/));
+    }
+    expect(Number(value(glsl, /kAround = (\S+);/))).toBe(Number(value(empty, /kAround = (\d+)/)));
   });
 });

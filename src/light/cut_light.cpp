@@ -1,0 +1,175 @@
+#include "light/cut_light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/parallel.h"
+
+namespace clipgs {
+namespace {
+
+constexpr auto kSky = static_cast<size_t>(CutLight::kSkyRays);
+constexpr auto kKey = static_cast<size_t>(CutLight::kKeyRays);
+constexpr size_t kPatchesATurn = 256;
+constexpr float kGolden = 0.61803399f;
+
+Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
+  const float up = direction.z;  // the sky's gradient runs along S
+  return up >= 0 ? glm::mix(rig.sky_horizon, rig.sky_top, up)
+                 : glm::mix(rig.sky_horizon, rig.sky_bottom, -up);
+}
+
+/// Ray i of those that are spread as the cosine is about the z axis.
+const std::array<Vec3, kSky>& cosine_rays() {
+  static const std::array<Vec3, kSky> rays = [] {
+    std::array<Vec3, kSky> spread;
+    for (size_t i = 0; i < kSky; ++i) {
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(kSky);
+      const float phi = 2 * kPi * kGolden * static_cast<float>(i);
+      spread[i] =
+          Vec3(std::sqrt(u) * std::cos(phi), std::sqrt(u) * std::sin(phi), std::sqrt(1 - u));
+    }
+    return spread;
+  }();
+  return rays;
+}
+
+/// Points of a disc of angular radius `radius` around a direction, as unit directions.
+Vec3 key_ray(const KeyLight& key, size_t i) {
+  Vec3 u;
+  Vec3 v;
+  orthonormal_basis(key.direction, u, v);
+  const float r = std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(kKey)) *
+                  std::tan(key.angular_radius);
+  const float phi = 2 * kPi * kGolden * static_cast<float>(i);
+  return glm::normalize(key.direction + r * (std::cos(phi) * u + std::sin(phi) * v));
+}
+
+/// The basis of a patch: its rays are turned about the normal by an angle of their own, so that
+/// what few rays miss differs from patch to patch, and interpolation evens it out.
+Mat3 basis_of(const SurfacePoint& patch, size_t number) {
+  Vec3 u;
+  Vec3 v;
+  orthonormal_basis(patch.normal, u, v);
+  const float turned = kGolden * static_cast<float>(number);
+  const float phi = 2 * kPi * (turned - std::floor(turned));
+  return {std::cos(phi) * u + std::sin(phi) * v, std::cos(phi) * v - std::sin(phi) * u,
+          patch.normal};
+}
+
+}  // namespace
+
+CutLight::CutLight(const Occluders& occluders, Patches patches, const LightRig& rig, float lift)
+    : patches_(std::move(patches)), rig_(rig), lift_(lift) {
+  for (const KeyLight& key : rig.keys) {
+    for (size_t i = 0; i < kKey; ++i) {
+      key_directions_.push_back(key_ray(key, i));
+    }
+  }
+  sky_.resize(patches_.count() * kSky);
+  keys_.resize(patches_.count() * key_directions_.size());
+  // Matter near the surface itself, blurred by the grid, is no occluder.
+  const float start = 0.5f * occluders.spacing;
+  const EmptySpace empty = find_empty_space(occluders);
+  parallel_for(patches_.count(), kPatchesATurn, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const SurfacePoint& patch = patches_.all()[p];
+      const Vec3 from = patch.position + lift_ * patch.normal;
+      const Mat3 basis = basis_of(patch, p);
+      for (size_t i = 0; i < kSky; ++i) {
+        const Vec3 direction = basis * cosine_rays()[i];
+        const float distance = horizon_distance(occluders, empty, from, direction, start);
+        sky_[p * kSky + i] = {
+            distance, distance < kNever ? patches_.met_by(from + distance * direction, direction)
+                                        : Patches::kNone};
+      }
+      for (size_t i = 0; i < key_directions_.size(); ++i) {
+        keys_[p * key_directions_.size() + i] =
+            glm::dot(patch.normal, key_directions_[i]) > 0
+                ? horizon_distance(occluders, empty, from, key_directions_[i], start)
+                : 0;
+      }
+    }
+  });
+}
+
+CutLight::Direct CutLight::direct(std::span<const Plane> planes) const {
+  const size_t count = patches_.count();
+  const size_t turns = (count + kPatchesATurn - 1) / kPatchesATurn;
+  std::vector<Direct> parts(turns);
+  Direct all;
+  all.light.resize(count);
+  parallel_for(count, kPatchesATurn, [&](size_t begin, size_t end) {
+    Direct& part = parts[begin / kPatchesATurn];
+    for (size_t p = begin; p < end; ++p) {
+      const SurfacePoint& patch = patches_.all()[p];
+      const Vec3 from = patch.position + lift_ * patch.normal;
+      const Mat3 basis = basis_of(patch, p);
+      part.first.push_back(static_cast<std::uint32_t>(part.met.size()));
+      Vec3 sum(0);
+      for (size_t i = 0; i < kSky; ++i) {
+        const Horizon& horizon = sky_[p * kSky + i];
+        const Vec3 direction = basis * cosine_rays()[i];
+        if (horizon.distance >= exit_distance(planes, from, direction)) {
+          sum += sky_radiance(rig_, direction);
+        } else if (horizon.patch != Patches::kNone) {
+          part.met.push_back(horizon.patch);
+        }
+      }
+      sum /= static_cast<float>(kSky);
+      for (size_t i = 0; i < key_directions_.size(); ++i) {
+        const float cosine = glm::dot(patch.normal, key_directions_[i]);
+        if (cosine > 0 && keys_[p * key_directions_.size() + i] >=
+                              exit_distance(planes, from, key_directions_[i])) {
+          sum += cosine / static_cast<float>(kKey) * rig_.keys[i / kKey].radiance;
+        }
+      }
+      all.light[p] = sum;
+    }
+  });
+  for (const Direct& part : parts) {
+    for (const std::uint32_t first : part.first) {
+      all.first.push_back(first + static_cast<std::uint32_t>(all.met.size()));
+    }
+    all.met.insert(all.met.end(), part.met.begin(), part.met.end());
+  }
+  all.first.push_back(static_cast<std::uint32_t>(all.met.size()));
+  return all;
+}
+
+std::vector<Vec3> CutLight::solve(std::span<const Plane> planes, int bounces,
+                                  std::span<const Vec3> from) const {
+  const Direct first = direct(planes);
+  std::vector<Vec3> light =
+      from.empty() ? first.light : std::vector<Vec3>(from.begin(), from.end());
+  std::vector<Vec3> radiated(light.size());
+  for (int i = 0; i < bounces; ++i) {
+    for (size_t p = 0; p < light.size(); ++p) {
+      radiated[p] = patches_.all()[p].reflectance * light[p] / static_cast<float>(kSky);
+    }
+    parallel_for(light.size(), kPatchesATurn, [&](size_t begin, size_t end) {
+      for (size_t p = begin; p < end; ++p) {
+        Vec3 sum = first.light[p];
+        for (std::uint32_t k = first.first[p]; k < first.first[p + 1]; ++k) {
+          sum += radiated[static_cast<size_t>(first.met[k])];
+        }
+        light[p] = sum;
+      }
+    });
+  }
+  return light;
+}
+
+Vec3 light_at(const Patches& patches, std::span<const Vec3> solution, const Vec3& world,
+              const Vec3& normal) {
+  Vec3 sum(0);
+  float weights = 0;
+  patches.interpolate(world, normal, [&](size_t patch, float weight) {
+    sum += weight * solution[patch];
+    weights += weight;
+  });
+  return weights > 0 ? sum / weights : Vec3(0);
+}
+
+}  // namespace clipgs

@@ -1,0 +1,93 @@
+#include "light/patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clipgs {
+namespace {
+
+int side_faced(const Vec3& n) {
+  const Vec3 size = glm::abs(n);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+  return 2 * axis + (n[axis] < 0 ? 1 : 0);
+}
+
+IVec3 cell_at(const PatchGrid& grid, const Vec3& world) {
+  const IVec3 nearest(glm::floor(grid.index_from_world(world) + 0.5f));
+  return glm::clamp(nearest, IVec3(0), grid.dims - 1);
+}
+
+}  // namespace
+
+Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> points) : grid_(grid) {
+  std::vector<std::uint32_t> places;
+  places.reserve(points.size());
+  lookup_.assign(grid.cells() * kSides, kNone);
+  for (const SurfacePoint& point : points) {
+    const size_t cell = grid.offset(cell_at(grid, point.position));
+    const size_t place =
+        cell * kSides + static_cast<size_t>(side_faced(point.normal * grid.direction));
+    places.push_back(static_cast<std::uint32_t>(place));
+    lookup_[place] = 0;
+  }
+  for (size_t place = 0; place < lookup_.size(); ++place) {
+    if (lookup_[place] != kNone) {
+      lookup_[place] = static_cast<std::int32_t>(places_.size());
+      places_.push_back(static_cast<std::uint32_t>(place));
+    }
+  }
+  patches_.assign(places_.size(), {Vec3(0), Vec3(0), Vec3(0)});
+  std::vector<float> counts(places_.size(), 0.0f);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto patch = static_cast<size_t>(lookup_[places[i]]);
+    patches_[patch].position += points[i].position;
+    patches_[patch].normal += points[i].normal;
+    patches_[patch].reflectance += points[i].reflectance;
+    ++counts[patch];
+  }
+  for (size_t i = 0; i < patches_.size(); ++i) {
+    patches_[i].position /= counts[i];
+    patches_[i].normal = glm::normalize(patches_[i].normal);
+    patches_[i].reflectance /= counts[i];
+  }
+}
+
+std::int32_t Patches::met_by(const Vec3& world, const Vec3& direction) const {
+  const IVec3 middle = cell_at(grid_, world);
+  std::int32_t best = kNone;
+  float least = kNone;
+  least = 1e9f;
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        const IVec3 cell = middle + IVec3(x, y, z);
+        if (glm::any(glm::lessThan(cell, IVec3(0))) ||
+            glm::any(glm::greaterThanEqual(cell, grid_.dims))) {
+          continue;
+        }
+        for (int side = 0; side < kSides; ++side) {
+          const std::int32_t patch = at(grid_.offset(cell), side);
+          if (patch == kNone) {
+            continue;
+          }
+          const SurfacePoint& point = patches_[static_cast<size_t>(patch)];
+          const float facing = -glm::dot(point.normal, direction);
+          if (facing <= 0) {
+            continue;
+          }
+          const Vec3 apart = point.position - world;
+          // Of those as near as each other the one that looks at where the ray comes from.
+          const float distance =
+              glm::dot(apart, apart) + (1 - facing) * 0.5f * grid_.spacing * grid_.spacing;
+          if (distance < least) {
+            least = distance;
+            best = patch;
+          }
+        }
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace clipgs

@@ -1,0 +1,116 @@
+#include "section/openings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clipgs {
+namespace {
+
+// Of steps along a ray, in mean voxels of the traced volume: where there may be matter, and through
+// it, where they grow.
+constexpr float kSearch = 1;
+constexpr float kFine = 0.25f;
+constexpr float kGrowth = 1.2f;
+constexpr int kFineSteps = 12;
+constexpr int kSearchSteps = 256;  // leaps included
+// From here on the rest is this wall's …
+constexpr float kOpaque = 1.0f / 32;
+// … and of matter that takes less light than this nothing is seen.
+constexpr float kWisp = 0.3f;
+
+constexpr int kBounces = 10;
+constexpr int kQuickBounces = 2;
+
+// Matter through which this much light goes in two voxels is translucent.
+constexpr float kTranslucent = 0.15f;
+
+/// Of codes, along RAS, any unit.
+Vec3 code_gradient(const Section& section, const Vec3& index) {
+  Vec3 slope;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 step(0);
+    step[k] = section.source_spacing[k] / section.spacing[k];
+    slope[k] =
+        (section.code(index + step) - section.code(index - step)) / section.source_spacing[k];
+  }
+  return section.direction * slope;
+}
+
+}  // namespace
+
+Openings::Openings(const Section& section) : Openings(section, scan_surfaces(section)) {}
+
+Openings::Openings(const Section& section, const SurfaceScan& scan)
+    : materials_(section.materials),
+      empty_space_(find_empty_space(section)),
+      opaque_(!scan.points.empty() && scan.transmittance < kTranslucent),
+      light_(make_cut_light(section, scan.points, section.rig)) {}
+
+std::vector<Vec3> Openings::solve(std::span<const Plane> planes, std::span<const Vec3> from) const {
+  return light_.solve(planes, from.empty() ? kBounces : kQuickBounces, from);
+}
+
+FaceMaterial Openings::material_of(float code) const {
+  const size_t low = std::min(static_cast<size_t>(code), ValueCurve::kCodes - 2);
+  return mix(materials_[low], materials_[low + 1], code - static_cast<float>(low));
+}
+
+std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye,
+                                         const Vec3& direction, float from, float to) const {
+  const float voxel = mean_spacing(section.source_spacing);
+  const Vec3 origin = section.index_from_world(eye);
+  const Vec3 stride = (direction * section.direction) / section.spacing;
+  float t = from;
+  for (int i = 0; i < kSearchSteps && t < to; ++i) {
+    const Vec3 at = origin + t * stride;
+    const float leap = empty_space_.leap(at, stride);
+    if (leap > 0) {
+      t += leap;
+      continue;
+    }
+    if (material_of(section.code(at)).extinction <= 0) {
+      t += kSearch * voxel;
+      continue;
+    }
+    // Matter began within the last step.
+    Vec3 sum(0);
+    float depth = 0;
+    float transmittance = 1;
+    float length = kFine * voxel;
+    t = std::max(from, t - kSearch * voxel);
+    for (int k = 0; k < kFineSteps && transmittance > kOpaque; ++k) {
+      const Vec3 at_middle = origin + (t + 0.5f * length) * stride;
+      const FaceMaterial material = material_of(section.code(at_middle));
+      const float weight = transmittance * (1 - std::exp(-material.extinction * length));
+      const Vec3 tint = section.channels == 3 ? photo_albedo(section.sample(at_middle)) : Vec3(1);
+      sum += weight * material.surface * tint;
+      depth += weight * (t + 0.5f * length);
+      transmittance -= weight;
+      t += length;
+      length *= kGrowth;
+    }
+    const float alpha = 1 - transmittance;
+    if (alpha < kWisp) {
+      continue;
+    }
+    Wall wall{eye + depth / alpha * direction, -direction, sum / alpha};
+    const Vec3 slope = code_gradient(section, origin + depth / alpha * stride);
+    const float steepness = glm::length(slope);
+    if (steepness > 0) {
+      const float facing = glm::dot(slope, direction);
+      wall.normal = (facing > 0 ? -1.0f : 1.0f) / steepness * slope;
+    }
+    return wall;
+  }
+  return std::nullopt;
+}
+
+OpenedLight::OpenedLight(const Openings& openings, const Cut& cut)
+    : openings_(openings), solution_(openings.solve(cut.planes())) {}
+
+Vec3 OpenedLight::radiance(const Wall& wall) const {
+  return wall.reflectance *
+         light_at(openings_.light().patches(), solution_, wall.position, wall.normal);
+}
+
+}  // namespace clipgs

@@ -1,0 +1,201 @@
+#include "section/openings.h"
+
+#include <gtest/gtest.h>
+
+#include "cinema/picture.h"
+#include "cinema/test_scenes.h"
+#include "core/random.h"
+#include "section/faces.h"
+#include "section/material_table.h"
+
+namespace clipgs {
+namespace {
+
+using test::make_preset;
+using test::make_volume;
+using test::point;
+
+constexpr int kSize = 64;
+constexpr float kHollow = 14;
+
+/// A ball of 1 mm voxels with an off-centre hollow and a rod through that, in air.
+Volume make_hollow_body() {
+  const Vec3 middle(0.5f * (kSize - 1));
+  return make_volume(IVec3(kSize), [&](const IVec3& at) {
+    const Vec3 p = Vec3(at) - middle;
+    const float body = 1 / (1 + std::exp((glm::length(p) - 26) / 0.5f));
+    const float hollow = 1 / (1 + std::exp((glm::length(p - Vec3(3, 0, 0)) - kHollow) / 0.5f));
+    const float rod = 1 / (1 + std::exp((std::hypot(p.x, p.y + 3) - 2.5f) / 0.5f));
+    return body * std::max(1 - hollow, rod) * (120 + 40 * std::sin(0.3f * p.z));
+  });
+}
+
+Preset flesh(float extinction = 20) {
+  LightRig rig;
+  rig.sky_top = Vec3(0.5f, 0.55f, 0.6f);
+  rig.sky_horizon = Vec3(0.35f);
+  rig.sky_bottom = Vec3(0.25f, 0.2f, 0.2f);
+  rig.keys = {{glm::normalize(Vec3(-0.4f, 0.3f, 0.9f)), Vec3(0.5f, 0.48f, 0.45f), 0.14f}};
+  return make_preset(
+      {point(20, 0, Vec3(0.8f, 0.5f, 0.4f)), point(40, extinction, Vec3(0.8f, 0.5f, 0.4f)),
+       point(180, extinction, Vec3(0.6f, 0.3f, 0.2f))},
+      rig, 0.2f);
+}
+
+struct Scenery {
+  Volume volume = make_hollow_body();
+  Preset preset = flesh();
+  CinemaScene scene{volume, preset};
+  Section section = make_section(volume, preset, {kSize});
+  Openings openings{section};
+};
+
+FaceOptions with(const Openings& openings) {
+  FaceOptions options;
+  options.openings = &openings;
+  return options;
+}
+
+Camera above(const Vec3& direction, int size) {
+  return frame_sphere({Vec3(0), 28}, glm::normalize(direction), 1, size, size);
+}
+
+TEST(EmptySpace, LeapsMeetTheFirstMatterThatSmallStepsMeet) {
+  const Volume volume = make_hollow_body();
+  const Section section = make_section(volume, flesh(), {kSize});
+  const EmptySpace empty = find_empty_space(section);
+  const MaterialTable materials(section);
+  const auto is_matter = [&](const Vec3& index) {
+    return materials.of_value(section.value(section.sample(index))).extinction > 0;
+  };
+  Rng rng(7);
+  int met = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 start = Vec3(section.dims - 1) * Vec3(rng.uniform(), rng.uniform(), rng.uniform());
+    const Vec3 stride = fibonacci_sphere(static_cast<int>(rng.below(3000)), 3000);
+    const auto is_inside = [&](const Vec3& at) {
+      return glm::all(glm::greaterThanEqual(at, Vec3(0))) &&
+             glm::all(glm::lessThanEqual(at, Vec3(section.dims - 1)));
+    };
+    float slow = 0;
+    while (is_inside(start + slow * stride) && !is_matter(start + slow * stride)) {
+      slow += 0.02f;
+    }
+    float fast = 0;
+    while (is_inside(start + fast * stride)) {
+      const float leap = empty.leap(start + fast * stride, stride);
+      if (leap == 0) {
+        break;
+      }
+      fast += leap;
+    }
+    if (is_inside(start + slow * stride)) {
+      EXPECT_LE(fast, slow + 0.05f) << i;
+      ++met;
+    }
+  }
+  EXPECT_GT(met, 100);
+}
+
+TEST(EmptySpace, KnowsTheAirAroundTheBodyFromThatWithin) {
+  const Scenery scenery;
+  const auto inside = [&](const Vec3& world) {
+    return scenery.openings.is_inside(scenery.section.index_from_world(world));
+  };
+  EXPECT_TRUE(inside({3, 6, 0}));    // in the hollow
+  EXPECT_TRUE(inside({-18, 0, 0}));  // in matter
+  EXPECT_FALSE(inside({0, 28, 0}));  // beside the body
+}
+
+TEST(Openings, WallsAreWhereTheyAre) {
+  const Scenery scenery;
+  const Vec3 middle(3, 0, 0);
+  int walls = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 direction = fibonacci_sphere(i, 200);
+    const Vec3 eye = middle + Vec3(0, 6, 0);
+    // The rod stands in the way of some.
+    if (direction.y < 0 && std::abs(direction.x) < 0.7f) {
+      continue;
+    }
+    const std::optional<Wall> wall =
+        scenery.openings.first_wall(scenery.section, eye, direction, 0, 100);
+    ASSERT_TRUE(wall) << i;
+    // Matter begins where a seventh of it is there, up to 0.9 mm before.
+    EXPECT_NEAR(glm::distance(wall->position, middle), kHollow - 0.5f, 0.5f);
+    EXPECT_GT(glm::dot(wall->normal, glm::normalize(middle - wall->position)), 0.9f);
+    ++walls;
+  }
+  EXPECT_GT(walls, 100);
+  // A ray that ends before, or leaves the body, meets none.
+  EXPECT_FALSE(scenery.openings.first_wall(scenery.section, middle, {1, 0, 0}, 0, 10));
+  EXPECT_FALSE(scenery.openings.first_wall(scenery.section, {0, 0, 29}, {0, 0, 1}, 0, 100));
+}
+
+// No splats here: what is opaque of the volume's picture is faces and walls alone.
+TEST(Openings, LookAsThePathTracerSays) {
+  const Scenery scenery;
+  ASSERT_TRUE(scenery.openings.drawn());
+  constexpr int kPixels = 96;
+  const std::vector<std::pair<Cut, Vec3>> looks = {
+      {Plane{{0, 0, -1}, 0}, {0.2f, 0.3f, 1}},
+      {Plane{glm::normalize(Vec3(0.6f, 0, -0.8f)), -2}, {-0.9f, 0.2f, 0.8f}},
+      {Cut({Plane{{0, 0, -1}, -1}, Plane{{0, -1, 0}, -2}}), {0, 0.8f, 1}}};
+  for (const auto& [cut, from] : looks) {
+    const Camera camera = above(from, kPixels);
+    PictureOptions options;
+    options.spp = 96;
+    const Image truth = render_picture(scenery.scene, camera, cut, options).mean();
+    const Image without = draw_faces(scenery.section, camera, cut);
+    const Image faces = draw_faces(scenery.section, camera, cut, with(scenery.openings));
+    double squares = 0;
+    double values = 0;
+    for (size_t i = 0; i < faces.data.size(); i += 4) {
+      if (faces.data[i + 3] < 0.999f || without.data[i + 3] > 0) {
+        continue;  // no wall
+      }
+      for (size_t c = 0; c < 3; ++c) {
+        const double shown =
+            srgb_from_linear(scenery.preset.exposure * truth.data[i + c]) - faces.data[i + c];
+        squares += shown * shown;
+        ++values;
+      }
+    }
+    ASSERT_GT(values, 600);
+    EXPECT_GT(-10 * std::log10(squares / values), 29) << cut.planes()[0].normal.x;
+  }
+}
+
+TEST(Openings, CoverWhatIsBehindAndLeaveFacesAlone) {
+  const Scenery scenery;
+  const Plane plane{{0, 0, -1}, 0};
+  const Camera camera = above({0.2f, 0.3f, 1}, 64);
+  const Image without = draw_faces(scenery.section, camera, plane);
+  const Image faces = draw_faces(scenery.section, camera, plane, with(scenery.openings));
+  const float* middle = faces.at(36, 36);
+  EXPECT_EQ(middle[3], 1);
+  EXPECT_EQ(without.at(36, 36)[3], 0);
+  int same = 0;
+  for (size_t i = 0; i < faces.data.size(); i += 4) {
+    EXPECT_GE(faces.data[i + 3], without.data[i + 3] - 1e-5f);
+    same += without.data[i + 3] > 0.999f && faces.data[i] == without.data[i] ? 1 : 0;
+  }
+  EXPECT_GT(same, 300);
+  // Nothing is opened where nothing is cut.
+  EXPECT_EQ(draw_faces(scenery.section, camera, Cut(), with(scenery.openings)).data,
+            draw_faces(scenery.section, camera, Cut()).data);
+}
+
+TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
+  const Preset glass = flesh(0.1f);
+  const Section section = make_section(make_hollow_body(), glass, {kSize});
+  const Openings openings(section);
+  EXPECT_FALSE(openings.drawn());
+  const Plane plane{{0, 0, -1}, 0};
+  const Camera camera = above({0.2f, 0.3f, 1}, 48);
+  EXPECT_EQ(draw_faces(section, camera, plane, with(openings)).data,
+            draw_faces(section, camera, plane).data);
+}
+
+}  // namespace
+}  // namespace clipgs

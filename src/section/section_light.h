@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "light/cut_light.h"
+#include "light/empty_space.h"
+
+#include "section/section.h"
+
+namespace clipgs {
+
+/// Where a section is empty; blocks that interpolation reaches the air around the body from are
+/// marked.
+EmptySpace find_empty_space(const Section& section);
+
+/// The matter of a section that stands in the light: at most `size` samples along each side, each
+/// the mean of the voxels around it.
+Occluders make_occluders(const Section& section, int size);
+
+/// Where matter of a section begins.
+struct SurfaceScan {
+  /// Evenly spread over the surfaces, with what a ray that meets them straight would see.
+  std::vector<SurfacePoint> points;
+  float transmittance = 0;  ///< mean of what goes on two voxels of the traced volume below, 0…1
+};
+SurfaceScan scan_surfaces(const Section& section);
+
+/// Light under any cut of a section.
+CutLight make_cut_light(const Section& section, std::span<const SurfacePoint> points,
+                        const LightRig& rig);
+
+}  // namespace clipgs

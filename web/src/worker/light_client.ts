@@ -1,0 +1,44 @@
+import type { OpeningsInfo, SectionReply, SectionRequest } from "./protocol";
+
+/** The main thread's end of section_worker.ts, once it has decoded: what cuts open, and the light in there. */
+export class LightClient {
+  /** What openings are drawn from; null: splats show them. */
+  readonly openings: Promise<OpeningsInfo | null>;
+  readonly #worker: Worker;
+  #lit: ((texels: Uint16Array | null) => void) | null = null;
+
+  constructor(worker: Worker) {
+    this.#worker = worker;
+    this.openings = new Promise((resolve) => {
+      worker.onmessage = ({ data }: MessageEvent<SectionReply>) => {
+        if (data.kind === "openings") {
+          resolve(data.openings);
+        } else if (data.kind === "lit") {
+          this.#answer(data.texels);
+        }
+      };
+      worker.onerror = () => {
+        resolve(null);
+        this.#answer(null);
+      };
+    });
+  }
+
+  /** Of one cut at a time: half floats, or null where the worker has stopped. */
+  solve(planes: Float32Array, quick: boolean): Promise<Uint16Array | null> {
+    return new Promise((resolve) => {
+      this.#lit = resolve;
+      this.#worker.postMessage({ kind: "light", planes, quick } satisfies SectionRequest, [planes.buffer]);
+    });
+  }
+
+  dispose(): void {
+    this.#worker.terminate();
+    this.#answer(null);
+  }
+
+  #answer(texels: Uint16Array | null): void {
+    this.#lit?.(texels);
+    this.#lit = null;
+  }
+}

@@ -1,0 +1,152 @@
+// What a cut opens, for the viewer: the same C++ as in the program (src/section/openings.h,
+// src/light), compiled to WebAssembly and run in a worker of its own.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "section/openings.h"
+
+#define EXPORT(name) __attribute__((export_name(#name)))
+
+// Nothing catches: what would throw stops the module.
+extern "C" {
+void* __cxa_allocate_exception(std::size_t /*size*/) { __builtin_trap(); }
+[[noreturn]] void __cxa_throw(void* /*what*/, void* /*type*/, void (* /*end*/)(void*)) {
+  __builtin_trap();
+}
+}
+
+namespace {
+
+using namespace clipgs;
+
+constexpr int kMostPlanes = 6;
+constexpr int kMostKeys = LightRig::kMostKeys;
+
+/// A section without its voxels, as the caller writes it before `prepare`: the fields of Section.
+struct Description {
+  float dims[3];
+  float channels;
+  float origin[3];
+  float axes[9];
+  float spacing[3];
+  float source_spacing[3];
+  float curve[256];
+  float materials[256][9];  // extinction, specular, roughness, surface, interior
+  float sky[9];             // top, horizon, bottom
+  float key_count;
+  float keys[kMostKeys][7];  // direction, radiance, angular radius
+};
+
+struct Light {
+  Section section;
+  std::unique_ptr<Openings> openings;
+  std::vector<Vec3> solution;
+  std::vector<std::uint16_t> texels;  // half floats: [side, cells, RGBA]
+};
+
+Description description;
+float planes[kMostPlanes][4];  // each keeps plane·x − plane[3] >= 0
+Light light;
+
+Vec3 vec3(const float* v) { return {v[0], v[1], v[2]}; }
+
+/// Half floats of what is not negative, without those below 2⁻¹⁴; as large as there are.
+std::uint16_t to_half(float value) {
+  const float clamped = std::min(value, 65504.0f);
+  if (!(clamped >= 6.103515625e-5f)) {
+    return 0;
+  }
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &clamped, sizeof bits);
+  return static_cast<std::uint16_t>((bits - (112U << 23U) + 0x1000U) >> 13U);
+}
+
+LightRig read_rig() {
+  LightRig rig{vec3(description.sky), vec3(description.sky + 3), vec3(description.sky + 6), {}};
+  const int count = std::clamp(static_cast<int>(description.key_count), 0, kMostKeys);
+  for (int i = 0; i < count; ++i) {
+    const float* key = description.keys[i];
+    rig.keys.push_back({vec3(key), vec3(key + 3), key[6]});
+  }
+  return rig;
+}
+
+/// The light of every patch at its place among texels: premultiplied by whether there is one.
+void write_texels() {
+  const Patches& patches = light.openings->light().patches();
+  const size_t cells = patches.grid().cells();
+  light.texels.assign(4 * cells * Patches::kSides, 0);
+  for (size_t i = 0; i < patches.count(); ++i) {
+    const size_t at = static_cast<size_t>(patches.side_of(i)) * cells + patches.cell_of(i);
+    std::uint16_t* texel = &light.texels[4 * at];
+    for (int c = 0; c < 3; ++c) {
+      texel[c] = to_half(light.solution[i][c]);
+    }
+    texel[3] = to_half(1);
+  }
+}
+
+}  // namespace
+
+EXPORT(section_description) float* section_description() { return description.dims; }
+EXPORT(cut_planes) float* cut_planes() { return planes[0]; }
+
+/// Room for the section's voxels; what was there before is gone.
+EXPORT(reserve) std::uint8_t* reserve(std::uint32_t bytes) {
+  light = Light();
+  light.section.voxels.resize(bytes);
+  return light.section.voxels.data();
+}
+
+/// Finds the walls and their horizons. Returns whether there is anything to draw.
+EXPORT(prepare) bool prepare() {
+  Section& section = light.section;
+  section.dims = IVec3(vec3(description.dims));
+  section.channels = static_cast<int>(description.channels);
+  section.origin = vec3(description.origin);
+  for (int k = 0; k < 3; ++k) {
+    section.direction[k] = vec3(description.axes + 3 * k);
+  }
+  section.spacing = vec3(description.spacing);
+  section.source_spacing = vec3(description.source_spacing);
+  section.curve = ValueCurve(std::vector<float>(description.curve, description.curve + 256));
+  for (size_t code = 0; code < section.materials.size(); ++code) {
+    const float* m = description.materials[code];
+    section.materials[code] = {m[0], m[1], m[2], vec3(m + 3), vec3(m + 6)};
+  }
+  section.rig = read_rig();
+  light.openings = std::make_unique<Openings>(section);
+  section.voxels = {};  // the walls are known
+  return light.openings->drawn();
+}
+
+EXPORT(blocks) const std::uint8_t* blocks() {
+  return light.openings->empty_space().blocks().data();
+}
+
+/// Cells of the light along x, y and z, and their side, mm.
+EXPORT(grid) const float* grid() {
+  static std::array<float, 4> values;
+  const PatchGrid& cells = light.openings->light().patches().grid();
+  values = {static_cast<float>(cells.dims.x), static_cast<float>(cells.dims.y),
+            static_cast<float>(cells.dims.z), cells.spacing};
+  return values.data();
+}
+
+/// The light under `count` planes as half floats [side, z, y, x, RGBA]. `quick`: a few bounces,
+/// from the solution before, which is near where a plane has moved a little.
+EXPORT(solve) const std::uint16_t* solve(int count, bool quick) {
+  std::vector<Plane> cut;
+  for (int i = 0; i < std::min(count, kMostPlanes); ++i) {
+    cut.push_back({vec3(planes[i]), planes[i][3]});
+  }
+  light.solution = light.openings->solve(cut, quick ? light.solution : std::vector<Vec3>());
+  write_texels();
+  return light.texels.data();
+}
