@@ -199,6 +199,24 @@ void prepare_openings(Case& contents) {
   }
 }
 
+void relight(Case& contents, const LightRig& rig) {
+  const auto is_near = [](const KeyLight& key) { return key.distance > 0; };
+  if (rig.environment || std::ranges::any_of(rig.keys, is_near)) {
+    throw Error(
+        "a panorama, or a lamp at a finite \"distance\", cannot light a case; choose another");
+  }
+  if (!contents.section) {
+    throw Error("a case without a section volume keeps the light that it was made in");
+  }
+  auto openings = std::make_shared<Openings>(*contents.section);
+  if (!openings->drawn()) {
+    throw Error("a case of translucent matter keeps the light that it was made in");
+  }
+  openings->set_rig(rig);
+  contents.section->rig = rig;
+  contents.openings = std::move(openings);
+}
+
 Case load_case(const std::filesystem::path& path) {
   if (path.extension() != ".ply") {
     return read_case(path);

@@ -31,8 +31,13 @@ struct Case {
   std::shared_ptr<const Openings> openings;
 };
 
-/// Makes what draws the walls that a cut opens, if the case has a section: a second or so, once.
+/// Makes what draws the walls that a cut opens, and lets shadows follow the cut, if the case has a
+/// section: a second or so, once.
 void prepare_openings(Case& contents);
+
+/// Shows the case under another light rig. Throws Error if it cannot be: without a section, of
+/// translucent matter, or by a panorama or near lamps.
+void relight(Case& contents, const LightRig& rig);
 
 /// What a case says of itself, without decoding its images.
 struct CaseInfo {

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/json_reader.h"
+#include "section/relight.h"
 
 namespace clipgs {
 
@@ -12,7 +13,7 @@ constexpr const char* kSplatsName = "splats";
 
 /// The faces of the cut and of the volume's ends, premultiplied; empty if splats show them.
 std::optional<Image> faces_of(const Case& contents, const Camera& camera, const Cut& cut,
-                              const DrawOptions& options) {
+                              const OpenedLight* light, const DrawOptions& options) {
   if (!contents.section || options.faces == FaceSource::kSplats) {
     return std::nullopt;
   }
@@ -22,7 +23,7 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
   }
   FaceOptions face_options;
   face_options.style = options.style;
-  face_options.openings = contents.openings.get();
+  face_options.light = light;
   return draw_faces(*contents.section, camera, cut, face_options);
 }
 
@@ -65,7 +66,13 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
   }
   const bool by_layers = !contents.model && options.clip == ClipOperator::kLayers;
   const LayerSwitch layers = by_layers ? switch_layers(contents.scene, cut) : LayerSwitch();
-  const std::optional<Image> faces = faces_of(contents, camera, cut, options);
+  // The splats of a scene that the section was in front of, and it draws the walls.
+  std::optional<OpenedLight> light;
+  if (contents.openings && contents.openings->drawn() && options.faces == FaceSource::kVolume) {
+    light.emplace(*contents.openings, cut);
+  }
+  const std::optional<Image> faces =
+      faces_of(contents, camera, cut, light ? &*light : nullptr, options);
   const auto draw = options.reference ? render_reference : render;
   if (contents.model) {
     UniaxialState state;
@@ -73,8 +80,8 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                cut.empty() ? std::nullopt : std::optional(cut.planes()[0].offset), state);
     return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr, {}, {});
   }
-  return draw(contents.scene.gaussians, camera, cut, options.clip, faces ? &*faces : nullptr,
-              contents.scene.face_gain, layers);
+  return draw(light ? relit(contents.scene.gaussians, *light) : contents.scene.gaussians, camera,
+              cut, options.clip, faces ? &*faces : nullptr, contents.scene.face_gain, layers);
 }
 
 Image make_thumbnail(const Case& contents) {

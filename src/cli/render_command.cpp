@@ -12,6 +12,7 @@
 #include "core/file.h"
 #include "core/image.h"
 #include "section/annotate.h"
+#include "volume/preset.h"
 
 namespace clipgs {
 
@@ -31,6 +32,7 @@ struct RenderArguments {
   bool annotate = false;
   std::vector<std::string> pins;
   bool reference = false;
+  std::string rig;
 };
 
 /// Volume where the case has one, unless the user says otherwise.
@@ -76,6 +78,9 @@ void run_render(const RenderArguments& arguments) {
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   Case contents = load_case(arguments.scene);
+  if (!arguments.rig.empty()) {
+    relight(contents, load_rig(arguments.rig));
+  }
   prepare_openings(contents);
   options.faces = face_source(arguments, contents);
   if (options.clip == ClipOperator::kLayers && !contents.model && contents.scene.layers.empty()) {
@@ -137,6 +142,9 @@ void add_render_command(CLI::App& app) {
                    "What draws the faces of the cut: volume or splats (default: the case's section "
                    "volume, if it has one)")
       ->check(CLI::IsMember({"volume", "splats"}));
+  command->add_option("--rig", arguments->rig,
+                      "Lights: studio, theatre, rim, dome, ambient or a JSON file (default: those "
+                      "that the case was made in)");
   command
       ->add_option("--grey", arguments->grey,
                    "Faces as grey values, from 0 (cinematic) to 1 (as radiologists read them)")

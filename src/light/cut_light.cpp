@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -12,6 +13,8 @@ namespace {
 constexpr auto kSky = static_cast<size_t>(CutLight::kSkyRays);
 constexpr auto kKey = static_cast<size_t>(CutLight::kKeyRays);
 constexpr size_t kPatchesATurn = 256;
+// Of the occluders' spacing: matter nearer than this, blurred by their grid, is the surface itself.
+constexpr float kStart = 0.5f;
 constexpr float kGolden = 0.61803399f;
 
 Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
@@ -60,34 +63,47 @@ Mat3 basis_of(const SurfacePoint& patch, size_t number) {
 
 }  // namespace
 
-CutLight::CutLight(const Occluders& occluders, Patches patches, const LightRig& rig, float lift)
-    : patches_(std::move(patches)), rig_(rig), lift_(lift) {
+CutLight::CutLight(Occluders occluders, Patches patches, const LightRig& rig, float lift)
+    : occluders_(std::move(occluders)),
+      empty_(find_empty_space(occluders_)),
+      patches_(std::move(patches)),
+      lift_(lift) {
+  sky_.resize(patches_.count() * kSky);
+  const float start = kStart * occluders_.spacing;
+  parallel_for(patches_.count(), kPatchesATurn, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      const SurfacePoint& patch = patches_.all()[p];
+      const Vec3 from = origin_of(patch);
+      const Mat3 basis = basis_of(patch, p);
+      for (size_t i = 0; i < kSky; ++i) {
+        const Vec3 direction = basis * cosine_rays()[i];
+        const float distance = horizon_distance(occluders_, empty_, from, direction, start);
+        sky_[p * kSky + i] = {
+            distance, distance < kNever ? patches_.met_by(from + distance * direction, direction)
+                                        : Patches::kNone};
+      }
+    }
+  });
+  set_rig(rig);
+}
+
+void CutLight::set_rig(const LightRig& rig) {
+  rig_ = rig;
+  key_directions_.clear();
   for (const KeyLight& key : rig.keys) {
     for (size_t i = 0; i < kKey; ++i) {
       key_directions_.push_back(key_ray(key, i));
     }
   }
-  sky_.resize(patches_.count() * kSky);
   keys_.resize(patches_.count() * key_directions_.size());
-  // Matter near the surface itself, blurred by the grid, is no occluder.
-  const float start = 0.5f * occluders.spacing;
-  const EmptySpace empty = find_empty_space(occluders);
+  const float start = kStart * occluders_.spacing;
   parallel_for(patches_.count(), kPatchesATurn, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const SurfacePoint& patch = patches_.all()[p];
-      const Vec3 from = patch.position + lift_ * patch.normal;
-      const Mat3 basis = basis_of(patch, p);
-      for (size_t i = 0; i < kSky; ++i) {
-        const Vec3 direction = basis * cosine_rays()[i];
-        const float distance = horizon_distance(occluders, empty, from, direction, start);
-        sky_[p * kSky + i] = {
-            distance, distance < kNever ? patches_.met_by(from + distance * direction, direction)
-                                        : Patches::kNone};
-      }
       for (size_t i = 0; i < key_directions_.size(); ++i) {
         keys_[p * key_directions_.size() + i] =
             glm::dot(patch.normal, key_directions_[i]) > 0
-                ? horizon_distance(occluders, empty, from, key_directions_[i], start)
+                ? horizon_distance(occluders_, empty_, origin_of(patch), key_directions_[i], start)
                 : 0;
       }
     }
@@ -104,7 +120,7 @@ CutLight::Direct CutLight::direct(std::span<const Plane> planes) const {
     Direct& part = parts[begin / kPatchesATurn];
     for (size_t p = begin; p < end; ++p) {
       const SurfacePoint& patch = patches_.all()[p];
-      const Vec3 from = patch.position + lift_ * patch.normal;
+      const Vec3 from = origin_of(patch);
       const Mat3 basis = basis_of(patch, p);
       part.first.push_back(static_cast<std::uint32_t>(part.met.size()));
       Vec3 sum(0);

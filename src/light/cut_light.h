@@ -21,7 +21,10 @@ class CutLight {
   static constexpr int kKeyRays = 4;   ///< to each key light's disc
 
   /// `lift`: mm above a surface from which its light is looked for, as the path tracer does.
-  CutLight(const Occluders& occluders, Patches patches, const LightRig& rig, float lift);
+  CutLight(Occluders occluders, Patches patches, const LightRig& rig, float lift);
+
+  /// From now on other lights: only rays to keys are followed again.
+  void set_rig(const LightRig& rig);
 
   const Patches& patches() const { return patches_; }
 
@@ -46,6 +49,10 @@ class CutLight {
   };
   Direct direct(std::span<const Plane> planes) const;
 
+  Vec3 origin_of(const SurfacePoint& patch) const { return patch.position + lift_ * patch.normal; }
+
+  Occluders occluders_;
+  EmptySpace empty_;
   Patches patches_;
   LightRig rig_;
   float lift_;

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -41,46 +40,39 @@ float display(float linear) {
   return curve(linear);
 }
 
-/// The walls behind a picture's openings, whose light is computed when the first one is met.
+/// The walls behind a picture's openings.
 class PictureOpenings {
  public:
-  PictureOpenings(const Section& section, const Openings* openings, const Camera& camera,
+  PictureOpenings(const Section& section, const OpenedLight* light, const Camera& camera,
                   const Cut& cut)
       : section_(section),
-        openings_(openings != nullptr && openings->drawn() ? openings : nullptr),
-        eye_(camera.position),
-        cut_(cut) {}
+        light_(light != nullptr && light->openings().drawn() && !cut.empty() ? light : nullptr),
+        eye_(camera.position) {}
 
-  bool any() const { return openings_ != nullptr && !cut_.empty(); }
+  bool any() const { return light_ != nullptr; }
 
   /// What the wall radiates that a ray meets beyond `from` mm which enters at an index; nothing
   /// where it meets none, or comes from the air around the body.
-  std::optional<Vec3> look(const FaceRay& ray, const Vec3& entry, float from) {
-    if (!openings_->is_inside(entry)) {
+  std::optional<Vec3> look(const FaceRay& ray, const Vec3& entry, float from) const {
+    const Openings& openings = light_->openings();
+    if (!openings.is_inside(entry)) {
       return std::nullopt;
     }
     const std::optional<Wall> wall =
-        openings_->first_wall(section_, eye_, ray.direction, from, ray.leave);
-    if (!wall) {
-      return std::nullopt;
-    }
-    std::call_once(once_, [&] { light_.emplace(*openings_, cut_); });
-    return light_->radiance(*wall);
+        openings.first_wall(section_, eye_, ray.direction, from, ray.leave);
+    return wall ? std::optional(light_->radiance(*wall)) : std::nullopt;
   }
 
  private:
   const Section& section_;
-  const Openings* openings_;
+  const OpenedLight* light_;
   Vec3 eye_;
-  const Cut& cut_;
-  std::once_flag once_;
-  std::optional<OpenedLight> light_;
 };
 
 /// Sums what the rays of one pixel see.
 class PixelSum {
  public:
-  PixelSum(const Section& section, const FaceRays& rays, PictureOpenings& openings)
+  PixelSum(const Section& section, const FaceRays& rays, const PictureOpenings& openings)
       : section_(section), rays_(rays), openings_(openings) {}
 
   void add(const FaceRay& ray) {
@@ -137,7 +129,7 @@ class PixelSum {
 
   const Section& section_;
   const FaceRays& rays_;
-  PictureOpenings& openings_;
+  const PictureOpenings& openings_;
   const Face* face_ = nullptr;
   Vec3 out_{0};  // towards the camera
   Vec3 light_{0};
@@ -168,8 +160,8 @@ Vec4 grey_at(const Section& section, const FaceRays& rays, const FaceRay& ray,
   return {Vec3(alpha * shade), alpha};
 }
 
-Vec4 draw_pixel(const Section& section, const FaceRays& rays, PictureOpenings& openings, int x,
-                int y, int count, const FaceStyle& style) {
+Vec4 draw_pixel(const Section& section, const FaceRays& rays, const PictureOpenings& openings,
+                int x, int y, int count, const FaceStyle& style) {
   PixelSum cinematic(section, rays, openings);
   Vec4 grey(0);
   rays.for_rays(x, y, count, [&](const FaceRay& ray) {
@@ -223,7 +215,7 @@ Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
     return image;
   }
   const PixelBox box = rays.covered();
-  PictureOpenings openings(section, options.openings, camera, cut);
+  const PictureOpenings openings(section, options.light, camera, cut);
   // draw(count, wanted): the wanted pixels, by `count` rays each.
   const auto draw = [&](int count, const auto& wanted) {
     const auto rows = static_cast<size_t>(std::max(0, box.high.y - box.low.y));

@@ -20,15 +20,15 @@ struct FaceStyle {
   Window window;
 };
 
-class Openings;
+class OpenedLight;
 
 struct FaceOptions {
   static constexpr int kMostRays = 8;
   int taps = 8;  ///< samples along a ray, from the face inwards
   int rays = 0;  ///< a pixel; 0: one, and kMostRays where that differs from a pixel beside it
   FaceStyle style = {};
-  /// Of the section; null: what lies behind a gap of a face is left to the splats.
-  const Openings* openings = nullptr;
+  /// Of the section, under the cut; null: what lies behind a gap of a face is left to the splats.
+  const OpenedLight* light = nullptr;
 };
 
 /// Draws the faces that `cut` exposes of what it keeps, as far as

@@ -21,6 +21,12 @@ constexpr float kWisp = 0.3f;
 constexpr int kBounces = 10;
 constexpr int kQuickBounces = 2;
 
+// Of a surface's light: what no change of lights takes away, for colours of next to nothing.
+constexpr float kDim = 0.01f;
+constexpr float kMostGain = 10;
+// Linear light as display sRGB, nearly: a factor to this power.
+constexpr float kDisplay = 0.45f;
+
 // Matter through which this much light goes in two voxels is translucent.
 constexpr float kTranslucent = 0.15f;
 
@@ -44,7 +50,8 @@ Openings::Openings(const Section& section, const SurfaceScan& scan)
     : materials_(section.materials),
       empty_space_(find_empty_space(section)),
       opaque_(!scan.points.empty() && scan.transmittance < kTranslucent),
-      light_(make_cut_light(section, scan.points, section.rig)) {}
+      light_(make_cut_light(section, scan.points, section.rig)),
+      own_light_(light_.solve({}, kBounces)) {}
 
 std::vector<Vec3> Openings::solve(std::span<const Plane> planes, std::span<const Vec3> from) const {
   return light_.solve(planes, from.empty() ? kBounces : kQuickBounces, from);
@@ -111,6 +118,27 @@ OpenedLight::OpenedLight(const Openings& openings, const Cut& cut)
 Vec3 OpenedLight::radiance(const Wall& wall) const {
   return wall.reflectance *
          light_at(openings_.light().patches(), solution_, wall.position, wall.normal);
+}
+
+Vec3 OpenedLight::gain(const Vec3& world, const Vec3& axis) const {
+  const Patches& patches = openings_.light().patches();
+  const std::vector<Vec3>& own = openings_.own_light();
+  Vec3 before(0);
+  Vec3 now(0);
+  for (const Vec3& side : {axis, -axis}) {
+    patches.interpolate(world, side, [&](size_t patch, float weight) {
+      if (openings_.is_lit(patch)) {
+        before += weight * own[patch];
+        now += weight * solution_[patch];
+      }
+    });
+  }
+  if (!(before.g > 0)) {
+    return Vec3(1);
+  }
+  const Vec3 ratio = glm::clamp((now + kDim * before.g) / (before + kDim * before.g),
+                                Vec3(1 / kMostGain), Vec3(kMostGain));
+  return glm::pow(ratio, Vec3(kDisplay));
 }
 
 }  // namespace clipgs

@@ -33,6 +33,14 @@ class Openings {
   bool drawn() const { return opaque_; }
 
   const CutLight& light() const { return light_; }
+  /// Light of the uncut volume under the rig that it was traced under: what splats' colours have in
+  /// them.
+  const std::vector<Vec3>& own_light() const { return own_light_; }
+  /// Whether a patch is lit uncut: darker ones, cavities, are drawn from the volume, and say
+  /// nothing of the skin beside them.
+  bool is_lit(size_t patch) const { return own_light_[patch].g >= kLit; }
+  /// From now on other lights.
+  void set_rig(const LightRig& rig) { light_.set_rig(rig); }
   const EmptySpace& empty_space() const { return empty_space_; }
   /// Whether nothing around an index of the section is air around the body: a gap there is an
   /// opening.
@@ -48,6 +56,8 @@ class Openings {
                                  float from, float to) const;
 
  private:
+  static constexpr float kLit = 0.05f;
+
   Openings(const Section& section, const SurfaceScan& scan);
 
   FaceMaterial material_of(float code) const;
@@ -56,15 +66,22 @@ class Openings {
   EmptySpace empty_space_;
   bool opaque_;
   CutLight light_;
+  std::vector<Vec3> own_light_;
 };
 
-/// The walls that one cut opens, lit.
+/// The light under one cut.
 class OpenedLight {
  public:
+  /// `openings` must outlive it.
   OpenedLight(const Openings& openings, const Cut& cut);
 
+  const Openings& openings() const { return openings_; }
   /// What a wall radiates, linear RGB before exposure.
   Vec3 radiance(const Wall& wall) const;
+  /// How much brighter the surface around a point (RAS mm) is than uncut under its own lights, of
+  /// sides that `axis` points out of or into: a factor of display sRGB. 1 where there is none, or
+  /// none that was lit.
+  Vec3 gain(const Vec3& world, const Vec3& axis) const;
 
  private:
   const Openings& openings_;

@@ -1,5 +1,6 @@
 #include "section/openings.h"
 
+#include <glm/gtx/quaternion.hpp>
 #include <gtest/gtest.h>
 
 #include "cinema/picture.h"
@@ -7,6 +8,7 @@
 #include "core/random.h"
 #include "section/faces.h"
 #include "section/material_table.h"
+#include "section/relight.h"
 
 namespace clipgs {
 namespace {
@@ -50,9 +52,9 @@ struct Scenery {
   Openings openings{section};
 };
 
-FaceOptions with(const Openings& openings) {
+FaceOptions with(const OpenedLight& light) {
   FaceOptions options;
-  options.openings = &openings;
+  options.light = &light;
   return options;
 }
 
@@ -147,7 +149,8 @@ TEST(Openings, LookAsThePathTracerSays) {
     options.spp = 96;
     const Image truth = render_picture(scenery.scene, camera, cut, options).mean();
     const Image without = draw_faces(scenery.section, camera, cut);
-    const Image faces = draw_faces(scenery.section, camera, cut, with(scenery.openings));
+    const Image faces =
+        draw_faces(scenery.section, camera, cut, with(OpenedLight(scenery.openings, cut)));
     double squares = 0;
     double values = 0;
     for (size_t i = 0; i < faces.data.size(); i += 4) {
@@ -171,7 +174,8 @@ TEST(Openings, CoverWhatIsBehindAndLeaveFacesAlone) {
   const Plane plane{{0, 0, -1}, 0};
   const Camera camera = above({0.2f, 0.3f, 1}, 64);
   const Image without = draw_faces(scenery.section, camera, plane);
-  const Image faces = draw_faces(scenery.section, camera, plane, with(scenery.openings));
+  const Image faces =
+      draw_faces(scenery.section, camera, plane, with(OpenedLight(scenery.openings, plane)));
   const float* middle = faces.at(36, 36);
   EXPECT_EQ(middle[3], 1);
   EXPECT_EQ(without.at(36, 36)[3], 0);
@@ -182,8 +186,9 @@ TEST(Openings, CoverWhatIsBehindAndLeaveFacesAlone) {
   }
   EXPECT_GT(same, 300);
   // Nothing is opened where nothing is cut.
-  EXPECT_EQ(draw_faces(scenery.section, camera, Cut(), with(scenery.openings)).data,
-            draw_faces(scenery.section, camera, Cut()).data);
+  EXPECT_EQ(
+      draw_faces(scenery.section, camera, Cut(), with(OpenedLight(scenery.openings, Cut()))).data,
+      draw_faces(scenery.section, camera, Cut()).data);
 }
 
 TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
@@ -193,8 +198,68 @@ TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
   EXPECT_FALSE(openings.drawn());
   const Plane plane{{0, 0, -1}, 0};
   const Camera camera = above({0.2f, 0.3f, 1}, 48);
-  EXPECT_EQ(draw_faces(section, camera, plane, with(openings)).data,
+  EXPECT_EQ(draw_faces(section, camera, plane, with(OpenedLight(openings, plane))).data,
             draw_faces(section, camera, plane).data);
+}
+
+// Splats on the skin, as flat as trained ones are.
+Gaussians skin_splats() {
+  Gaussians splats(300, 1);
+  for (size_t i = 0; i < splats.size(); ++i) {
+    const Vec3 outwards = fibonacci_sphere(static_cast<int>(i), 300);
+    const Quat turned = glm::rotation(Vec3(0, 0, 1), outwards);
+    const Vec3 mean = 25.2f * outwards;
+    for (int k = 0; k < 3; ++k) {
+      splats.plane(Gaussians::kMean + k)[i] = mean[k];
+      splats.plane(Gaussians::kLogScale + k)[i] = std::log(k == 2 ? 0.3f : 2.0f);
+      splats.plane(Gaussians::kSh + k)[i] = 0.2f;
+      splats.plane(Gaussians::kSh + 3 + k)[i] = 0.1f;
+    }
+    splats.plane(Gaussians::kRotation)[i] = turned.w;
+    splats.plane(Gaussians::kRotation + 1)[i] = turned.x;
+    splats.plane(Gaussians::kRotation + 2)[i] = turned.y;
+    splats.plane(Gaussians::kRotation + 3)[i] = turned.z;
+  }
+  return splats;
+}
+
+TEST(Relight, ChangesNothingUnderTheSameLight) {
+  const Scenery scenery;
+  const Gaussians splats = skin_splats();
+  const Gaussians same = relit(splats, OpenedLight(scenery.openings, Cut()));
+  for (size_t i = 0; i < splats.data().size(); ++i) {
+    EXPECT_NEAR(same.data()[i], splats.data()[i], 1e-5f);
+  }
+}
+
+TEST(Relight, FollowsTheRig) {
+  Scenery scenery;
+  const Gaussians splats = skin_splats();
+  // Twice as much of everything: colours of display sRGB are about 2^0.45 times as bright.
+  LightRig rig = scenery.preset.rig;
+  rig.sky_top *= 2;
+  rig.sky_horizon *= 2;
+  rig.sky_bottom *= 2;
+  rig.keys[0].radiance *= 2;
+  scenery.openings.set_rig(rig);
+  const Gaussians brighter = relit(splats, OpenedLight(scenery.openings, Cut()));
+  const float y0 = 0.28209479f;
+  for (size_t i = 0; i < splats.size(); ++i) {
+    const float before = 0.5f + y0 * splats.plane(Gaussians::kSh)[i];
+    const float after = 0.5f + y0 * brighter.plane(Gaussians::kSh)[i];
+    EXPECT_NEAR(after / before, std::pow(2.0f, 0.45f), 0.02f) << i;
+    EXPECT_NEAR(brighter.plane(Gaussians::kSh + 3)[i] / splats.plane(Gaussians::kSh + 3)[i],
+                std::pow(2.0f, 0.45f), 0.02f);
+  }
+  // A lamp from below, and nothing else: what looks down is lit.
+  rig.sky_top = rig.sky_horizon = rig.sky_bottom = Vec3(0.02f);
+  rig.keys[0].direction = {0, 0, -1};
+  scenery.openings.set_rig(rig);
+  const OpenedLight light(scenery.openings, Cut());
+  EXPECT_GT(light.gain({0, 0, -26.5f}, {0, 0, 1}).g, 1.1f);
+  EXPECT_LT(light.gain({0, 0, 26.5f}, {0, 0, 1}).g, 0.4f);
+  // Nothing is known far from any surface.
+  EXPECT_EQ(light.gain({0, 0, 0.5f}, {0, 0, 1}), Vec3(1));
 }
 
 }  // namespace

@@ -9,8 +9,10 @@
 namespace clipgs {
 namespace {
 
-constexpr int kOccluders = 224;  // samples along the longest side, at most
-constexpr int kCells = 48;       // of patches, along the longest side
+constexpr int kOccluders = 224;   // samples along the longest side, at most
+constexpr int kCells = 48;        // of patches, along the longest side, at most …
+constexpr float kCellVoxels = 3;  // … and no smaller than this, in voxels of the traced volume:
+                                  // splats do not lie on a surface to less
 
 /// Code of a voxel → how much of the light a mean voxel of the traced volume takes.
 std::array<float, ValueCurve::kCodes> coverages(const Section& section) {
@@ -25,6 +27,12 @@ std::array<float, ValueCurve::kCodes> coverages(const Section& section) {
 float longest(const Section& section) {
   const Vec3 extent = Vec3(section.dims - 1) * section.spacing;
   return std::max({extent.x, extent.y, extent.z});
+}
+
+/// Side of a patch's cell, mm.
+float cell_size(const Section& section) {
+  return std::max(longest(section) / (kCells - 1),
+                  kCellVoxels * mean_spacing(section.source_spacing));
 }
 
 IVec3 samples_of(const Section& section, float spacing) {
@@ -147,8 +155,8 @@ SurfaceScan scan_surfaces(const Section& section) {
   const std::array<float, ValueCurve::kCodes> table = coverages(section);
   const MaterialTable materials(section);
   // About as many points on each patch, however fine the voxels are.
-  const float cell = longest(section) / (kCells - 1);
-  const int stride = std::max(1, static_cast<int>(cell / 4 / mean_spacing(section.spacing)));
+  const int stride =
+      std::max(1, static_cast<int>(cell_size(section) / 4 / mean_spacing(section.spacing)));
   const auto is_matter = [&](const IVec3& voxel) {
     return table[static_cast<size_t>(section.code_at(voxel))] >= 0.5f;
   };
@@ -190,7 +198,7 @@ SurfaceScan scan_surfaces(const Section& section) {
 CutLight make_cut_light(const Section& section, std::span<const SurfacePoint> points,
                         const LightRig& rig) {
   PatchGrid grid;
-  grid.spacing = longest(section) / (kCells - 1);
+  grid.spacing = cell_size(section);
   grid.dims = samples_of(section, grid.spacing);
   grid.direction = section.direction;
   grid.origin = section.origin;

@@ -221,10 +221,9 @@ std::string Trainer::digest_of_start(const Dataset& dataset) const {
 void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>& frames,
                          const Section* section) {
   views_.resize(frames.size());
-  FaceOptions options;
   std::optional<Openings> openings;
   if (section != nullptr) {
-    options.openings = &openings.emplace(*section);
+    openings.emplace(*section);
   }
   const auto load = [&](size_t i) {
     View& view = views_[i];
@@ -232,6 +231,11 @@ void Trainer::load_views(const Dataset& dataset, const std::vector<const Frame*>
     view.plane = frames[i]->plane;
     view.rgba = to_bytes(premultiplied(dataset.load(*frames[i])));
     if (section != nullptr) {
+      FaceOptions options;
+      std::optional<OpenedLight> light;
+      if (view.plane && openings->drawn()) {
+        options.light = &light.emplace(*openings, view.plane);
+      }
       const Image faces = draw_faces(*section, view.camera, view.plane, options);
       // Most uncut views show none: nothing is kept for them, and nothing put in front.
       if (std::ranges::any_of(faces.data, [](float v) { return v > 0; })) {

@@ -23,6 +23,7 @@ interface Moment {
   clip: ClipOperator;
   section: FaceSource;
   grey: number;
+  rig: string | null;
   window: Window | null;
 }
 
@@ -261,8 +262,8 @@ export class Actions {
   }
 
   get #moment(): Moment {
-    const { mode, cuts, active, clip, section, grey, window } = this.#viewer.state;
-    return { mode, cuts, active, clip, section, grey, window };
+    const { mode, cuts, active, clip, section, grey, rig, window } = this.#viewer.state;
+    return { mode, cuts, active, clip, section, grey, rig, window };
   }
 
   #record(): void {
@@ -272,7 +273,7 @@ export class Actions {
   }
 
   #restore(moment: Moment): void {
-    const { mode, cuts, active, clip, section, grey, window } = moment;
+    const { mode, cuts, active, clip, section, grey, rig, window } = moment;
     const viewer = this.#viewer;
     this.#restoring = true;
     viewer.setMode(mode);
@@ -280,6 +281,7 @@ export class Actions {
     viewer.setClip(clip);
     viewer.setSection(section);
     viewer.setGrey(grey);
+    viewer.setRig(rig);
     this.#latest = moment;
     viewer.setWindow(window);
     this.#restoring = false;

@@ -95,6 +95,11 @@ export interface ClipgsApi {
   setSection(section: FaceSource): void;
   /** How faces drawn from the volume look: 0 cinematic … 1 grey values through the window. */
   setGrey(grey: number): void;
+  /**
+   * Lights the case by one of "ambient", "dome", "rim", "studio" and "theatre"; null: by the lights that it was made in.
+   * Returns whether there is such a rig; cases without a section, and of translucent matter, stay as they are.
+   */
+  setRig(rig: string | null): boolean;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: GreyWindow | null): void;
   /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
@@ -123,6 +128,7 @@ export interface ClipgsApi {
     clip: ClipOperator;
     section: FaceSource;
     grey: number;
+    rig: string | null;
     window: GreyWindow | null;
     layers: Layers;
   };

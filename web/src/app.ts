@@ -242,6 +242,7 @@ export class App {
     }
     this.viewer.setSection(link.section ?? "volume");
     this.viewer.setGrey(link.grey ?? 0);
+    this.viewer.setRig(link.rig ?? null);
     this.viewer.setPins(link.pins ?? []);
     if (link.window) {
       this.viewer.setWindow(link.window);
@@ -252,10 +253,13 @@ export class App {
 
   /** What is shown. */
   get link(): Link {
-    const { view, mode, cuts, clip, section, grey, window, pins } = this.viewer.state;
+    const { view, mode, cuts, clip, section, grey, rig, window, pins } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
     const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
-    const style = grey > 0 ? { grey, window: window ?? undefined } : {};
+    const style = {
+      ...(grey > 0 ? { grey, window: window ?? undefined } : {}),
+      ...(rig ? { rig } : {}),
+    };
     return { case: name, view, ...cut, clip, section, ...style, pins };
   }
 

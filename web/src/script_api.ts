@@ -45,6 +45,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     setClip: (clip) => viewer.setClip(clip),
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
+    setRig: (rig) => viewer.setRig(rig),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
     setLayers: (layers) => viewer.setLayers(layers),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
@@ -70,7 +71,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       }));
     },
     get state() {
-      const { view, mode, cuts, clip, section, grey, layers } = viewer.state;
+      const { view, mode, cuts, clip, section, grey, rig, layers } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
@@ -84,6 +85,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         clip,
         section,
         grey,
+        rig,
         window: viewer.window,
         layers: { ...layers },
       };

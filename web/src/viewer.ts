@@ -19,6 +19,7 @@ import { kAllLayers, type Layers } from "./model/layers";
 import type { LinkPin } from "./model/link";
 import { type Pin, withoutPin, withPin } from "./model/pins";
 import type { Grip } from "./model/plane_drag";
+import { kRigs } from "./model/rigs";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
@@ -86,6 +87,7 @@ export class Viewer {
     clip: "exact",
     section: "volume",
     grey: 0,
+    rig: null,
     window: null,
     handle: true,
     layers: kAllLayers,
@@ -432,6 +434,21 @@ export class Viewer {
     this.#touch();
   }
 
+  /** Whether the case can be seen in other lights than its own: null until that is known. */
+  get canChangeRig(): boolean | null {
+    return this.#case?.canChangeRig ?? null;
+  }
+
+  /** Lights by one of kRigs; null: by those that the case was made in. Returns whether there is such a rig. */
+  setRig(rig: string | null): boolean {
+    const possible = rig === null || kRigs.has(rig);
+    if (possible) {
+      this.state.rig = rig;
+      this.#touch();
+    }
+    return possible;
+  }
+
   /** null: the window that the case's values suggest. */
   setWindow(window: Window | null): void {
     this.state.window = window;
@@ -618,7 +635,7 @@ export class Viewer {
    * `leastPixels`, unless that is being done.
    */
   sortFor(camera: PerspectiveCamera, width: number, height: number, leastPixels: number): void {
-    this.#case?.followLight(this.state.cuts, performance.now() - this.#lastChange < kSettleMs);
+    this.#case?.followLight(this.state, performance.now() - this.#lastChange < kSettleMs);
     if (this.#case && !this.#client.sorting) {
       void this.#sort(this.#case, camera, width, height, leastPixels);
     }
@@ -712,7 +729,7 @@ export class Viewer {
       await this.#inState(state, current, frame, ({ width, height }) =>
         this.#sort(current, this.#camera, width, height),
       );
-      await current.light(state.cuts);
+      await current.light(state);
       return this.#inState(state, current, frame, draw);
     });
   }
@@ -793,7 +810,7 @@ export class Viewer {
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
       const changed = this.#ticks - this.#changeTick < 2 || now - this.#lastChange < pause;
       const moving = !this.#pictured || current.awaitsSection || changed;
-      current.followLight(this.state.cuts, moving);
+      current.followLight(this.state, moving);
       const due = moving
         ? this.#splatsStale
         : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;
@@ -812,7 +829,7 @@ export class Viewer {
     this.stats.settled =
       current !== null &&
       !current.awaitsSection &&
-      current.isLit(this.state.cuts) &&
+      current.isLit(this.state) &&
       !this.#orderStale &&
       !this.#client.sorting &&
       !this.#splatsStale &&

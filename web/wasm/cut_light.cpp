@@ -47,7 +47,7 @@ struct Light {
   Section section;
   std::unique_ptr<Openings> openings;
   std::vector<Vec3> solution;
-  std::vector<std::uint16_t> texels;  // half floats: [side, cells, RGBA]
+  std::vector<std::uint16_t> texels;  // half floats: [walls and splats, side, cells, RGBA]
 };
 
 Description description;
@@ -77,18 +77,25 @@ LightRig read_rig() {
   return rig;
 }
 
-/// The light of every patch at its place among texels: premultiplied by whether there is one.
-void write_texels() {
+/// Writes the light of every patch at its place, each with 1 as its weight, for walls and then,
+/// where patches are lit uncut, for splats on them.
+void write_texels(const std::vector<Vec3>& solution) {
   const Patches& patches = light.openings->light().patches();
   const size_t cells = patches.grid().cells();
-  light.texels.assign(4 * cells * Patches::kSides, 0);
+  light.texels.assign(2 * 4 * cells * Patches::kSides, 0);
   for (size_t i = 0; i < patches.count(); ++i) {
     const size_t at = static_cast<size_t>(patches.side_of(i)) * cells + patches.cell_of(i);
-    std::uint16_t* texel = &light.texels[4 * at];
-    for (int c = 0; c < 3; ++c) {
-      texel[c] = to_half(light.solution[i][c]);
+    const auto write = [&](size_t set) {
+      std::uint16_t* texel = &light.texels[4 * (set * cells * Patches::kSides + at)];
+      for (int c = 0; c < 3; ++c) {
+        texel[c] = to_half(solution[i][c]);
+      }
+      texel[3] = to_half(1);
+    };
+    write(0);
+    if (light.openings->is_lit(i)) {
+      write(1);
     }
-    texel[3] = to_half(1);
   }
 }
 
@@ -139,14 +146,27 @@ EXPORT(grid) const float* grid() {
   return values.data();
 }
 
-/// The light under `count` planes as half floats [side, z, y, x, RGBA]. `quick`: a few bounces,
-/// from the solution before, which is near where a plane has moved a little.
+/// The light uncut under the section's own lights, as half floats [walls and splats, side, z, y, x,
+/// RGBA].
+EXPORT(own_light) const std::uint16_t* own_light() {
+  write_texels(light.openings->own_light());
+  return light.texels.data();
+}
+
+/// Lights as the description has them now.
+EXPORT(relight) void relight() {
+  light.openings->set_rig(read_rig());
+  light.solution.clear();
+}
+
+/// The light under `count` planes, laid out as own_light(). `quick`: a few bounces, from the
+/// solution before, which is near where a plane has moved a little.
 EXPORT(solve) const std::uint16_t* solve(int count, bool quick) {
   std::vector<Plane> cut;
   for (int i = 0; i < std::min(count, kMostPlanes); ++i) {
     cut.push_back({vec3(planes[i]), planes[i][3]});
   }
   light.solution = light.openings->solve(cut, quick ? light.solution : std::vector<Vec3>());
-  write_texels();
+  write_texels(light.solution);
   return light.texels.data();
 }

@@ -5,6 +5,7 @@ import { canDraw, type Cut, makeCut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
 import type { Window } from "./grey";
 import type { Pin } from "./pins";
+import { kRigs } from "./rigs";
 import { type View, viewFrom } from "./view";
 
 /** A marked point, RAS mm; `joined`: measured from the one before it. */
@@ -20,6 +21,8 @@ export interface Link {
   clip?: ClipOperator;
   section?: FaceSource;
   grey?: number;
+  /** One of kRigs. */
+  rig?: string;
   window?: Window;
   pins?: readonly LinkPin[];
   /** Fixed size of the picture, px. */
@@ -67,7 +70,7 @@ function parsePins(parameters: URLSearchParams): LinkPin[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&rig=…&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -105,6 +108,10 @@ export function parseLink(hash: string): Link {
   const [grey] = numbers(parameters.get("grey"), 1, 1) ?? [];
   if (grey !== undefined && grey >= 0 && grey <= 1) {
     link.grey = grey;
+  }
+  const rig = parameters.get("rig");
+  if (rig && kRigs.has(rig)) {
+    link.rig = rig;
   }
   const window = numbers(parameters.get("window"), 2, 2);
   if (window && window[1]! > 0) {
@@ -165,6 +172,9 @@ export function formatLink(link: Link): string {
   }
   if (link.grey) {
     parts.push(`grey=${rounded(link.grey, 2)}`);
+  }
+  if (link.rig) {
+    parts.push(`rig=${link.rig}`);
   }
   if (link.window) {
     parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);

@@ -6,6 +6,7 @@ import type { FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
+import { kRigs } from "../model/rigs";
 import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Section } from "../sog/section";
 import type { CaseError } from "../sog/zip";
@@ -27,6 +28,7 @@ export interface Style {
   clip: ClipOperator;
   section: FaceSource;
   grey: number; // 0 cinematic … 1 grey
+  rig: string | null; // one of kRigs; null: the lights that the case was made in
   layers: Layers;
 }
 
@@ -98,7 +100,7 @@ export class OpenCase {
     if (faces && (await faces.upload(renderer))) {
       this.faces = faces;
       this.windows = windowPresets(section);
-      this.#light = new OpenedLight(light, faces, relit);
+      this.#light = new OpenedLight(light, faces, this.mesh, relit);
     } else {
       light.dispose();
       faces?.free();
@@ -138,19 +140,31 @@ export class OpenCase {
     return count < 0 ? null : { count, milliseconds };
   }
 
-  /** Whether the light in what is cut open is that of the cuts. */
-  isLit(cuts: readonly Cut[]): boolean {
-    return this.#light?.isSettled(this.#planes(cuts)) ?? true;
+  /** Whether it can be seen in other lights than it was made in: null until that is known. */
+  get canChangeRig(): boolean | null {
+    return this.#light ? this.#light.canChangeRig : this.awaitsSection ? null : false;
   }
 
-  /** Lets the light follow the cuts: nearly, while they are `moving`. */
-  followLight(cuts: readonly Cut[], moving: boolean): void {
-    this.#light?.follow(this.#planes(cuts), moving);
+  /** Whether the light is that of a style's cuts and lights. */
+  isLit({ cuts, rig }: Style): boolean {
+    return this.#lightBy(rig)?.isSettled(this.#planes(cuts)) ?? true;
   }
 
-  /** Until the light is that of the cuts. */
-  async light(cuts: readonly Cut[]): Promise<void> {
-    await this.#light?.settle(this.#planes(cuts));
+  /** Lets the light follow a style: nearly, while something is `moving`. */
+  followLight({ cuts, rig }: Style, moving: boolean): void {
+    this.#lightBy(rig)?.follow(this.#planes(cuts), moving);
+  }
+
+  /** Until the light is that of a style. */
+  async light({ cuts, rig }: Style): Promise<void> {
+    await this.#light?.ready;
+    await this.#lightBy(rig)?.settle(this.#planes(cuts));
+  }
+
+  /** Under a rig, where it can be lit by others than its own. */
+  #lightBy(rig: string | null): OpenedLight | null {
+    this.#light?.setRig((rig && kRigs.get(rig)?.rig) || null);
+    return this.#light;
   }
 
   /** What is drawn in `style` with `rays` a pixel of a face, seen by `camera` in a picture of `height` px. */
@@ -165,7 +179,9 @@ export class OpenCase {
     const planes = this.#planes(cuts);
     this.#setClip(planes, clip);
     mesh.visible = true;
-    if (!faces || section === "splats" || !layers.faces) {
+    const byVolume = faces !== null && section === "volume" && layers.faces;
+    mesh.relit = byVolume && (this.#light?.relights(planes) ?? false);
+    if (!byVolume) {
       return { mesh, faces: null };
     }
     mesh.visible = layers.body || planes.length === 0;

@@ -1,6 +1,12 @@
+import { Data3DTexture, HalfFloatType, LinearFilter, Matrix4, RGBAFormat } from "three";
+
+import { indexFromPatient } from "../model/faces";
 import type { Plane } from "../model/geometry";
+import type { LightRig } from "../sog/section";
 import type { LightClient } from "../worker/light_client";
+import type { OpeningsInfo } from "../worker/protocol";
 import type { SectionFaces } from "./section_faces";
+import type { SplatMesh } from "./splat_mesh";
 
 function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   return (
@@ -9,55 +15,95 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   );
 }
 
+function lightTexture(texels: Uint16Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
+  const texture = new Data3DTexture(texels as BufferSource as Uint16Array<ArrayBuffer>, x, y, 12 * z);
+  texture.format = RGBAFormat;
+  texture.type = HalfFloatType;
+  texture.internalFormat = "RGBA16F";
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
 /** Light under a cut: nearly as it is, or all that is computed. */
 interface Solution {
   planes: readonly Plane[];
   quick: boolean;
 }
 
+/** The light on the GPU, and that which the case was made in. */
+interface Textures {
+  light: Data3DTexture;
+  own: Data3DTexture;
+}
+
 /**
- * Keeps the light in what cuts open that of the cut: nearly, while planes move, and at rest as `clipgs render` has it.
- * `changed` is called where what is seen has changed.
+ * Keeps the light in what cuts open, and on the splats, that of the cut and of the lights that were chosen: nearly, while
+ * planes move, and at rest as `clipgs render` has it. `changed` is called where what is seen has changed.
  */
 export class OpenedLight {
-  /** Until it is known whether there is anything to light. */
-  readonly ready: Promise<void>;
   readonly #client: LightClient;
   readonly #faces: SectionFaces;
+  readonly #mesh: SplatMesh;
   readonly #changed: () => void;
+  /** Until it is known whether there is anything to light. */
+  readonly ready: Promise<void>;
+  #textures: Textures | null = null;
   #state: "coming" | "drawn" | "none" = "coming";
   #lit: Solution | null = null;
   #solving: Promise<void> | null = null;
+  #rig: LightRig | null = null; // null: the case's own
 
-  constructor(client: LightClient, faces: SectionFaces, changed: () => void) {
+  constructor(client: LightClient, faces: SectionFaces, mesh: SplatMesh, changed: () => void) {
     this.#client = client;
     this.#faces = faces;
+    this.#mesh = mesh;
     this.#changed = changed;
     this.ready = client.openings.then((openings) => {
-      this.#state = openings ? "drawn" : "none";
-      if (openings) {
-        faces.setOpenings(openings);
+      if (!openings || this.#state === "none") {
+        this.dispose();
       } else {
-        client.dispose();
+        this.#take(openings);
       }
       changed();
     });
   }
 
-  /** Whether the light of openings is that of the cut, and as good as it gets. */
+  /** Whether lights can be chosen: null, until that is known. */
+  get canChangeRig(): boolean | null {
+    return this.#state === "coming" ? null : this.#state === "drawn";
+  }
+
+  /** Chooses lights; null: those that the case was made in. */
+  setRig(rig: LightRig | null): void {
+    if (this.#state === "drawn" && rig !== this.#rig) {
+      const shown = rig ?? this.#faces.section.rig;
+      this.#rig = rig;
+      this.#lit = null;
+      this.#faces.setRig(shown);
+      this.#client.setRig(shown);
+      this.#changed();
+    }
+  }
+
+  /** Whether the light is that of the cut, and as good as it gets. */
   isSettled(planes: readonly Plane[]): boolean {
     const lit = this.#lit;
     return (
       this.#state === "none" ||
-      planes.length === 0 ||
+      !this.#matters(planes) ||
       (this.#state === "drawn" && lit !== null && !lit.quick && same(lit.planes, planes))
     );
   }
 
+  /** Whether splats look otherwise than they were trained. */
+  relights(planes: readonly Plane[]): boolean {
+    return this.#lit !== null && this.#matters(planes);
+  }
+
   /** Asks for the light under a cut, unless some is being computed. */
   follow(planes: readonly Plane[], quick: boolean): void {
-    const { planes: before } = this.#lit ?? { planes: [] };
-    const enough = quick && this.#lit !== null && same(before, planes);
+    const enough = quick && this.#lit !== null && same(this.#lit.planes, planes);
     if (this.#state === "drawn" && !this.#solving && !enough && !this.isSettled(planes)) {
       void this.#solve(planes, quick);
     }
@@ -74,16 +120,41 @@ export class OpenedLight {
   dispose(): void {
     this.#state = "none";
     this.#client.dispose();
+    this.#textures?.light.dispose();
+    this.#textures?.own.dispose();
+    this.#textures = null;
+  }
+
+  /** Uncut, under its own lights, a case looks as it was trained. */
+  #matters(planes: readonly Plane[]): boolean {
+    return planes.length > 0 || this.#rig !== null;
+  }
+
+  #take(openings: OpeningsInfo): void {
+    const { ownLight, cells, cellSize } = openings;
+    const { section } = this.#faces;
+    const textures = { light: lightTexture(ownLight.slice(), cells), own: lightTexture(ownLight, cells) };
+    const [x, y, z] = section.spacing.map((mm) => mm / cellSize);
+    const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
+    this.#textures = textures;
+    this.#state = "drawn";
+    this.#faces.setOpenings(openings, textures.light);
+    this.#mesh.setLight(textures.light, textures.own, cells, cellFromPatient);
   }
 
   #solve(planes: readonly Plane[], quick: boolean): Promise<void> {
     const values = planes.flatMap(({ normal, offset }) => [...normal.toArray(), offset]);
+    const rig = this.#rig;
     this.#solving = this.#client.solve(Float32Array.from(values), quick).then((texels) => {
       this.#solving = null;
       if (!texels) {
         this.#state = "none"; // what was lit last stays
-      } else if (this.#state === "drawn") {
-        this.#faces.setLight(texels);
+      } else if (this.#textures && rig === this.#rig) {
+        const { light } = this.#textures;
+        light.image.data = texels as BufferSource as Uint16Array<ArrayBuffer>;
+        light.needsUpdate = true;
+        this.#faces.lit = true;
+        this.#mesh.invalidateColors();
         this.#lit = { planes, quick };
         this.#changed();
       }

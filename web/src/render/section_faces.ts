@@ -37,7 +37,7 @@ import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
-import { kCodes, kMaxKeys, type Section } from "../sog/section";
+import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo } from "../worker/protocol";
 import { kBehindSplats, kOverSplats } from "./draw_order";
 import { shader } from "./shaders";
@@ -122,7 +122,7 @@ function materialTexture({ materials, curve }: Section, firstStep: number): Data
   return texture;
 }
 
-function rigUniform({ rig }: Section): object {
+function rigUniform(rig: LightRig): object {
   return {
     skyTop: new Vector3(...rig.skyTop),
     skyHorizon: new Vector3(...rig.skyHorizon),
@@ -149,16 +149,6 @@ function blockTexture({
   texture.internalFormat = "R8";
   texture.minFilter = texture.magFilter = NearestFilter;
   texture.unpackAlignment = 1;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-function lightTexture(texels: Uint16Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
-  const texture = new Data3DTexture(texels as BufferSource as Uint16Array<ArrayBuffer>, x, y, 6 * z);
-  texture.format = RGBAFormat;
-  texture.type = HalfFloatType;
-  texture.internalFormat = "RGBA16F";
-  texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }
@@ -231,9 +221,11 @@ export class SectionFaces {
   #window: Window | null = null; // that the table holds
   #freed = false;
   #hasOpenings = false;
+  #rig: LightRig;
 
   constructor(section: Section) {
     this.section = section;
+    this.#rig = section.rig;
     this.bytes = section.voxels.length;
     const steps = planSteps(section);
     const first = steps[0]!.length;
@@ -249,11 +241,11 @@ export class SectionFaces {
       uRays: { value: 1 },
       uGrey: { value: 0 },
       uGlossy: { value: Math.max(...section.materials.specular) > 0 },
-      uRig: { value: rigUniform(section) },
+      uRig: { value: rigUniform(section.rig) },
       uExposure: { value: section.exposure },
       uOpened: { value: false },
       uBlocks: { value: blockTexture({ blocks: new Uint8Array(1), blockDims: [1, 1, 1] }) },
-      uLight: { value: lightTexture(new Uint16Array(4 * 6), [1, 1, 1]) },
+      uLight: { value: null },
       uOpenings: {
         value: {
           voxel: 2 * surfaceDepth(section),
@@ -309,28 +301,25 @@ export class SectionFaces {
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
-  /** From now on walls behind gaps are drawn: in no more than a glow until their light comes. */
-  setOpenings(openings: OpeningsInfo): void {
-    const { uOpenings, uBlocks } = this.#uniforms;
+  /** From now on walls behind gaps are drawn: in no more than a glow until `light` is that of a cut. */
+  setOpenings(openings: OpeningsInfo, light: Data3DTexture): void {
+    const { uOpenings, uBlocks, uLight } = this.#uniforms;
     this.#hasOpenings = true;
     (uBlocks!.value as Data3DTexture).dispose();
     uBlocks!.value = blockTexture(openings);
+    uLight!.value = light;
     uOpenings!.value.cell = openings.cellSize;
     uOpenings!.value.cells.set(...openings.cells);
   }
 
-  /** Takes the light under a cut, as the worker gives it. */
-  setLight(texels: Uint16Array): void {
-    const { uOpenings, uLight } = this.#uniforms;
-    const texture = uLight!.value as Data3DTexture;
-    uOpenings!.value.lit = true;
-    if (texture.image.data!.length === texels.length) {
-      texture.image.data = texels as BufferSource as Uint16Array<ArrayBuffer>;
-      texture.needsUpdate = true;
-    } else {
-      texture.dispose();
-      uLight!.value = lightTexture(texels, uOpenings!.value.cells.toArray());
-    }
+  set lit(lit: boolean) {
+    this.#uniforms["uOpenings"]!.value.lit = lit;
+  }
+
+  /** Lights the faces otherwise from the next setPlanes() on. */
+  setRig(rig: LightRig): void {
+    this.#rig = rig;
+    this.#uniforms["uRig"]!.value = rigUniform(rig);
   }
 
   /** Steps of rays that look for walls are as many times longer. */
@@ -358,7 +347,7 @@ export class SectionFaces {
     const lights: number[] = [];
     facePolygons(this.section, all, margin).forEach((polygon, i) => {
       const outward = all[i]!.normal.clone().negate();
-      const light = faceDiffuse(this.section.rig, outward).toArray();
+      const light = faceDiffuse(this.#rig, outward).toArray();
       const surface = surfaceDepth(this.section);
       for (let k = 2; k < polygon.length; ++k) {
         for (const corner of [polygon[0]!, polygon[k - 1]!, polygon[k]!]) {
@@ -408,7 +397,7 @@ export class SectionFaces {
   /** Frees what the GPU holds. */
   free(): void {
     this.#freed = true;
-    for (const name of ["uVoxels", "uCurve", "uMaterials", "uBlocks", "uLight"]) {
+    for (const name of ["uVoxels", "uCurve", "uMaterials", "uBlocks"]) {
       this.#uniforms[name]!.value.dispose();
     }
     for (const mesh of this.#meshes) {

@@ -1,6 +1,7 @@
 import {
   BufferAttribute,
   CustomBlending,
+  type Data3DTexture,
   GLSL3,
   InstancedBufferGeometry,
   Matrix4,
@@ -151,6 +152,11 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         uFacePalette: { value: scene.facePalette },
         uHasFaceColors: { value: scene.hasFaceColors },
         uEye: { value: new Vector3() },
+        uSplatLight: {
+          value: { changed: false, cellFromScene: new Matrix4(), cells: new Vector3(1, 1, 1) },
+        },
+        uLight: { value: null },
+        uOwnLight: { value: null },
       },
       { kMaxPlanes },
     );
@@ -234,6 +240,31 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       this.#colored = true;
       current.copy(eye);
       this.#colorPass.render(renderer, this.#scene.colors);
+    }
+  }
+
+  /**
+   * Takes the light of surfaces as it is and as the case was made in, of cells: what splats gain of it is shown while
+   * `relit`.
+   */
+  setLight(
+    light: Data3DTexture,
+    own: Data3DTexture,
+    cells: readonly [number, number, number],
+    cellFromPatient: Matrix4,
+  ): void {
+    const { uSplatLight, uLight, uOwnLight } = this.#colorPass.uniforms;
+    uSplatLight!.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
+    uSplatLight!.value.cells.set(...cells);
+    uLight!.value = light;
+    uOwnLight!.value = own;
+  }
+
+  set relit(relit: boolean) {
+    const light = this.#colorPass.uniforms["uSplatLight"]!.value as { changed: boolean };
+    if (light.changed !== relit) {
+      light.changed = relit;
+      this.#colored = false;
     }
   }
 

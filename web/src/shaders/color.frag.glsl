@@ -4,9 +4,11 @@ precision highp float;
 precision highp int;
 precision highp usampler2D;
 precision highp sampler2D;
+precision highp sampler3D;
 
 #include "gaussian.glsl"
 #include "packed.glsl"
+#include "relight.glsl"
 #include "spherical_harmonics.glsl"
 
 uniform usampler2D uScene;
@@ -23,6 +25,9 @@ uniform bool uHasFaceColors;
 uniform vec4 uPlanes[kMaxPlanes];
 uniform vec3 uGains[kMaxPlanes];
 uniform int uPlaneCount;
+uniform SplatLight uSplatLight;
+uniform highp sampler3D uLight;
+uniform highp sampler3D uOwnLight;
 
 out uint fragColor;
 
@@ -54,6 +59,11 @@ void main() {
     color += basis[k + 1] * lookUp(uShNCodebook, texelFetch(uCentroids, first + ivec2(k, 0), 0).rgb);
   }
   vec3 gain = vec3(1.0);
+  if (uSplatLight.changed) {
+    vec3 s = vec3(dot(g.axes[0], g.axes[0]), dot(g.axes[1], g.axes[1]), dot(g.axes[2], g.axes[2]));
+    int shortest = s.x <= s.y && s.x <= s.z ? 0 : (s.y <= s.z ? 1 : 2);
+    color = max(color, 0.0) * lightGain(g.mean, g.axes[shortest], uSplatLight, uLight, uOwnLight);
+  }
   for (int i = 0; i < uPlaneCount; ++i) {
     float share = faceShare(g, uPlanes[i], uEye);
     if (share > 0.0) {

@@ -309,7 +309,8 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
   return false;
 }
 
-// What a white wall radiates, linear RGB: of cells around it, by the sides of their patches that it faces.
+// What a white wall radiates, linear RGB: of cells around it, by the sides of their patches that it faces. The light
+// of splats' surfaces lies above that of walls.
 vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
   if (!o.lit) {
     return o.glow;
@@ -320,7 +321,7 @@ vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
   for (int axis = 0; axis < 3; ++axis) {
     float side = float(2 * axis + (n[axis] < 0.0 ? 1 : 0));
     vec3 texel = vec3(at.xy, at.z + side * float(o.cells.z));
-    sum += n[axis] * n[axis] * texture(light, texel / vec3(o.cells.xy, 6 * o.cells.z));
+    sum += n[axis] * n[axis] * texture(light, texel / vec3(o.cells.xy, 12 * o.cells.z));
   }
   return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
 }

@@ -1,5 +1,6 @@
 import type { FaceSource } from "../model/faces";
 import { isSameWindow, type Window } from "../model/grey";
+import { kRigs } from "../model/rigs";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
 
@@ -14,6 +15,8 @@ export class FacePanel {
   readonly #viewer: Viewer;
   readonly #sources = new Map<FaceSource, HTMLButtonElement>();
   readonly #noSection = h("p", { class: "hint" });
+  readonly #rig: HTMLSelectElement;
+  readonly #light: HTMLElement;
   readonly #grey: HTMLInputElement;
   readonly #blend: HTMLElement;
   readonly #window: HTMLElement;
@@ -31,6 +34,13 @@ export class FacePanel {
       const label = name === "volume" ? "Volume" : "Splats";
       this.#sources.set(name, h("button", { title: hint, onclick: () => viewer.setSection(name) }, label));
     }
+    this.#rig = h(
+      "select",
+      { onchange: () => viewer.setRig(this.#rig.value || null) },
+      h("option", { value: "" }, "As the case was made"),
+      ...[...kRigs].map(([name, { title }]) => h("option", { value: name }, title)),
+    );
+    this.#light = h("label", { class: "light" }, "Light", this.#rig);
     this.#grey = h("input", {
       type: "range",
       min: "0",
@@ -58,16 +68,17 @@ export class FacePanel {
       h("div", { class: "titled" }, h("h3", {}, "Cut face"), marks),
       h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#sources.values()),
       this.#noSection,
+      this.#light,
       this.#blend,
       this.#window,
     );
   }
 
   update(): void {
-    const { state, noSection, windows, window } = this.#viewer;
-    const { section, grey } = state;
+    const { state, noSection, windows, window, canChangeRig } = this.#viewer;
+    const { section, grey, rig } = state;
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([section, noSection, grey, window, [...windows.keys()]]);
+    const shown = JSON.stringify([section, noSection, grey, rig, canChangeRig, window, [...windows.keys()]]);
     if (shown === this.#shown) {
       return;
     }
@@ -80,6 +91,8 @@ export class FacePanel {
     this.#noSection.textContent = noSection ?? "";
     this.#noSection.hidden = !noSection;
     this.#marks.hidden = noSection !== null;
+    this.#light.hidden = canChangeRig !== true;
+    this.#rig.value = rig ?? "";
     this.#blend.hidden = source === "splats";
     this.#grey.value = String(grey);
     this.#window.hidden = source === "splats" || grey === 0 || !window;

@@ -1,4 +1,4 @@
-import type { Section } from "../sog/section";
+import type { LightRig, Section } from "../sog/section";
 import type { OpeningsInfo } from "./protocol";
 
 interface Exports {
@@ -10,20 +10,28 @@ interface Exports {
   prepare(): number;
   blocks(): number;
   grid(): number;
+  own_light(): number;
+  relight(): void;
   solve(count: number, quick: number): number;
 }
 
 /** Voxels along a side of a block: EmptySpace::kBlock of src/light/empty_space.h. */
 const kBlock = 2;
-const kSides = 6;
+/** For walls and for splats, of six sides. */
+const kSides = 2 * 6;
 
 /** The C++ library asks for these where it reports what ends it; there is nobody to read that. */
 const kNoFiles = { fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8 };
 
+/** Lights as wasm/cut_light.cpp wants them described. */
+function describeRig({ skyTop, skyHorizon, skyBottom, keys }: LightRig): number[] {
+  const lamps = keys.flatMap((key) => [...key.direction, ...key.radiance, key.angularRadius]);
+  return [...skyTop, ...skyHorizon, ...skyBottom, keys.length, ...lamps];
+}
+
 /** A section without its voxels, as wasm/cut_light.cpp wants it described. */
 function describe(section: Section): Float32Array {
   const { dims, channels, origin, axes, spacing, sourceSpacing, curve, materials, rig } = section;
-  const keys = rig.keys.flatMap((key) => [...key.direction, ...key.radiance, key.angularRadius]);
   return Float32Array.from([
     ...dims,
     channels,
@@ -39,17 +47,14 @@ function describe(section: Section): Float32Array {
       ...materials.surface.map((table) => table[code]!),
       ...materials.interior.map((table) => table[code]!),
     ]),
-    ...rig.skyTop,
-    ...rig.skyHorizon,
-    ...rig.skyBottom,
-    rig.keys.length,
-    ...keys,
+    ...describeRig(rig),
   ]);
 }
 
 /** wasm/cut_light.cpp: what a cut opens of one section, and the light in there. */
 export class CutLight {
   readonly #wasm: Exports;
+  readonly #rigAt: number; // among the floats of the description
   #texels = 0;
 
   /** Takes the section's voxels over as a copy. Throws where memory is out. */
@@ -60,9 +65,8 @@ export class CutLight {
     const voxels = this.#wasm.reserve(section.voxels.length);
     new Uint8Array(this.#wasm.memory.buffer, voxels, section.voxels.length).set(section.voxels);
     const description = describe(section);
-    new Float32Array(this.#wasm.memory.buffer, this.#wasm.section_description(), description.length).set(
-      description,
-    );
+    this.#rigAt = description.length - describeRig(section.rig).length;
+    this.#describe(0, description);
   }
 
   /** Finds walls and horizons, a second or so; null where openings are left to the splats. */
@@ -80,14 +84,30 @@ export class CutLight {
       blockDims,
       cells: [x!, y!, z!],
       cellSize: cellSize!,
+      ownLight: this.#read(wasm.own_light()),
     };
+  }
+
+  /** From now on other lights. */
+  setRig(rig: LightRig): void {
+    this.#describe(this.#rigAt, Float32Array.from(describeRig(rig)));
+    this.#wasm.relight();
   }
 
   /** Half floats of the light under a cut; `quick`: nearly, where that was asked before of a cut nearby. */
   solve(planes: Float32Array, quick: boolean): Uint16Array {
     const wasm = this.#wasm;
     new Float32Array(wasm.memory.buffer, wasm.cut_planes(), planes.length).set(planes);
-    const texels = wasm.solve(planes.length / 4, quick ? 1 : 0);
-    return new Uint16Array(wasm.memory.buffer, texels, this.#texels).slice();
+    return this.#read(wasm.solve(planes.length / 4, quick ? 1 : 0));
+  }
+
+  #read(texels: number): Uint16Array {
+    return new Uint16Array(this.#wasm.memory.buffer, texels, this.#texels).slice();
+  }
+
+  /** Writes floats of the description from one on. */
+  #describe(first: number, values: Float32Array): void {
+    const { memory, section_description } = this.#wasm;
+    new Float32Array(memory.buffer, section_description() + 4 * first, values.length).set(values);
   }
 }

@@ -1,3 +1,4 @@
+import type { LightRig } from "../sog/section";
 import type { OpeningsInfo, SectionReply, SectionRequest } from "./protocol";
 
 /** The main thread's end of section_worker.ts, once it has decoded: what cuts open, and the light in there. */
@@ -22,6 +23,11 @@ export class LightClient {
         this.#answer(null);
       };
     });
+  }
+
+  /** What is solved from now on is under other lights. */
+  setRig(rig: LightRig): void {
+    this.#worker.postMessage({ kind: "rig", rig } satisfies SectionRequest);
   }
 
   /** Of one cut at a time: half floats, or null where the worker has stopped. */

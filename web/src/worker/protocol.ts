@@ -1,5 +1,5 @@
 import { kMaxPlanes } from "../model/cut";
-import type { Section, SectionInfo } from "../sog/section";
+import type { LightRig, Section, SectionInfo } from "../sog/section";
 import type { PackedScene } from "../sog/sog";
 
 /** Why there is nothing of a case, to whoever waited for it. */
@@ -20,16 +20,19 @@ export interface OpeningsInfo {
   /** Cells of the light along each axis of the section, and their side, mm. */
   cells: [number, number, number];
   cellSize: number;
+  /** The light uncut, under the lights that the case was made in: half floats as `lit` has them. */
+  ownLight: Uint16Array;
 }
 
-/** To the section's worker: first the section, then cuts (x, y, z, offset of each plane, RAS mm) to be lit under. */
+/** To the section's worker: first the section, then other lights, and cuts (x, y, z, offset of each plane, RAS mm). */
 export type SectionRequest =
   | { kind: "decode"; coded: CodedSection }
+  | { kind: "rig"; rig: LightRig }
   | { kind: "light"; planes: Float32Array; quick: boolean };
 
 /**
  * From it: the section, or why there is none; what its openings are drawn from (null: splats show them); the light under
- * the cut that was asked for, as half floats [side, z, y, x, RGBA].
+ * the cut that was asked for, as half floats [walls and splats, side, z, y, x, RGBA].
  */
 export type SectionReply =
   | { kind: "section"; section: Section }

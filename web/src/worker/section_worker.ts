@@ -32,7 +32,10 @@ async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
   light = await takeOver(section); // before the voxels are given away
   worker.postMessage({ kind: "section", section }, [section.voxels.buffer]);
   const openings = prepare(dims);
-  worker.postMessage({ kind: "openings", openings }, openings ? [openings.blocks.buffer] : []);
+  worker.postMessage(
+    { kind: "openings", openings },
+    openings ? [openings.blocks.buffer, openings.ownLight.buffer] : [],
+  );
 }
 
 /** Without the module, or memory for it, splats show what cuts open. */
@@ -56,6 +59,8 @@ function prepare(dims: Section["dims"]): ReturnType<CutLight["prepare"]> {
 worker.onmessage = ({ data }) => {
   if (data.kind === "decode") {
     void decode(data.coded);
+  } else if (data.kind === "rig") {
+    light?.setRig(data.rig);
   } else if (light) {
     const texels = light.solve(data.planes, data.quick);
     worker.postMessage({ kind: "lit", texels }, [texels.buffer]);

@@ -63,6 +63,9 @@ const kShots: Shot[] = [
     }),
   ),
   ...facesOf({ view: [-40, 30, 1], plane: [0, -1, 0, 0], more: [[0, 0, -1, -30]], clip: "exact" }),
+  // Other lights than the case was made in, whole and cut.
+  { view: [35, 20, 1], plane: null, clip: "exact", section: "volume", rig: "theatre" },
+  { view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact", section: "volume", rig: "rim" },
   // Face colours, at one plane and at three.
   ...(["hard", "soft", "exact"] as const).map(
     (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
@@ -100,8 +103,8 @@ const kShots: Shot[] = [
 ];
 
 /** What a shot shows, in words. */
-function nameOf({ name, view, plane, more = [], clip, section, grey, shades }: Shot): string {
-  const style = `${grey ? `, grey ${grey} ${shades?.join() ?? ""}` : ""}${name ? `, ${name}` : ""}`;
+function nameOf({ name, view, plane, more = [], clip, section, grey, shades, rig }: Shot): string {
+  const style = `${grey ? `, grey ${grey} ${shades?.join() ?? ""}` : ""}${rig ? `, ${rig}` : ""}${name ? `, ${name}` : ""}`;
   const others = more.map((numbers) => ` and ${numbers.join()}`).join("");
   const cut = plane ? `plane ${plane.join()}${others}, ${clip}, ${section}` : "uncut";
   return `view ${view.join()}, ${cut}${style}`;

@@ -17,6 +17,7 @@ export interface Shot {
   section?: FaceSource;
   grey?: number;
   shades?: [number, number]; // centre and width of the window
+  rig?: string;
 }
 
 /** The same with its faces drawn from the volume and by splats. */
@@ -34,9 +35,9 @@ export async function choose(page: Evaluates, name: string): Promise<void> {
 
 /** Shows a shot of the case that is open. */
 export async function show(page: Evaluates, shot: Shot): Promise<void> {
-  const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
+  const { view, plane, more = [], clip, section = "volume", grey = 0, shades, rig = null } = shot;
   await page.evaluate(
-    ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width]]) => {
+    ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width], lights]) => {
       window.clipgs.setView({ azimuth, elevation, zoom });
       window.clipgs.setMode("arbitrary");
       window.clipgs.setCuts(
@@ -46,8 +47,9 @@ export async function show(page: Evaluates, shot: Shot): Promise<void> {
       window.clipgs.setSection(source);
       window.clipgs.setGrey(share);
       window.clipgs.setWindow({ center, width });
+      window.clipgs.setRig(lights);
     },
-    [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400]] as const,
+    [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400], rig] as const,
   );
 }
 
@@ -64,7 +66,7 @@ export async function rendered(
 /** The same, with what it prints. */
 export async function renderedAndPrinted(
   server: Server,
-  { name = "phantom", view, plane, more = [], clip, section, grey, shades }: Shot,
+  { name = "phantom", view, plane, more = [], clip, section, grey, shades, rig }: Shot,
   size: string,
   options: string[] = [],
 ): Promise<{ picture: Picture; printed: string }> {
@@ -88,6 +90,7 @@ export async function renderedAndPrinted(
     ...cut,
     ...source,
     ...(grey ? ["--grey", String(grey)] : []),
+    ...(rig ? ["--rig", rig] : []),
     ...(shades ? ["--window", shades.join()] : []),
     ...options,
   );

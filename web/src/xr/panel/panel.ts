@@ -15,6 +15,7 @@ import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, failureText, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
 import { isSameWindow, type Window } from "../../model/grey";
+import { kRigs } from "../../model/rigs";
 import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
 import type { Marking } from "../../model/pins";
@@ -31,6 +32,11 @@ import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { WristButton } from "./wrist_button";
 import { button, choice, column, type Live, label, row, slider } from "./widgets";
+
+/** Among rigs, the lights that the case was made in. */
+const kOwnLight = "";
+/** More than three buttons do not stand in a row. */
+const kRigRows = [0, 3].map((first) => [kOwnLight, ...kRigs.keys()].slice(first, first + 3));
 
 /** m a px. */
 const kPixel = 0.001;
@@ -404,6 +410,7 @@ export class Panel {
     const [viewer, marking] = [this.#viewer, this.#marking];
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
     const byVolume = () => this.#byVolume;
+    const canChangeRig = () => byVolume() && viewer.canChangeRig === true;
     const isGrey = () => byVolume() && viewer.state.grey > 0 && viewer.window !== null;
     const change = (part: Partial<Window>) => {
       const { window } = viewer;
@@ -426,6 +433,17 @@ export class Panel {
           { quiet: true, size: 15 },
         ),
         () => viewer.noSection !== null,
+      ),
+      tab(label("Light"), canChangeRig),
+      ...kRigRows.map((names) =>
+        tab(
+          choice<string>(
+            Object.fromEntries(names.map((name) => [name, name ? capital(name) : "As made"])),
+            this.#live(() => viewer.state.rig ?? kOwnLight),
+            (name) => viewer.setRig(name === kOwnLight ? null : name),
+          ),
+          canChangeRig,
+        ),
       ),
       tab(label("From cinematic to grey"), byVolume),
       tab(

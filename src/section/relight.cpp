@@ -1,0 +1,37 @@
+#include "section/relight.h"
+
+#include "core/parallel.h"
+
+namespace clipgs {
+namespace {
+
+constexpr float kY0 = 0.28209479f;  // the constant spherical harmonic
+
+Vec3 shortest_axis(const Gaussians& gaussians, size_t i) {
+  const Vec3 scale = gaussians.scale(i);
+  const int axis = scale.x <= scale.y && scale.x <= scale.z ? 0 : (scale.y <= scale.z ? 1 : 2);
+  return glm::mat3_cast(gaussians.rotation(i))[axis];
+}
+
+}  // namespace
+
+Gaussians relit(const Gaussians& gaussians, const OpenedLight& light) {
+  Gaussians result = gaussians;
+  const int coefficients = sh_coefficients(gaussians.sh_degree());
+  parallel_for(gaussians.size(), 1024, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3 gain = light.gain(gaussians.mean(i), shortest_axis(gaussians, i));
+      for (int c = 0; c < 3; ++c) {
+        // Colour is ½ + Σ Yₖ·cₖ: half of it is no coefficient.
+        float& constant = result.plane(Gaussians::kSh + c)[i];
+        constant = gain[c] * (constant + 0.5f / kY0) - 0.5f / kY0;
+        for (int k = 1; k < coefficients; ++k) {
+          result.plane(Gaussians::kSh + 3 * k + c)[i] *= gain[c];
+        }
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace clipgs
