@@ -27,8 +27,9 @@ constexpr float kMostGain = 10;
 // Linear light as display sRGB, nearly: a factor to this power.
 constexpr float kDisplay = 0.45f;
 
-// Matter through which this much light goes in two voxels is translucent.
-constexpr float kTranslucent = 0.15f;
+// Of opaque presets' matter less than a tenth is translucent, at its surfaces; of others a third or
+// more.
+constexpr float kMostTranslucent = 0.2f;
 
 /// Of codes, along RAS, any unit.
 Vec3 code_gradient(const Section& section, const Vec3& index) {
@@ -49,7 +50,7 @@ Openings::Openings(const Section& section) : Openings(section, scan_surfaces(sec
 Openings::Openings(const Section& section, const SurfaceScan& scan)
     : materials_(section.materials),
       empty_space_(find_empty_space(section)),
-      opaque_(!scan.points.empty() && scan.transmittance < kTranslucent),
+      opaque_(!scan.points.empty() && scan.translucent < kMostTranslucent),
       light_(make_cut_light(section, scan.points, section.rig)),
       own_light_(light_.solve({}, kBounces)) {}
 

@@ -28,8 +28,8 @@ class Openings {
  public:
   explicit Openings(const Section& section);
 
-  /// Whether walls are drawn: matter must be opaque within a voxel or two. Light that goes on
-  /// through glass or crystal is the splats'.
+  /// Whether walls are drawn: nearly all matter must be opaque within a voxel. Light that goes on
+  /// through glass or skin before bone is the splats'.
   bool drawn() const { return opaque_; }
 
   const CutLight& light() const { return light_; }

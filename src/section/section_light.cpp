@@ -40,32 +40,33 @@ IVec3 samples_of(const Section& section, float spacing) {
   return IVec3(glm::ceil(Vec3(section.dims - 1) * section.spacing / spacing - kSlack)) + 1;
 }
 
-/// What a ray sees that meets matter straight, and how much light goes on.
-struct Meeting {
-  Vec3 reflectance{0};
-  float transmittance = 1;
-};
-
-/// … at `at` (index), where air lies along `normal`.
-Meeting meet(const Section& section, const MaterialTable& materials, const Vec3& at,
-             const Vec3& normal) {
+/// What a ray sees that meets matter straight at `at` (index), where air lies along `normal`.
+Vec3 reflectance_at(const Section& section, const MaterialTable& materials, const Vec3& at,
+                    const Vec3& normal) {
   const float voxel = mean_spacing(section.source_spacing);
   const float length = 0.25f * voxel;
   const Vec3 step = (-normal * section.direction) / section.spacing;
-  Meeting met;
-  for (float t = -voxel; t < 2 * voxel && met.transmittance > 0.02f; t += length) {
+  Vec3 sum(0);
+  float transmittance = 1;
+  for (float t = -voxel; t < 2 * voxel && transmittance > 0.02f; t += length) {
     const Vec3 sampled = section.sample(at + t * step);
     const FaceMaterial& material = materials.of_value(section.value(sampled));
     const float alpha = 1 - std::exp(-material.extinction * length);
     if (alpha > 0) {
       const Vec3 tint = section.channels == 3 ? photo_albedo(sampled) : Vec3(1);
-      met.reflectance += met.transmittance * alpha * material.surface * tint;
-      met.transmittance *= 1 - alpha;
+      sum += transmittance * alpha * material.surface * tint;
+      transmittance *= 1 - alpha;
     }
   }
-  met.reflectance /= std::max(1 - met.transmittance, 1e-3f);
-  return met;
+  return sum / std::max(1 - transmittance, 1e-3f);
 }
+
+/// What one slice adds to a scan.
+struct SliceScan {
+  std::vector<SurfacePoint> points;
+  size_t matter = 0;  // voxels
+  size_t translucent = 0;
+};
 
 /// Whether any code between two has matter: interpolation passes through all of them.
 class MatterBetween {
@@ -152,46 +153,53 @@ Occluders make_occluders(const Section& section, int size) {
 }
 
 SurfaceScan scan_surfaces(const Section& section) {
+  constexpr float kLeastMatter = 0.01f;
+  constexpr float kHalf = 0.5f;
   const std::array<float, ValueCurve::kCodes> table = coverages(section);
   const MaterialTable materials(section);
   // About as many points on each patch, however fine the voxels are.
   const int stride =
       std::max(1, static_cast<int>(cell_size(section) / 4 / mean_spacing(section.spacing)));
-  const auto is_matter = [&](const IVec3& voxel) {
-    return table[static_cast<size_t>(section.code_at(voxel))] >= 0.5f;
+  const auto coverage = [&](const IVec3& voxel) {
+    return table[static_cast<size_t>(section.code_at(voxel))];
   };
-  std::vector<SurfaceScan> slices(static_cast<size_t>(section.dims.z));
-  parallel_for(slices.size(), 1, [&](size_t slice, size_t) {
-    const int z = static_cast<int>(slice);
+  std::vector<SliceScan> slices(static_cast<size_t>(section.dims.z));
+  parallel_for(slices.size(), 1, [&](size_t z, size_t) {
+    SliceScan& slice = slices[z];
     for (int y = 0; y < section.dims.y; ++y) {
-      for (int x = (y + z) % stride; x < section.dims.x; x += stride) {
+      for (int x = (y + static_cast<int>(z)) % stride; x < section.dims.x; x += stride) {
         const IVec3 voxel(x, y, z);
-        const bool here = is_matter(voxel);
+        const float here = coverage(voxel);
+        slice.matter += here > kLeastMatter ? 1 : 0;
+        slice.translucent += here > kLeastMatter && here < kHalf ? 1 : 0;
         for (int axis = 0; axis < 3; ++axis) {
           IVec3 next = voxel;
-          if (++next[axis] >= section.dims[axis] || is_matter(next) == here) {
+          if (++next[axis] >= section.dims[axis] || (coverage(next) < kHalf) == (here < kHalf)) {
             continue;
           }
           const Vec3 at = 0.5f * Vec3(voxel + next);
-          const Vec3 outward = (here ? 1.0f : -1.0f) * section.direction[axis];
+          const Vec3 outward = (here < kHalf ? -1.0f : 1.0f) * section.direction[axis];
           Vec3 normal = -gradient_at(section, at);
           const float along = glm::dot(normal, outward);
           // Where values say otherwise than matter does (thin walls), the voxels' own side is
           // right.
           normal = along > 1e-3f * glm::length(normal) ? glm::normalize(normal) : outward;
-          const Meeting met = meet(section, materials, at, normal);
-          slices[slice].points.push_back({section.world_from_index(at), normal, met.reflectance});
-          slices[slice].transmittance += met.transmittance;
+          slice.points.push_back({section.world_from_index(at), normal,
+                                  reflectance_at(section, materials, at, normal)});
         }
       }
     }
   });
   SurfaceScan all;
-  for (const SurfaceScan& some : slices) {
-    all.points.insert(all.points.end(), some.points.begin(), some.points.end());
-    all.transmittance += some.transmittance;
+  size_t matter = 0;
+  size_t translucent = 0;
+  for (const SliceScan& slice : slices) {
+    all.points.insert(all.points.end(), slice.points.begin(), slice.points.end());
+    matter += slice.matter;
+    translucent += slice.translucent;
   }
-  all.transmittance /= std::max<float>(1, static_cast<float>(all.points.size()));
+  all.translucent =
+      static_cast<float>(translucent) / static_cast<float>(std::max<size_t>(1, matter));
   return all;
 }
 

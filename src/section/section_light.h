@@ -22,7 +22,8 @@ Occluders make_occluders(const Section& section, int size);
 struct SurfaceScan {
   /// Evenly spread over the surfaces, with what a ray that meets them straight would see.
   std::vector<SurfacePoint> points;
-  float transmittance = 0;  ///< mean of what goes on two voxels of the traced volume below, 0…1
+  /// Of the matter, by volume, what takes less than half of the light in a voxel, 0…1.
+  float translucent = 0;
 };
 SurfaceScan scan_surfaces(const Section& section);
 
