@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/parallel.h"
@@ -181,10 +182,18 @@ Vec3 light_at(const Patches& patches, std::span<const Vec3> solution, const Vec3
               const Vec3& normal) {
   Vec3 sum(0);
   float weights = 0;
-  patches.interpolate(world, normal, [&](size_t patch, float weight) {
+  const auto use = [&](size_t patch, float weight) {
     sum += weight * solution[patch];
     weights += weight;
-  });
+  };
+  patches.interpolate(world, normal, use);
+  if (weights <= 0) {
+    // Slivers whose normals say little: the light of whatever is there.
+    const Vec3 all(std::numbers::inv_sqrt3_v<float>);
+    const Mat3& axes = patches.grid().direction;
+    patches.interpolate(world, axes * all, use);
+    patches.interpolate(world, axes * -all, use);
+  }
   return weights > 0 ? sum / weights : Vec3(0);
 }
 

@@ -87,6 +87,7 @@ class MatterBetween {
 }  // namespace
 
 EmptySpace find_empty_space(const Section& section) {
+  constexpr float kHalfInside = 0.5f * Section::kFirstInside;  // lossy coding moves codes a little
   const MatterBetween has_matter(section);
   return {section.dims, [&](const IVec3& low, const IVec3& high) {
             float least = 255;
@@ -102,7 +103,7 @@ EmptySpace find_empty_space(const Section& section) {
             }
             return EmptySpace::Block{
                 has_matter(static_cast<int>(least), static_cast<int>(std::ceil(most))),
-                least < Section::kFirstInside};
+                least < kHalfInside};
           }};
 }
 

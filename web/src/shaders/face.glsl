@@ -309,6 +309,11 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
   return false;
 }
 
+// Light times whether there is any, of what faces a side around a texel.
+vec4 lightOfSide(vec3 texel, float side, Openings o, highp sampler3D light) {
+  return texture(light, vec3(texel.xy, texel.z + side * float(o.cells.z)) / vec3(o.cells.xy, 12 * o.cells.z));
+}
+
 // What a white wall radiates, linear RGB: of cells around it, by the sides of their patches that it faces. The light
 // of splats' surfaces lies above that of walls.
 vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
@@ -320,8 +325,13 @@ vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
   vec4 sum = vec4(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     float side = float(2 * axis + (n[axis] < 0.0 ? 1 : 0));
-    vec3 texel = vec3(at.xy, at.z + side * float(o.cells.z));
-    sum += n[axis] * n[axis] * texture(light, texel / vec3(o.cells.xy, 12 * o.cells.z));
+    sum += n[axis] * n[axis] * lightOfSide(at, side, o, light);
+  }
+  if (sum.a <= 0.0) {
+    // Slivers whose normals say little: the light of whatever is there.
+    for (int side = 0; side < 6; ++side) {
+      sum += lightOfSide(at, float(side), o, light);
+    }
   }
   return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
 }
