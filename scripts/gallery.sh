@@ -70,6 +70,48 @@ picture() {
   echo "gallery: $out/$name.webp, $(($(stat -c %s "$out/$name.webp") / 1024)) KB"
 }
 
+# inside NAME VOLUME VIEW [LOADING...]: what cuts open, close up: across the axis, coronal, oblique, two planes.
+inside() {
+  local name="$1" volume="$2" view="$3" case="$folder/$1.sog"
+  shift 3
+  echo "gallery: inside $name"
+  local plane='((n) => [...n, n.reduce((s, v, i) => s + v * c.center_ras_mm[i], 0)].join(","))'
+  local axis coronal
+  axis="$(from_case "$case" "$plane([0, 0, -1])")"
+  coronal="$(from_case "$case" "$plane([0, -1, 0])")"
+  pair "$case" "$volume" "$name-inside1" "$view" "$axis" "$@"
+  pair "$case" "$volume" "$name-inside2" "15,10,1.5" "$coronal" "$@"
+  pair "$case" "$volume" "$name-inside3" "$view" "$(from_case "$case" "$plane([0.62, -0.72, -0.31])")" "$@"
+  pair "$case" "$volume" "$name-inside4" "$view" "$axis $coronal" "$@"
+  convert \
+    \( "$folder/$name-inside"{1,2,3,4}-truth.png +append \) \
+    \( "$folder/$name-inside"{1,2,3,4}-ours.png +append \) \
+    -append -quality 80 "$out/$name-inside.webp"
+}
+
+# lights NAME VOLUME VIEW [LOADING...]: a case in other lights than it was made in, whole and cut.
+lights() {
+  local name="$1" volume="$2" view="$3" case="$folder/$1.sog" rig plane i=0
+  shift 3
+  echo "gallery: lights of $name"
+  plane="$(from_case "$case" '[0, 0, -1, -c.center_ras_mm[2]].join(",")')"
+  for rig in theatre rim; do
+    for cut in "" "--plane $plane"; do
+      i=$((i + 1))
+      # shellcheck disable=SC2086
+      "$clipgs" --quiet cinema "$volume" -o "$folder/$name-light$i-truth.png" --preset "$(from_case "$case" c.preset)" \
+        --rig "$rig" --view "$view" --size "$size" --spp "${SPP:-512}" --background "$background" $cut "$@" >/dev/null
+      # shellcheck disable=SC2086
+      "$clipgs" --quiet render "$case" -o "$folder/$name-light$i-ours.png" --rig "$rig" --view "$view" --size "$size" $cut
+      convert "$folder/$name-light$i-ours.png" -background 'rgb(18,20,26)' -flatten "$folder/$name-light$i-ours.png"
+    done
+  done
+  convert \
+    \( "$folder/$name-light"{1,2,3,4}-truth.png +append \) \
+    \( "$folder/$name-light"{1,2,3,4}-ours.png +append \) \
+    -append -quality 80 "$out/$name-lights.webp"
+}
+
 # faces NAME VIEW: the same face cinematic, half grey and grey through the soft-tissue window, and a grey slab.
 faces() {
   local name="$1" case="$folder/$1.sog" view="$2" plane slab i=0 arguments
@@ -178,11 +220,14 @@ if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
 QUALITY="${QUALITY:-draft}" picture phantom "$folder/phantom.nii.gz" "Phantom torso" 30,25
+inside phantom "$folder/phantom.nii.gz" 20,45,1.4
 
 if [ -n "${CLIPGS_DATA:-}" ]; then
   picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
   faces head 20,50
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
+  inside chest "$CLIPGS_DATA/chest.nrrd" 20,45,1.4
+  lights chest "$CLIPGS_DATA/chest.nrrd" 30,25
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
   sheets
   stills -262,-150,60
