@@ -14,7 +14,7 @@ constexpr float kGrowth = 1.2f;
 constexpr int kFineSteps = 12;
 constexpr int kSearchSteps = 256;  // leaps included
 // From here on the rest is this wall's …
-constexpr float kOpaque = 1.0f / 32;
+constexpr float kOpaqueWall = 1.0f / 32;
 // … and of matter that takes less light than this nothing is seen.
 constexpr float kWisp = 0.3f;
 
@@ -86,7 +86,7 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     float transmittance = 1;
     float length = kFine * voxel;
     t = std::max(from, t - kSearch * voxel);
-    for (int k = 0; k < kFineSteps && transmittance > kOpaque; ++k) {
+    for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
       const Vec3 at_middle = origin + (t + 0.5f * length) * stride;
       const FaceMaterial material = material_of(section.code(at_middle));
       const float weight = transmittance * (1 - std::exp(-material.extinction * length));

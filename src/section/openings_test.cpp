@@ -17,13 +17,13 @@ using test::make_preset;
 using test::make_volume;
 using test::point;
 
-constexpr int kSize = 64;
+constexpr int kBodySize = 64;
 constexpr float kHollow = 14;
 
 /// A ball of 1 mm voxels with an off-centre hollow and a rod through that, in air.
 Volume make_hollow_body() {
-  const Vec3 middle(0.5f * (kSize - 1));
-  return make_volume(IVec3(kSize), [&](const IVec3& at) {
+  const Vec3 middle(0.5f * (kBodySize - 1));
+  return make_volume(IVec3(kBodySize), [&](const IVec3& at) {
     const Vec3 p = Vec3(at) - middle;
     const float body = 1 / (1 + std::exp((glm::length(p) - 26) / 0.5f));
     const float hollow = 1 / (1 + std::exp((glm::length(p - Vec3(3, 0, 0)) - kHollow) / 0.5f));
@@ -48,7 +48,7 @@ struct Scenery {
   Volume volume = make_hollow_body();
   Preset preset = flesh();
   CinemaScene scene{volume, preset};
-  Section section = make_section(volume, preset, {kSize});
+  Section section = make_section(volume, preset, {kBodySize});
   Openings openings{section};
 };
 
@@ -64,7 +64,7 @@ Camera above(const Vec3& direction, int size) {
 
 TEST(EmptySpace, LeapsMeetTheFirstMatterThatSmallStepsMeet) {
   const Volume volume = make_hollow_body();
-  const Section section = make_section(volume, flesh(), {kSize});
+  const Section section = make_section(volume, flesh(), {kBodySize});
   const EmptySpace empty = find_empty_space(section);
   const MaterialTable materials(section);
   const auto is_matter = [&](const Vec3& index) {
@@ -193,7 +193,7 @@ TEST(Openings, CoverWhatIsBehindAndLeaveFacesAlone) {
 
 TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
   const Preset glass = flesh(0.1f);
-  const Section section = make_section(make_hollow_body(), glass, {kSize});
+  const Section section = make_section(make_hollow_body(), glass, {kBodySize});
   const Openings openings(section);
   EXPECT_FALSE(openings.drawn());
   const Plane plane{{0, 0, -1}, 0};

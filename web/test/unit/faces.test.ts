@@ -228,7 +228,7 @@ describe("face.glsl", () => {
       const number = new RegExp(`${name} = ([\\d.]+)`);
       expect(Number(value(glsl, number)), name).toBe(Number(value(openings, number)));
     }
-    expect(value(glsl, /kOpaqueWall = 1\.0 \/ (\d+)/)).toBe(value(openings, /kOpaque = 1\.0f \/ (\d+)/));
+    expect(value(glsl, /kOpaqueWall = 1\.0 \/ (\d+)/)).toBe(value(openings, /kOpaqueWall = 1\.0f \/ (\d+)/));
     const empty = readFileSync("../src/light/empty_space.h", "utf8");
     const client = readFileSync("src/worker/cut_light.ts", "utf8");
     for (const text of [glsl, client]) {
