@@ -40,6 +40,7 @@ export class LightClient {
 
   dispose(): void {
     this.#worker.terminate();
+    this.#worker.onmessage = this.#worker.onerror = null; // browsers keep ended workers, and with these what came of them
     this.#answer(null);
   }
 

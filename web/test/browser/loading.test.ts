@@ -143,12 +143,12 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
       const voxels = dims!.split(",").reduce((product, n) => product * Number(n), 1);
       expect(sectionBytes).toBe(channels * voxels);
       expect(bytes[0]).toBe(channels * voxels);
-      // Beside it stand blocks of 2³ voxels and, once something is cut, the light in there: at most 48³ cells.
+      // Beside it stand blocks of 2³ voxels and, the light on surfaces, now and as the case was made: of at most 48³ cells.
       const blocks = dims!.split(",").reduce((product, n) => product * Math.ceil(Number(n) / 2), 1);
-      expect(bytes).toContain(blocks);
       const sum = (sizes: number[]) => sizes.reduce((all, n) => all + n);
-      expect(sum(bytes)).toBeLessThan(channels * voxels + blocks + 6 * 8 * 48 ** 3 + 1000);
-      expect(sum(pieces)).toBe(sum(bytes));
+      expect(sum(bytes)).toBeLessThan(channels * voxels + blocks + 2 * 12 * 8 * 48 ** 3);
+      // Each is given once; blocks may still be on their way.
+      expect([channels * voxels, channels * voxels + blocks]).toContain(sum(pieces));
       await visitor.close();
     }
   });
@@ -185,7 +185,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
         }`,
     };
     const small = { width: 200, height: 150 };
-    const visitor = await session.open("#case=phantom&size=64x64", errors, small, [script]);
+    const visitor = await session.open("#case=phantom&plane=0,0,-1,0&size=64x64", errors, small, [script]);
     await visitor.evaluate(() => window.clipgs.ready);
     const devtools = await visitor.context().newCDPSession(visitor);
     const switchCases = async (times: number) => {
@@ -194,6 +194,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
           await window.clipgs.open(i % 2 === 0 ? "solid" : "phantom");
         }
       }, times);
+      await visitor.waitForFunction(() => window.clipgs.stats.settled); // the light in what is cut open is there, too
       await devtools.send("HeapProfiler.collectGarbage");
       const heap = (await devtools.send("Runtime.getHeapUsage")) as {
         usedSize: number;

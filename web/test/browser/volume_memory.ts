@@ -11,12 +11,12 @@ export const kCountVolumes = {
       return texStorage3D.apply(this, arguments);
     };
     prototype.texSubImage3D = function (...args) {
-      window.volumes.pieces.push(args[10].byteLength);
+      if (args[9] === 0x1401) window.volumes.pieces.push(args[10].byteLength); // bytes: not the light, half floats
       return texSubImage3D.apply(this, args);
     };`,
 };
 
-/** Bytes of each volume that the GPU holds, and of each piece that it was given. */
+/** Bytes of each volume that the GPU holds, and of each piece that it was given of those of bytes. */
 export function volumesOf(page: Page): Promise<{ bytes: number[]; pieces: number[] }> {
   return page.evaluate("window.volumes");
 }
