@@ -64,11 +64,12 @@ float horizon_distance(const Occluders& occluders, const EmptySpace& empty, cons
     }
   }
   float before = 0;
-  for (float t = start; t < leave; t += length) {
+  float t = start;
+  while (t < leave) {
     const Vec3 at = origin + t * step;
     const float leap = empty.leap(at, step);
     if (leap > 0) {
-      t += leap - length;
+      t += leap;
       before = 0;
       continue;
     }
@@ -78,6 +79,7 @@ float horizon_distance(const Occluders& occluders, const EmptySpace& empty, cons
       return std::max(start, t - std::min(1.0f, back) * length);
     }
     before = coverage;
+    t += length;
   }
   return kNever;
 }

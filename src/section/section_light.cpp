@@ -46,9 +46,11 @@ Vec3 reflectance_at(const Section& section, const MaterialTable& materials, cons
   const float voxel = mean_spacing(section.source_spacing);
   const float length = 0.25f * voxel;
   const Vec3 step = (-normal * section.direction) / section.spacing;
+  constexpr int kSteps = 12;  // from a voxel before the surface to two below it
   Vec3 sum(0);
   float transmittance = 1;
-  for (float t = -voxel; t < 2 * voxel && transmittance > 0.02f; t += length) {
+  for (int i = 0; i < kSteps && transmittance > 0.02f; ++i) {
+    const float t = static_cast<float>(i) * length - voxel;
     const Vec3 sampled = section.sample(at + t * step);
     const FaceMaterial& material = materials.of_value(section.value(sampled));
     const float alpha = 1 - std::exp(-material.extinction * length);
