@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "light/sky.h"
+
 #include "core/parallel.h"
 
 namespace clipgs {
@@ -17,12 +19,6 @@ constexpr size_t kPatchesATurn = 256;
 // Of the occluders' spacing: matter nearer than this, blurred by their grid, is the surface itself.
 constexpr float kStart = 0.5f;
 constexpr float kGolden = 0.61803399f;
-
-Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
-  const float up = direction.z;  // the sky's gradient runs along S
-  return up >= 0 ? glm::mix(rig.sky_horizon, rig.sky_top, up)
-                 : glm::mix(rig.sky_horizon, rig.sky_bottom, -up);
-}
 
 /// Ray i of those that are spread as the cosine is about the z axis.
 const std::array<Vec3, kSky>& cosine_rays() {

@@ -55,8 +55,7 @@ Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> points) : 
 std::int32_t Patches::met_by(const Vec3& world, const Vec3& direction) const {
   const IVec3 middle = cell_at(grid_, world);
   std::int32_t best = kNone;
-  float least = kNone;
-  least = 1e9f;
+  float least = 1e9f;
   for (int z = -1; z <= 1; ++z) {
     for (int y = -1; y <= 1; ++y) {
       for (int x = -1; x <= 1; ++x) {

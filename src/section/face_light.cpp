@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/sky.h"
+
 #include "cinema/scatter.h"
 #include "core/geometry.h"
 
@@ -30,12 +32,6 @@ float overlap(float cosine) {
   const float c = std::clamp(cosine, -1.0f, 1.0f);
   const float angle = std::acos(c);
   return 2 / (3 * kPi) * (std::sin(angle) + (kPi - angle) * c);
-}
-
-Vec3 sky_radiance(const LightRig& rig, const Vec3& direction) {
-  const float up = glm::dot(kUp, direction);
-  return up >= 0 ? glm::mix(rig.sky_horizon, rig.sky_top, up)
-                 : glm::mix(rig.sky_horizon, rig.sky_bottom, -up);
 }
 
 /// Share of a uniform white sky that the GGX lobe with α = `roughness` returns: Karis's fit of the

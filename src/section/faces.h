@@ -35,7 +35,7 @@ struct FaceOptions {
 /// `camera` sees them from the removed side: [height, width, 4], premultiplied display sRGB and
 /// alpha, 0 elsewhere. A ray enters the kept region through one plane at most, so faces of several
 /// planes cut each other without seams. Where the volume ends in matter there is a face too, with
-/// planes or without. Shown is matter that begins at the face and, with `options.openings`, the
+/// planes or without. Shown is matter that begins at the face and, with `options.light`, the
 /// walls that the cut lays open inside of the body; alpha tells how much of what lies behind is
 /// seen.
 Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,

@@ -1,6 +1,7 @@
 #include "section/material_table.h"
 
 namespace clipgs {
+
 MaterialTable::MaterialTable(const Section& section)
     : low_(section.curve.values().front()),
       entries_per_value_((kEntries - 1) / (section.curve.values().back() - low_)) {

@@ -255,7 +255,6 @@ export class SectionFaces {
           axes: new Matrix3().set(...transposed(section.axes)),
           cell: 1,
           cells: new Vector3(1, 1, 1),
-          effort: 1,
           lit: false,
           glow: glow(section),
         },
@@ -320,11 +319,6 @@ export class SectionFaces {
   setRig(rig: LightRig): void {
     this.#rig = rig;
     this.#uniforms["uRig"]!.value = rigUniform(rig);
-  }
-
-  /** Steps of rays that look for walls are as many times longer. */
-  set effort(effort: number) {
-    this.#uniforms["uOpenings"]!.value.effort = effort;
   }
 
   /** Rays a pixel. */

@@ -63,7 +63,6 @@ struct Openings {
   mat3 axes;          // RAS directions of its axes
   float cell;         // mm, of the light
   ivec3 cells;
-  float effort;       // steps are as many times longer
   bool lit;           // whether light is computed; until then all walls are in …
   vec3 glow;          // … this, linear RGB
 };
@@ -276,14 +275,14 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
       continue;
     }
     if (materialOfCode(codeAt(at, voxels), materials).a <= 0.0) {
-      t += o.effort * kSearch * o.voxel;
+      t += kSearch * o.voxel;
       continue;
     }
     vec3 sum = vec3(0.0);
     float depth = 0.0;
     float transmittance = 1.0;
     float stepLength = kFine * o.voxel;
-    t = max(from, t - o.effort * kSearch * o.voxel);
+    t = max(from, t - kSearch * o.voxel);
     for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
       vec3 middle = ray.start + (t + 0.5 * stepLength) * ray.stride;
       vec4 voxel = texture(voxels, (middle + 0.5) / vec3(textureSize(voxels, 0)));
