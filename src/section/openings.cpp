@@ -51,7 +51,10 @@ Openings::Openings(const Section& section, const SurfaceScan& scan)
     : materials_(section.materials),
       empty_space_(find_empty_space(section)),
       opaque_(!scan.points.empty() && scan.translucent < kMostTranslucent),
-      light_(make_cut_light(section, scan.points, section.rig)),
+      // What is not drawn needs no horizons.
+      light_(make_cut_light(section,
+                            opaque_ ? std::span(scan.points) : std::span<const SurfacePoint>(),
+                            section.rig)),
       own_light_(light_.solve({}, kBounces)) {}
 
 std::vector<Vec3> Openings::solve(std::span<const Plane> planes, std::span<const Vec3> from) const {
