@@ -12,7 +12,7 @@ import {
 import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
-import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
+import { type FaceEffort, type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
 import type { Window } from "./model/grey";
 import { kAllLayers, type Layers } from "./model/layers";
@@ -25,7 +25,7 @@ import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
 import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
-import { kMostRays, OpenCase, type SortResult, type Style } from "./render/open_case";
+import { kAtRest, kMoving, OpenCase, type SortResult, type Style } from "./render/open_case";
 import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
@@ -573,7 +573,7 @@ export class Viewer {
 
   /**
    * The picture of exactly width × height px without the handle: as `clipgs render` writes it, or while something
-   * moves, with fewer rays through faces.
+   * moves, with less effort for faces.
    */
   async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
     const current = this.#case;
@@ -581,11 +581,11 @@ export class Viewer {
       throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
     }
     const frame = { width, height, inset: { right: 0, bottom: 0 } };
-    const rays = moving ? 1 : kMostRays;
+    const effort = moving ? kMoving : kAtRest;
     return this.#capture(
       current,
       () => frame,
-      () => this.#layer.read(this.#subject(current, rays, height), this.#camera, width, height),
+      () => this.#layer.read(this.#subject(current, effort, height), this.#camera, width, height),
     );
   }
 
@@ -841,13 +841,13 @@ export class Viewer {
     this.#canvasStale = true;
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
     this.#coarse = moving;
-    const subject = this.#subject(current, moving ? 1 : kMostRays, this.#height);
+    const subject = this.#subject(current, moving ? kMoving : kAtRest, this.#height);
     this.#layer.draw(subject, this.#camera, this.stats.scale, moving);
   }
 
-  /** What is drawn of a case, as the state says, with `rays` a pixel of a face, in a picture of `height` px. */
-  #subject(current: OpenCase, rays: number, height: number): Subject {
-    return current.subject(this.#camera, height, this.state, this.window, rays);
+  /** What is drawn of a case, as the state says, with `effort`, in a picture of `height` px. */
+  #subject(current: OpenCase, effort: FaceEffort, height: number): Subject {
+    return current.subject(this.#camera, height, this.state, this.window, effort);
   }
 
   /** What exposes faces: the cut and, with the body, the ends of the volume. */

@@ -2,7 +2,7 @@ import type { PerspectiveCamera, WebGLRenderer } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "../model/case_info";
 import { type Cut, planesOf } from "../model/cut";
-import type { FaceSource } from "../model/faces";
+import type { FaceEffort, FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
 import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
@@ -19,8 +19,9 @@ import { SectionFaces } from "./section_faces";
 import type { Subject } from "./splat_layer";
 import { SplatMesh } from "./splat_mesh";
 
-/** Rays through a pixel of a face once nothing moves (FaceOptions::kMostRays of src/section/faces.h). */
-export const kMostRays = 8;
+/** Of faces once nothing moves: as `clipgs render` draws them (FaceOptions::kMostRays of src/section/faces.h). */
+export const kAtRest: FaceEffort = { rays: 8, walls: "fine" };
+export const kMoving: FaceEffort = { rays: 1, walls: "coarse" };
 
 /** How a case is cut, and how its faces look. */
 export interface Style {
@@ -167,13 +168,13 @@ export class OpenCase {
     return this.#light;
   }
 
-  /** What is drawn in `style` with `rays` a pixel of a face, seen by `camera` in a picture of `height` px. */
+  /** What is drawn in `style` with `effort`, seen by `camera` in a picture of `height` px. */
   subject(
     camera: PerspectiveCamera,
     height: number,
     { cuts, clip, section, grey, layers }: Style,
     window: Window | null,
-    rays: number,
+    effort: FaceEffort,
   ): Subject {
     const { mesh, faces, info } = this;
     const planes = this.#planes(cuts);
@@ -189,9 +190,9 @@ export class OpenCase {
     const eye = camera.position.clone().applyMatrix4(kWorldFromPatient.clone().invert());
     const reach = eye.distanceTo(info.sphere.center) + info.sphere.radius;
     const pixel = (2 * reach * Math.tan((camera.fov * Math.PI) / 360)) / height;
-    faces.setPlanes(planes, rays > 1 ? 2 * pixel : 0, !mesh.visible);
+    faces.setPlanes(planes, effort.rays > 1 ? 2 * pixel : 0, !mesh.visible);
     faces.setStyle(grey, window);
-    faces.rays = rays;
+    faces.effort = effort;
     return { mesh, faces };
   }
 

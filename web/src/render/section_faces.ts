@@ -31,7 +31,15 @@ import {
   type WebGLRenderer,
 } from "three";
 
-import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
+import {
+  type FaceEffort,
+  facePolygons,
+  indexFromPatient,
+  kWallSteps,
+  planSteps,
+  sectionEnds,
+  surfaceDepth,
+} from "../model/faces";
 import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
@@ -248,6 +256,7 @@ export class SectionFaces {
       uLight: { value: null },
       uOpenings: {
         value: {
+          steps: kWallSteps.fine,
           voxel: 2 * surfaceDepth(section),
           firstStep: first,
           sourceVoxel: new Vector3(...section.sourceSpacing),
@@ -321,9 +330,9 @@ export class SectionFaces {
     this.#uniforms["uRig"]!.value = rigUniform(rig);
   }
 
-  /** Rays a pixel. */
-  set rays(count: number) {
-    this.#uniforms["uRays"]!.value = count;
+  set effort({ rays, walls }: FaceEffort) {
+    this.#uniforms["uRays"]!.value = rays;
+    this.#uniforms["uOpenings"]!.value.steps = kWallSteps[walls];
   }
 
   /**

@@ -45,17 +45,22 @@ struct FaceRay {
 };
 
 // Of what cuts open (src/section/openings.h).
-const float kSearch = 1.0;  // mean voxels of the traced volume: steps where there may be matter
-const float kFine = 0.25;   // … and through it, where they grow
-const float kGrowth = 1.2;
-const int kFineSteps = 12;
 const int kSearchSteps = 256;  // leaps included
 const float kOpaqueWall = 1.0 / 32.0;
 const float kWisp = 0.3;
 const int kBlock = 2;
 const float kAround = 128.0;
 
+// How closely walls are looked for.
+struct WallSteps {
+  float search;  // mean voxels of the traced volume: steps where there may be matter
+  float fine;    // … and through it, where they grow
+  float growth;
+  int count;     // of fine ones, at most
+};
+
 struct Openings {
+  WallSteps steps;
   float voxel;        // mm, mean of the traced volume
   float firstStep;    // mm, that optical depths of materials are told by
   vec3 sourceVoxel;   // mm, of the traced volume
@@ -263,27 +268,47 @@ vec3 codeGradient(vec3 index, Openings o, highp sampler3D voxels) {
   return o.axes * (slope / o.sourceVoxel);
 }
 
-// The first wall along a ray from `from` mm on: whether there is one.
-bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D voxels, sampler3D blocks,
-               sampler2D materials, out Wall wall) {
+// How far along a ray matter begins at or after `from` mm; ray.leave if it does not. `left` are the steps that it may
+// take.
+float searchMatter(FaceRay ray, float from, Openings o, highp sampler3D voxels, sampler3D blocks, sampler2D materials,
+                   inout int left) {
   float t = from;
-  for (int i = 0; i < kSearchSteps && t < ray.leave; ++i) {
+  for (; left > 0 && t < ray.leave; --left) {
     vec3 at = ray.start + t * ray.stride;
     float leap = leapAt(at, ray.stride, blocks);
-    if (leap > 0.0) {
-      t += leap;
-      continue;
+    if (leap == 0.0) {
+      if (materialOfCode(codeAt(at, voxels), materials).a > 0.0) {
+        return t;
+      }
+      leap = o.steps.search * o.voxel;
     }
-    if (materialOfCode(codeAt(at, voxels), materials).a <= 0.0) {
-      t += kSearch * o.voxel;
-      continue;
+    t += leap;
+  }
+  return ray.leave;
+}
+
+// The first wall along a ray from `from` mm on: whether there is one. Rays of neighbouring pixels search and look
+// closely together: what only one of them does costs as much as if all did.
+bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D voxels, sampler3D blocks,
+               sampler2D materials, out Wall wall) {
+  vec3 sum;
+  float depth;
+  float alpha = 0.0;
+  float t = from;
+  int left = kSearchSteps;
+  while (alpha < kWisp) {
+    t = searchMatter(ray, t, o, voxels, blocks, materials, left);
+    if (left <= 0 || t >= ray.leave) {
+      return false;
     }
-    vec3 sum = vec3(0.0);
-    float depth = 0.0;
+    --left;
+    // Matter began within the last step.
+    t = max(from, t - o.steps.search * o.voxel);
+    sum = vec3(0.0);
+    depth = 0.0;
     float transmittance = 1.0;
-    float stepLength = kFine * o.voxel;
-    t = max(from, t - kSearch * o.voxel);
-    for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
+    float stepLength = o.steps.fine * o.voxel;
+    for (int k = 0; k < o.steps.count && transmittance > kOpaqueWall; ++k) {
       vec3 middle = ray.start + (t + 0.5 * stepLength) * ray.stride;
       vec4 voxel = texture(voxels, (middle + 0.5) / vec3(textureSize(voxels, 0)));
       vec4 material = materialOfCode(valueOf(voxel), materials);
@@ -292,20 +317,16 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
       depth += weight * (t + 0.5 * stepLength);
       transmittance -= weight;
       t += stepLength;
-      stepLength *= kGrowth;
+      stepLength *= o.steps.growth;
     }
-    float alpha = 1.0 - transmittance;
-    if (alpha < kWisp) {
-      continue;
-    }
-    wall.index = ray.start + depth / alpha * ray.stride;
-    wall.reflectance = sum / alpha;
-    vec3 slope = codeGradient(wall.index, o, voxels);
-    float steepness = length(slope);
-    wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -slope : slope) / steepness : -direction;
-    return true;
+    alpha = 1.0 - transmittance;
   }
-  return false;
+  wall.index = ray.start + depth / alpha * ray.stride;
+  wall.reflectance = sum / alpha;
+  vec3 slope = codeGradient(wall.index, o, voxels);
+  float steepness = length(slope);
+  wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -slope : slope) / steepness : -direction;
+  return true;
 }
 
 // Light times whether there is any, of what faces a side around a texel.

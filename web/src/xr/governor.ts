@@ -1,3 +1,5 @@
+import type { WallEffort } from "../model/faces";
+
 /** What a frame may cost: less of it looks worse. */
 export interface Effort {
   /** Of the picture's width and height that the headset recommends. */
@@ -6,22 +8,25 @@ export interface Effort {
   extent: number;
   /** Splats that reach no farther than this, px, are left out. */
   leastPixels: number;
+  /** How closely walls that a cut opens are looked at. */
+  walls: WallEffort;
 }
 
-const kAll: Effort = { scale: 1, extent: Infinity, leastPixels: 0 };
+const kAll: Effort = { scale: 1, extent: Infinity, leastPixels: 0, walls: "fine" };
 /** √5 σ leaves 92 % of a splat's light. */
 const kShort = Math.sqrt(5);
 
-/** From all to the least: first fewer pixels, then smaller splats, then fewer. */
+/** From all to the least: first what is seen least of walls, then fewer pixels, then smaller splats, then fewer. */
 const kEfforts: readonly Effort[] = [
   kAll,
-  { ...kAll, scale: 0.9 },
-  { ...kAll, scale: 0.8 },
-  { scale: 0.8, extent: 2.7, leastPixels: 0 },
-  { scale: 0.7, extent: kShort, leastPixels: 0 },
-  { scale: 0.7, extent: kShort, leastPixels: 1 },
-  { scale: 0.6, extent: kShort, leastPixels: 2 },
-  { scale: 0.5, extent: kShort, leastPixels: 3 },
+  { ...kAll, walls: "coarse" },
+  { ...kAll, scale: 0.9, walls: "coarse" },
+  { ...kAll, scale: 0.8, walls: "coarse" },
+  { scale: 0.8, extent: 2.7, leastPixels: 0, walls: "least" },
+  { scale: 0.7, extent: kShort, leastPixels: 0, walls: "least" },
+  { scale: 0.7, extent: kShort, leastPixels: 1, walls: "least" },
+  { scale: 0.6, extent: kShort, leastPixels: 2, walls: "least" },
+  { scale: 0.5, extent: kShort, leastPixels: 3, walls: "least" },
 ];
 
 /** Of a frame's time: one that takes longer came late. */

@@ -2,6 +2,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 
 import type { Actions } from "../actions";
 import type { EyePicture, Surroundings } from "../api";
+import type { WallEffort } from "../model/faces";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf } from "../render/splat_layer";
 import type { Marking } from "../model/pins";
@@ -25,8 +26,6 @@ export async function offeredSurroundings(): Promise<Surroundings[]> {
 
 const kNear = 0.05; // m
 const kFar = 30;
-/** What a face costs in a headset: rays a pixel. */
-const kRays = 1;
 /** How fast a stick slides the plane, mm or states a second. */
 const kStickSpeed = 40;
 /** Frames a second where the headset does not say: the least that one shows. */
@@ -54,6 +53,7 @@ export class Headset {
   #time = 0;
   #shown: OpenCase | null = null;
   #version = -1;
+  #walls: WallEffort | null = null; // that its faces are drawn with
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
@@ -291,13 +291,14 @@ export class Headset {
   #prepare(shown: OpenCase, camera: PerspectiveCamera, width: number, height: number): void {
     const viewer = this.#viewer;
     const { state, window, version } = viewer;
-    if (version !== this.#version) {
+    const { extent, leastPixels, walls } = this.governor.effort;
+    if (version !== this.#version || walls !== this.#walls) {
       this.#version = version;
-      const { faces } = shown.subject(camera, height, state, window, kRays);
+      this.#walls = walls;
+      const { faces } = shown.subject(camera, height, state, window, { rays: 1, walls });
       shown.faces?.setVisible(faces !== null);
     }
     shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#eye.copy(this.#both.middle)));
-    const { extent, leastPixels } = this.governor.effort;
     shown.mesh.extent = extent;
     viewer.sortFor(camera, width, height, leastPixels);
   }

@@ -10,6 +10,7 @@ import {
   planSteps,
   sectionEnds,
   surfaceDepth,
+  kWallSteps,
 } from "../../src/model/faces";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
 import { kCodes, kFirstInside, type LightRig, parseSection } from "../../src/sog/section";
@@ -224,7 +225,14 @@ describe("face.glsl", () => {
     const lights = readFileSync("../src/volume/light_rig.h", "utf8");
     expect(value(glsl, /kMaxKeys = (\d+)/)).toBe(value(lights, /kMostKeys = (\d+)/));
     const openings = readFileSync("../src/section/openings.cpp", "utf8");
-    for (const name of ["kSearch", "kFine", "kGrowth", "kFineSteps", "kSearchSteps", "kWisp"]) {
+    expect(kWallSteps.fine).toEqual(
+      Object.fromEntries(
+        Object.entries({ search: "kSearch", fine: "kFine", growth: "kGrowth", count: "kFineSteps" }).map(
+          ([step, name]) => [step, Number(value(openings, new RegExp(`${name} = ([\\d.]+)`)))],
+        ),
+      ),
+    );
+    for (const name of ["kSearchSteps", "kWisp"]) {
       const number = new RegExp(`${name} = ([\\d.]+)`);
       expect(Number(value(glsl, number)), name).toBe(Number(value(openings, number)));
     }

@@ -669,11 +669,12 @@ function replaceChildren(parent: Container, children: Container[]): void {
 }
 
 /** What is given up for frames in time. */
-function effortText({ scale, extent, leastPixels }: Effort): string {
+function effortText({ scale, extent, leastPixels, walls }: Effort): string {
   const parts = [
     ...(scale < 1 ? [`${Math.round(100 * scale)} % resolution`] : []),
     ...(extent < Infinity ? [`to ${extent.toFixed(1)} σ`] : []),
     ...(leastPixels > 0 ? [`from ${leastPixels} px`] : []),
+    ...(walls !== "fine" ? [`${walls} walls`] : []),
   ];
   return parts.length > 0 ? parts.join(", ") : "in full";
 }
