@@ -1,6 +1,7 @@
 #include "asset/case.h"
 
 #include <array>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "asset/layers.h"
@@ -100,13 +101,30 @@ CaseInfo info_of(const OpenCase& opened, const std::map<std::string, size_t>& si
   info.has_face_colors = summary.face_colors;
   info.has_layers = has_layers(opened.block);
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
-    info.section = section_info(*section, sizes, section_name(name));
+    try {
+      info.section = section_info(*section, sizes, section_name(name));
+    } catch (const Error& error) {
+      info.section_problem = error.what();
+    }
   }
   const auto generator = opened.block.find("generator");
   if (generator != opened.block.end() && generator->is_string()) {
     info.generator = generator->get<std::string>();
   }
   return info;
+}
+
+template <typename Read>
+std::optional<Section> read_or_leave_out(BrokenSection broken, const Read& read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    if (broken == BrokenSection::kRefused) {
+      throw;
+    }
+    warn(fmt::format("{} (drawn by its splats alone, hollow where it is cut)", error.what()));
+    return std::nullopt;
+  }
 }
 
 /// Name of the thumbnail's file, or nothing.
@@ -173,7 +191,7 @@ void write_case(const std::filesystem::path& path, const Case& contents, const I
   write_file(path, bytes.data(), bytes.size());
 }
 
-Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
+Case read_case(std::span<const std::uint8_t> bytes, const std::string& name, BrokenSection broken) {
   const OpenCase opened = open_case(read_zip(bytes, name), name);
   Case result;
   const Similarity world = scene_from_json(opened.block, name + ": clipgs", result.scene);
@@ -184,13 +202,14 @@ Case read_case(std::span<const std::uint8_t> bytes, const std::string& name) {
                       opened.meta, result.scene, name);
   }
   if (const auto section = opened.block.find(kSectionKey); section != opened.block.end()) {
-    result.section = decode_section(*section, opened.files, section_name(name));
+    result.section = read_or_leave_out(
+        broken, [&] { return decode_section(*section, opened.files, section_name(name)); });
   }
   return result;
 }
 
-Case read_case(const std::filesystem::path& path) {
-  return read_case(read_file(path, kMaxCase), path.string());
+Case read_case(const std::filesystem::path& path, BrokenSection broken) {
+  return read_case(read_file(path, kMaxCase), path.string(), broken);
 }
 
 void prepare_openings(Case& contents) {
@@ -217,9 +236,9 @@ void relight(Case& contents, const LightRig& rig) {
   contents.openings = std::move(openings);
 }
 
-Case load_case(const std::filesystem::path& path) {
+Case load_case(const std::filesystem::path& path, BrokenSection broken) {
   if (path.extension() != ".ply") {
-    return read_case(path);
+    return read_case(path, broken);
   }
   Case result;
   if (is_model(path)) {
@@ -231,7 +250,7 @@ Case load_case(const std::filesystem::path& path) {
   }
   const std::filesystem::path section = section_path(path);
   if (std::filesystem::exists(section)) {
-    result.section = read_section(section);
+    result.section = read_or_leave_out(broken, [&] { return read_section(section); });
   }
   return result;
 }

@@ -45,6 +45,7 @@ struct CaseInfo {
   size_t splats = 0;
   int sh_degree = 0;
   std::optional<SectionInfo> section;
+  std::string section_problem;  ///< what is wrong with the section that it should have, or nothing
   bool has_layers = false;
   bool has_face_colors = false;
   size_t bytes = 0;
@@ -66,14 +67,21 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
 void write_case(const std::filesystem::path& path, const Case& contents, const Image* thumbnail,
                 const CaseCoding& coding = {});
 
+/// What becomes of a case whose section is broken, or of a later version.
+enum class BrokenSection {
+  kRefused,  ///< Error
+  kLeftOut,  ///< warn(); the case is read without: hollow where it is cut, its splats show it
+};
+
 /// Reads a case into world space (RAS mm). Throws Error, as one line with `name` in it, on a file
 /// that is no case, truncated or corrupt; nothing larger than its images warrant is allocated.
-Case read_case(std::span<const std::uint8_t> bytes, const std::string& name);
-Case read_case(const std::filesystem::path& path);
+Case read_case(std::span<const std::uint8_t> bytes, const std::string& name,
+               BrokenSection broken = BrokenSection::kRefused);
+Case read_case(const std::filesystem::path& path, BrokenSection broken = BrokenSection::kRefused);
 
 /// From either of its files: a case, or the .ply of a scene with what lies beside it: its JSON and,
 /// perhaps, its section (section_path()) or its model (is_model()). Throws Error.
-Case load_case(const std::filesystem::path& path);
+Case load_case(const std::filesystem::path& path, BrokenSection broken = BrokenSection::kRefused);
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name);
 CaseInfo read_case_info(const std::filesystem::path& path);

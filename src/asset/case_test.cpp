@@ -22,7 +22,9 @@ namespace clipgs {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using ::testing::ThrowsMessage;
 
 std::filesystem::path temporary(const std::string& name) {
@@ -407,6 +409,37 @@ TEST(Case, RefusesImagesThatDecodeToSomethingElse) {
     EXPECT_NO_THROW(read_case(without_checksums(other), "test.sog")) << name;
   }
   EXPECT_EQ(images, 9);
+}
+
+TEST(Case, IsReadWithoutASectionThatIsBroken) {
+  const Scene scene = random_scene(50, 1, 25);
+  const Bytes whole = encode_case({scene, test::ball_section()}, nullptr);
+  const auto is_left_out = [&](const char* key, const json& value, const char* message) {
+    json meta = meta_of(whole);
+    meta["clipgs"]["section"][key] = value;
+    const Bytes bytes = with_meta(whole, meta);
+    EXPECT_THAT(
+        [&] { read_case(bytes, "test.sog"); },
+        ThrowsMessage<Error>(AllOf(StartsWith("test.sog: clipgs.section"), HasSubstr(message))))
+        << key;
+    ::testing::internal::CaptureStderr();
+    const Case contents = read_case(bytes, "test.sog", BrokenSection::kLeftOut);
+    EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+                AllOf(StartsWith("warning: test.sog: clipgs.section"), HasSubstr(message)));
+    EXPECT_FALSE(contents.section) << key;
+    EXPECT_EQ(contents.scene.gaussians.size(), scene.gaussians.size());
+  };
+  is_left_out("version", 2, "newer clipgs");
+  is_left_out("materials", json::object(), "materials");
+  is_left_out("materials", nullptr, "materials");
+  is_left_out("file", "gone.webp", "\"file\" is missing");
+  is_left_out("checksum", "00000000", "checksum");
+
+  json meta = meta_of(whole);
+  meta["clipgs"]["section"]["version"] = 2;
+  const CaseInfo info = read_case_info(with_meta(whole, meta), "test.sog");
+  EXPECT_FALSE(info.section);
+  EXPECT_THAT(info.section_problem, HasSubstr("newer clipgs"));
 }
 
 TEST(Case, RefusesAnImageWhoseChecksumIsGoneOrNone) {

@@ -44,6 +44,9 @@ Json describe_case(const std::filesystem::path& path) {
   json["sh_bands"] = info.sh_degree;
   json["face_colors"] = info.has_face_colors;
   json["bytes"] = info.bytes;
+  if (!info.section_problem.empty()) {
+    json["section"] = "broken: " + info.section_problem;
+  }
   if (info.section) {
     const IVec3& dims = info.section->dims;
     json["section"] = {{"dims", {dims.x, dims.y, dims.z}}, {"bytes", info.section->bytes}};

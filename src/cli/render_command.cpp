@@ -35,11 +35,15 @@ struct RenderArguments {
   std::string rig;
 };
 
+/// Whether what the user asks for is in the section volume.
+bool needs_section(const RenderArguments& arguments) {
+  return arguments.section == "volume" || arguments.grey > 0 || arguments.annotate ||
+         !arguments.pins.empty() || !arguments.rig.empty();
+}
+
 /// Volume where the case has one, unless the user says otherwise.
 FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
-  const bool volume_wanted = arguments.section == "volume" || arguments.grey > 0 ||
-                             arguments.annotate || !arguments.pins.empty();
-  if (volume_wanted && !contents.section) {
+  if (needs_section(arguments) && !contents.section) {
     throw Error(
         "{}: has no section volume to draw faces from; build it again, without --no-section",
         arguments.scene);
@@ -77,7 +81,8 @@ void run_render(const RenderArguments& arguments) {
   }
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
-  Case contents = load_case(arguments.scene);
+  Case contents = load_case(arguments.scene, needs_section(arguments) ? BrokenSection::kRefused
+                                                                      : BrokenSection::kLeftOut);
   if (!arguments.rig.empty()) {
     relight(contents, load_rig(arguments.rig));
   }

@@ -194,7 +194,7 @@ export class App {
       this.actions.forget();
     } catch (error) {
       if (opening === this.#opening) {
-        this.#title.textContent = this.title || kNoCase; // it may have been shown before its section failed
+        this.#title.textContent = this.title || kNoCase;
         this.#update();
         this.fail(failureText(name, error), again);
       }
@@ -206,6 +206,11 @@ export class App {
     }
     this.#title.textContent = this.title;
     this.#update();
+    const { sectionProblem } = this.viewer;
+    if (sectionProblem) {
+      this.fail(sectionProblem, again);
+      this.headset.panel?.tell(sectionProblem);
+    }
   }
 
   /** How the first case is shown at first. */

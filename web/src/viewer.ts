@@ -193,6 +193,11 @@ export class Viewer {
     return this.#case?.noSection ?? null;
   }
 
+  /** What is wrong with the section that the case should have; null: nothing. */
+  get sectionProblem(): string | null {
+    return this.#case?.sectionProblem ?? null;
+  }
+
   /** The volume that faces can be drawn from. */
   get section(): Section | null {
     return this.#case?.faces?.section ?? null;
@@ -284,10 +289,13 @@ export class Viewer {
     try {
       decoded = await this.#client.section(ticket);
     } catch (error) {
-      if ((error as CaseError).message !== kSuperseded) {
-        this.#refuse(opened, error as CaseError);
+      const { message } = error as CaseError;
+      if (message === kSuperseded) {
+        throw error;
       }
-      throw error;
+      opened.loseSection(message);
+      this.#touch();
+      return;
     }
     if (this.#case === opened) {
       await opened.setSection(decoded, this.#renderer, () => this.#case === opened && this.#relit());
@@ -301,7 +309,7 @@ export class Viewer {
     }
   }
 
-  /** Shows nothing rather than a case without the section that it was made with: behind faces its splats are hollow. */
+  /** Shows nothing of a case from now on. */
   #refuse(refused: OpenCase, why: CaseError): void {
     if (this.#case === refused) {
       refused.refusal = why;

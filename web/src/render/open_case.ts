@@ -39,6 +39,7 @@ export interface SortResult {
   milliseconds: number;
 }
 
+const kHasNone = "This case has no section volume: its splats draw the faces.";
 const kCannotHold = "This device cannot hold the section volume: splats draw the faces.";
 
 /** Whether `renderer` has textures that are large enough for a section. */
@@ -57,6 +58,8 @@ export class OpenCase {
   awaitsSection: boolean;
   /** Why faces are not drawn from a volume; null: they can be, or will. */
   noSection: string | null;
+  /** What is wrong with the section that it should have; null: nothing. */
+  sectionProblem: string | null = null;
   /** Why it is shown no more, if that is not for another case. */
   refusal: CaseError | null = null;
   /** The windows that its values are usually seen through; none for photographs and without a section. */
@@ -81,10 +84,20 @@ export class OpenCase {
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
     this.awaitsSection = loaded.section !== null;
-    this.noSection = loaded.section ? null : "This case has no section volume: its splats draw the faces.";
+    this.noSection = loaded.section ? null : kHasNone;
+    if (loaded.sectionProblem) {
+      this.loseSection(loaded.sectionProblem);
+    }
     this.#client = client;
     this.#ticket = loaded.ticket;
     this.#spare = new Uint32Array(scene.capacity);
+  }
+
+  /** Its section is broken: splats draw the faces, and are hollow behind them. */
+  loseSection(problem: string): void {
+    this.awaitsSection = false;
+    this.sectionProblem =
+      this.noSection = `Shown without its section volume, hollow where it is cut: ${problem}`;
   }
 
   /**

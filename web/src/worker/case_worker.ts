@@ -4,7 +4,7 @@ import libwebpUrl from "@cwasm/webp/webp.wasm?url";
 import splatOrderUrl from "@wasm/splat_order.wasm?url";
 
 import { requireTexelChecksum } from "../sog/checksum";
-import { parseSection } from "../sog/section";
+import { parseSection, type SectionInfo } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta, type Texels } from "../sog/sog";
 import { WebpDecoder } from "../sog/webp";
 import { CaseError, readZip } from "../sog/zip";
@@ -74,6 +74,18 @@ function decodeImages(
   };
 }
 
+/** The section of a case, or what is wrong with it: its splats can be shown all the same. */
+function sectionOf(
+  clipgs: unknown,
+  archive: ReadonlyMap<string, unknown>,
+): { info: SectionInfo | null; problem: string | null } {
+  try {
+    return { info: parseSection(clipgs, archive), problem: null };
+  } catch (error) {
+    return { info: null, problem: (error as CaseError).message };
+  }
+}
+
 /** Throws CaseError once another case was asked for. */
 function checkNewest(ticket: number): void {
   if (ticket !== newest.ticket) {
@@ -92,7 +104,7 @@ async function load(ticket: number, url: string): Promise<void> {
     ]);
     const archive = await readZip(bytes);
     const meta = parseSogMeta(archive);
-    const info = parseSection(meta.clipgs, archive);
+    const { info, problem } = sectionOf(meta.clipgs, archive);
     checkNewest(ticket);
     const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
     const order = new SplatOrder(splatOrder); // a new instance: the memory of the case before is given back
@@ -113,7 +125,11 @@ async function load(ticket: number, url: string): Promise<void> {
       transfer.push(scene.layers.buffer);
     }
     const { clipgs } = meta;
-    reply({ kind: "loaded", ticket, scene, section, clipgs, bytes: bytes.length }, transfer);
+    const { length } = bytes;
+    reply(
+      { kind: "loaded", ticket, scene, section, sectionProblem: problem, clipgs, bytes: length },
+      transfer,
+    );
   } catch (error) {
     fail(ticket, error);
   }

@@ -45,6 +45,8 @@ export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
   section: CodedSection | null;
+  /** What is wrong with the section that it has, if something is: splats show the case without it. */
+  sectionProblem: string | null;
   /** The `clipgs` block of meta.json, unchecked. */
   clipgs: unknown;
   bytes: number;

@@ -39,7 +39,7 @@ const kNoRoomForVolumes = {
 
 interface CaseMeta {
   sphere?: unknown;
-  section: { checksum: string };
+  section: { checksum: string; version: number; file: string; materials?: unknown };
 }
 
 describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is missing)` : ""}`, () => {
@@ -92,13 +92,25 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
     return data.reduce((most, value, i) => (i % 4 === 3 ? most : Math.max(most, value)), 0);
   }
 
-  it("shows nothing of a case whose section is not what was written", async () => {
+  it("shows a case by its splats alone where its section is broken, and says what is wrong", async () => {
     const page = await opened("solid");
-    expect(brightest(await shown(page))).toBeGreaterThan(50);
-    const body = await changedPhantom(({ section }) => (section.checksum = "00000000"));
-    expect(await refusal(page, body)).toMatch(/section\.webp does not decode to what was written/);
-    expect(await page.evaluate(() => window.clipgs.state.case)).toBe(null);
-    expect(brightest(await shown(page))).toBe(0);
+    const broken: [(meta: CaseMeta) => void, RegExp][] = [
+      [({ section }) => (section.checksum = "00000000"), /section\.webp does not decode to what was written/],
+      [({ section }) => (section.version = 2), /section is of a version .* newer clipgs/],
+      [({ section }) => delete section.materials, /materials/],
+      [({ section }) => (section.file = "gone.webp"), /gone\.webp is missing/],
+    ];
+    for (const [change, message] of broken) {
+      expect(await refusal(page, await changedPhantom(change))).toBe("");
+      expect(await page.locator(".message").textContent()).toMatch(message);
+      expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+      expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBe(0);
+      expect(coverage(await pagePicture(page, 64, 64))).toBeGreaterThan(0.1);
+      await page.unroute("**/cases/phantom.sog*");
+    }
+    await page.evaluate(() => window.clipgs.open("phantom"));
+    expect(await page.locator(".message").isVisible()).toBe(false);
+    expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBeGreaterThan(0);
     await page.close();
   });
 
