@@ -29,16 +29,38 @@ struct RenderArguments {
   std::string section;
   float grey = 0;
   std::string window = "soft-tissue";
+  std::string openings = "cinematic";
   bool annotate = false;
   std::vector<std::string> pins;
   bool reference = false;
   std::string rig;
+  float turn = 0;
+  std::string lamp;
+
+  bool changes_light() const { return !rig.empty() || turn != 0 || !lamp.empty(); }
 };
 
 /// Whether what the user asks for is in the section volume.
 bool needs_section(const RenderArguments& arguments) {
   return arguments.section == "volume" || arguments.grey > 0 || arguments.annotate ||
-         !arguments.pins.empty() || !arguments.rig.empty();
+         !arguments.pins.empty() || arguments.changes_light();
+}
+
+/// What the case is lit by, if it has a section.
+LightRig lights_of(const RenderArguments& arguments, const Case& contents) {
+  const LightRig own = contents.section ? contents.section->rig : LightRig();
+  const LightRig rig =
+      turned(arguments.rig.empty() ? own : load_rig(arguments.rig), arguments.turn);
+  if (arguments.lamp.empty()) {
+    return rig;
+  }
+  const std::vector<float> from = parse_numbers(arguments.lamp, 3, 3, "--lamp");
+  const Vec3 direction(from[0], from[1], from[2]);
+  if (glm::length(direction) == 0) {
+    throw Error("--lamp {}: is no direction; give right, anterior, superior, as 1,1,2",
+                arguments.lamp);
+  }
+  return lamp_instead(rig, direction);
 }
 
 /// Volume where the case has one, unless the user says otherwise.
@@ -72,7 +94,8 @@ void run_render(const RenderArguments& arguments) {
   Cut cut = parse_cut(arguments.cut);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
-  options.style = {arguments.grey, parse_window(arguments.window)};
+  options.style = {arguments.grey, parse_window(arguments.window),
+                   parse_grey_openings(arguments.openings)};
   options.reference = arguments.reference;
   std::vector<Vec3> pins;
   for (const std::string& text : arguments.pins) {
@@ -83,8 +106,8 @@ void run_render(const RenderArguments& arguments) {
   require_writable(arguments.output);
   Case contents = load_case(arguments.scene, needs_section(arguments) ? BrokenSection::kRefused
                                                                       : BrokenSection::kLeftOut);
-  if (!arguments.rig.empty()) {
-    relight(contents, load_rig(arguments.rig));
+  if (arguments.changes_light()) {
+    relight(contents, lights_of(arguments, contents));
   }
   prepare_openings(contents);
   options.faces = face_source(arguments, contents);
@@ -151,6 +174,13 @@ void add_render_command(CLI::App& app) {
                       "Lights: studio, theatre, rim, dome, ambient or a JSON file (default: those "
                       "that the case was made in)");
   command
+      ->add_option("--turn-light", arguments->turn,
+                   "Turn the lights about the patient's long axis, degrees, counterclockwise seen "
+                   "from the head")
+      ->check(CLI::Range(-360.0, 360.0));
+  command->add_option("--lamp", arguments->lamp,
+                      "A lamp instead, that shines from a direction: R,A,S");
+  command
       ->add_option("--grey", arguments->grey,
                    "Faces as grey values, from 0 (cinematic) to 1 (as radiologists read them)")
       ->check(CLI::Range(0.0, 1.0))
@@ -160,6 +190,12 @@ void add_render_command(CLI::App& app) {
           "--window", arguments->window,
           "Grey values from black to white: center,width in HU, or soft-tissue, bone, lung "
           "or brain")
+      ->capture_default_str();
+  command
+      ->add_option("--openings", arguments->openings,
+                   "What grey shows in gaps that the window has black: cinematic or neutral walls, "
+                   "or values")
+      ->check(CLI::IsMember({"cinematic", "neutral", "values"}))
       ->capture_default_str();
   command->add_flag("--annotate", arguments->annotate,
                     "Write the patient's directions, a scale bar, the window and the pins' values "

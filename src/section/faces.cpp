@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "section/face_light.h"
 #include "section/face_rays.h"
@@ -40,6 +41,9 @@ float display(float linear) {
   return curve(linear);
 }
 
+/// Linear RGB, of neutral walls behind grey faces: grey is for values.
+const Vec3 kClay(0.16f, 0.26f, 0.42f);
+
 /// The walls behind a picture's openings.
 class PictureOpenings {
  public:
@@ -49,19 +53,16 @@ class PictureOpenings {
         light_(light != nullptr && light->openings().drawn() && !cut.empty() ? light : nullptr),
         eye_(camera.position) {}
 
-  bool any() const { return light_ != nullptr; }
-
-  /// What the wall radiates that a ray meets beyond `from` mm which enters at an index; nothing
-  /// where it meets none, or comes from the air around the body.
-  std::optional<Vec3> look(const FaceRay& ray, const Vec3& entry, float from) const {
-    const Openings& openings = light_->openings();
-    if (!openings.is_inside(entry)) {
-      return std::nullopt;
-    }
-    const std::optional<Wall> wall =
-        openings.first_wall(section_, eye_, ray.direction, from, ray.leave);
-    return wall ? std::optional(light_->radiance(*wall)) : std::nullopt;
+  /// Whether a gap of a face opens at an index: not where it comes from the air around the body.
+  bool are_at(const Vec3& entry) const {
+    return light_ != nullptr && light_->openings().is_inside(entry);
   }
+
+  /// The wall that a ray meets beyond `from` mm, if it meets one.
+  std::optional<Wall> look(const FaceRay& ray, float from) const {
+    return light_->openings().first_wall(section_, eye_, ray.direction, from, ray.leave);
+  }
+  Vec3 light_on(const Wall& wall) const { return light_->on(wall); }
 
  private:
   const Section& section_;
@@ -69,13 +70,56 @@ class PictureOpenings {
   Vec3 eye_;
 };
 
+/// How much of a face is inside the body, in grey: codes between those of the air around it and of
+/// all else come from interpolation.
+float inside_share(float code) {
+  constexpr float kLow = 0.25f * Section::kFirstInside;
+  constexpr float kHigh = 0.75f * Section::kFirstInside;
+  return std::clamp((code - kLow) / (kHigh - kLow), 0.0f, 1.0f);
+}
+
+/// A value as grey: 0 black … 1 white, beyond them outside the window.
+float shade(float value, const Window& window) {
+  const float black = window.center - 0.5f * window.width;
+  return (value - black) / window.width;
+}
+
 /// Sums what the rays of one pixel see.
 class PixelSum {
  public:
-  PixelSum(const Section& section, const FaceRays& rays, const PictureOpenings& openings)
-      : section_(section), rays_(rays), openings_(openings) {}
+  PixelSum(const Section& section, const FaceRays& rays, const PictureOpenings& openings,
+           const FaceStyle& style)
+      : section_(section), rays_(rays), openings_(openings), style_(style) {}
 
   void add(const FaceRay& ray) {
+    const Vec3 entry = rays_.index_at(ray, ray.enter);
+    const bool marches = style_.grey < 1 || style_.openings != FaceStyle::Openings::kValues;
+    const float open = marches ? add_cinematic(ray, entry) : 0;
+    if (style_.grey > 0) {
+      grey_ += (1 - open) * grey_at(entry);
+    }
+  }
+
+  /// Premultiplied display sRGB and alpha, for `count` rays, some of which met no face.
+  Vec4 color(int count) {
+    finish_gloss();
+    const Vec4 sum = glm::mix(shown(seen_), grey_, style_.grey) + shown(behind_);
+    return sum / static_cast<float>(count);
+  }
+
+ private:
+  struct Seen {
+    Vec3 light{0};
+    float alpha = 0;
+
+    void add(float weight, const Vec3& radiance) {
+      light += weight * radiance;
+      alpha += weight;
+    }
+  };
+
+  /// Returns how much of the ray grey shows no values of, for it goes on through a gap.
+  float add_cinematic(const FaceRay& ray, const Vec3& entry) {
     if (ray.face != face_) {
       finish_gloss();
       face_ = ray.face;
@@ -95,33 +139,65 @@ class PixelSum {
       }
     };
     const March march = rays_.march(ray, visit);
-    alpha_ += march.alpha;
-    light_ += light * face_->light;
-    if (march.gap && openings_.any()) {
-      const Vec3 entry = rays_.index_at(ray, ray.enter);
-      if (const std::optional<Vec3> wall = openings_.look(ray, entry, *march.gap)) {
-        light_ += (1 - march.alpha) * *wall;
-        alpha_ += 1 - march.alpha;
-      }
+    seen_.alpha += march.alpha;
+    seen_.light += light * face_->light;
+    if (!march.gap || !openings_.are_at(entry)) {
+      return 0;
     }
+    const std::optional<Wall> wall = openings_.look(ray, *march.gap);
+    if (!wall) {
+      return 0;
+    }
+    const float open = openness(1 - march.alpha, entry);
+    const Vec3 incoming = openings_.light_on(*wall);
+    const bool is_clay = style_.openings == FaceStyle::Openings::kNeutral;
+    const Vec3 behind = glm::mix(wall->reflectance, kClay, is_clay ? style_.grey : 0);
+    seen_.add((1 - open) * (1 - march.alpha), wall->reflectance * incoming);
+    behind_.add(open * (1 - (1 - style_.grey) * march.alpha), behind * incoming);
+    return open;
   }
 
-  /// Premultiplied display sRGB and alpha, for `count` rays, some of which met no face.
-  Vec4 color(int count) {
-    if (alpha_ <= 0) {
+  /// How much of what is behind a gap is seen in grey, where `share` of a ray's light goes on.
+  float openness(float share, const Vec3& entry) const {
+    if (style_.grey <= 0 || style_.openings == FaceStyle::Openings::kValues) {
+      return 0;
+    }
+    constexpr float kGap = 0.4f;       // less is tissue …
+    constexpr float kClearGap = 0.6f;  // … and more an opening
+    const float gap = std::clamp((share - kGap) / (kClearGap - kGap), 0.0f, 1.0f);
+    if (section_.channels == 3) {
+      return gap;
+    }
+    constexpr float kDark = 0.1f;  // of the window, below black: brighter is a value
+    const float value = section_.value(section_.sample(entry));
+    return gap * std::clamp(-shade(value, style_.window) / kDark, 0.0f, 1.0f);
+  }
+
+  /// What a ray meets on the face in grey: premultiplied display sRGB and alpha.
+  Vec4 grey_at(const Vec3& index) const {
+    const Vec3 sampled = section_.sample(index);
+    const float alpha = inside_share(section_.code(index));
+    if (section_.channels == 3) {
+      return {alpha * sampled / 255.0f, alpha};
+    }
+    const float value = std::clamp(shade(section_.value(sampled), style_.window), 0.0f, 1.0f);
+    return {Vec3(alpha * value), alpha};
+  }
+
+  /// Premultiplied display sRGB and alpha of a sum.
+  Vec4 shown(const Seen& seen) const {
+    if (seen.alpha <= 0) {
       return Vec4(0);
     }
-    finish_gloss();
-    const float alpha = alpha_ / static_cast<float>(count);
-    const Vec3 light = section_.exposure / alpha_ * light_;
-    return {alpha * display(light.r), alpha * display(light.g), alpha * display(light.b), alpha};
+    const Vec3 light = section_.exposure / seen.alpha * seen.light;
+    return seen.alpha * Vec4(display(light.r), display(light.g), display(light.b), 1);
   }
 
- private:
   // Gloss changes slowly: one lobe, of the mean roughness, is right for a pixel's part of a face.
   void finish_gloss() {
     if (specular_ > 0) {
-      light_ += specular_ * face_gloss(section_.rig, face_->outward, out_, roughness_ / specular_);
+      seen_.light +=
+          specular_ * face_gloss(section_.rig, face_->outward, out_, roughness_ / specular_);
     }
     specular_ = 0;
     roughness_ = 0;
@@ -130,49 +206,21 @@ class PixelSum {
   const Section& section_;
   const FaceRays& rays_;
   const PictureOpenings& openings_;
+  const FaceStyle& style_;
   const Face* face_ = nullptr;
   Vec3 out_{0};  // towards the camera
-  Vec3 light_{0};
-  float alpha_ = 0;
+  Seen seen_;    // of tissue, and of walls where the face is not grey
+  Seen behind_;  // of walls behind a grey face
+  Vec4 grey_{0};
   float specular_ = 0;   // weights of the face's gloss …
   float roughness_ = 0;  // … and their sum with its roughness
 };
 
-/// How much of a face is inside the body, in grey: codes between those of the air around it and of
-/// all else come from interpolation.
-float inside_share(float code) {
-  constexpr float kLow = 0.25f * Section::kFirstInside;
-  constexpr float kHigh = 0.75f * Section::kFirstInside;
-  return std::clamp((code - kLow) / (kHigh - kLow), 0.0f, 1.0f);
-}
-
-/// What the ray meets on the face in grey: premultiplied display sRGB and alpha.
-Vec4 grey_at(const Section& section, const FaceRays& rays, const FaceRay& ray,
-             const Window& window) {
-  const Vec3 index = rays.index_at(ray, ray.enter);
-  const Vec3 sampled = section.sample(index);
-  const float alpha = inside_share(section.code(index));
-  if (section.channels == 3) {
-    return {alpha * sampled / 255.0f, alpha};
-  }
-  const float black = window.center - 0.5f * window.width;
-  const float shade = std::clamp((section.value(sampled) - black) / window.width, 0.0f, 1.0f);
-  return {Vec3(alpha * shade), alpha};
-}
-
 Vec4 draw_pixel(const Section& section, const FaceRays& rays, const PictureOpenings& openings,
                 int x, int y, int count, const FaceStyle& style) {
-  PixelSum cinematic(section, rays, openings);
-  Vec4 grey(0);
-  rays.for_rays(x, y, count, [&](const FaceRay& ray) {
-    if (style.grey < 1) {
-      cinematic.add(ray);
-    }
-    if (style.grey > 0) {
-      grey += grey_at(section, rays, ray, style.window);
-    }
-  });
-  return glm::mix(cinematic.color(count), grey / static_cast<float>(count), style.grey);
+  PixelSum sum(section, rays, openings, style);
+  rays.for_rays(x, y, count, [&](const FaceRay& ray) { sum.add(ray); });
+  return sum.color(count);
 }
 
 /// Whether a pixel differs visibly from one beside it.
@@ -206,6 +254,16 @@ std::vector<std::uint8_t> find_edges(const Image& image, const PixelBox& box) {
 }
 
 }  // namespace
+
+FaceStyle::Openings parse_grey_openings(const std::string& name) {
+  constexpr std::array<const char*, 3> kNames = {"cinematic", "neutral", "values"};
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) {
+      return static_cast<FaceStyle::Openings>(i);
+    }
+  }
+  throw Error("openings \"{}\" do not exist; choose cinematic, neutral or values", name);
+}
 
 Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/camera.h"
 #include "core/cut.h"
 #include "core/image.h"
@@ -18,7 +20,14 @@ struct Window {
 struct FaceStyle {
   float grey = 0;
   Window window;
+  /// Where a grey face opens into a gap that the window shows black (of photographs, any gap):
+  /// walls in their colours, walls of a clay that no value looks like, or the gap's values.
+  enum class Openings { kCinematic, kNeutral, kValues };
+  Openings openings = Openings::kCinematic;
 };
+
+/// Throws Error, naming the choices.
+FaceStyle::Openings parse_grey_openings(const std::string& name);
 
 class OpenedLight;
 

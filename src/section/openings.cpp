@@ -119,9 +119,8 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
 OpenedLight::OpenedLight(const Openings& openings, const Cut& cut)
     : openings_(openings), solution_(openings.solve(cut.planes())) {}
 
-Vec3 OpenedLight::radiance(const Wall& wall) const {
-  return wall.reflectance *
-         light_at(openings_.light().patches(), solution_, wall.position, wall.normal);
+Vec3 OpenedLight::on(const Wall& wall) const {
+  return light_at(openings_.light().patches(), solution_, wall.position, wall.normal);
 }
 
 Vec3 OpenedLight::gain(const Vec3& world, const Vec3& axis) const {

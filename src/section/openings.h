@@ -76,8 +76,8 @@ class OpenedLight {
   OpenedLight(const Openings& openings, const Cut& cut);
 
   const Openings& openings() const { return openings_; }
-  /// What a wall radiates, linear RGB before exposure.
-  Vec3 radiance(const Wall& wall) const;
+  /// What a wall would radiate if it were white, linear RGB before exposure.
+  Vec3 on(const Wall& wall) const;
   /// How much brighter the surface around a point (RAS mm) is than uncut under its own lights, of
   /// sides that `axis` points out of or into: a factor of display sRGB. 1 where there is none, or
   /// none that was lit.

@@ -191,6 +191,43 @@ TEST(Openings, CoverWhatIsBehindAndLeaveFacesAlone) {
       draw_faces(scenery.section, camera, Cut()).data);
 }
 
+TEST(Openings, OfGreyFacesAreWallsWhereTheWindowIsBlack) {
+  const Scenery scenery;
+  const Plane plane{{0, 0, -1}, 0};
+  const Camera camera = above({0.2f, 0.3f, 1}, 64);
+  const OpenedLight light(scenery.openings, plane);
+  using Style = FaceStyle::Openings;
+  const auto drawn = [&](float grey, Style openings, float center = 100, float width = 160) {
+    FaceOptions options = with(light);
+    options.style = {grey, {center, width}, openings};
+    return draw_faces(scenery.section, camera, plane, options);
+  };
+  const Image cinematic = drawn(0, Style::kCinematic);
+  const Image lit = drawn(1, Style::kCinematic);
+  const Image half = drawn(0.5f, Style::kCinematic);
+  const Image clay = drawn(1, Style::kNeutral);
+  const Image values = drawn(1, Style::kValues);
+  const auto color = [](const Image& image, int x, int y) {
+    const float* c = image.at(x, y);
+    return Vec3(c[0], c[1], c[2]);
+  };
+  // In the hollow: the wall as it is, however grey the face; or of clay, bluer than it is red; or
+  // black.
+  EXPECT_EQ(color(lit, 36, 36), color(cinematic, 36, 36));
+  EXPECT_EQ(color(half, 36, 36), color(cinematic, 36, 36));
+  EXPECT_GT(color(clay, 36, 36).b, 1.2f * color(clay, 36, 36).r);
+  EXPECT_EQ(color(values, 36, 36), Vec3(0));
+  EXPECT_EQ(values.at(36, 36)[3], 1);
+  // Beside it all are the same grey.
+  const Vec3 grey = color(values, 14, 36);
+  EXPECT_GT(grey.r, 0.1f);
+  EXPECT_EQ(grey.r, grey.b);
+  EXPECT_EQ(color(lit, 14, 36), grey);
+  EXPECT_EQ(color(clay, 14, 36), grey);
+  // Where the window shows the gap's values they are shown.
+  EXPECT_EQ(drawn(1, Style::kCinematic, 0, 400).data, drawn(1, Style::kValues, 0, 400).data);
+}
+
 TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
   const Preset glass = flesh(0.1f);
   const Section section = make_section(make_hollow_body(), glass, {kBodySize});

@@ -172,7 +172,14 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
   if (image_.width != camera.width || image_.height != camera.height) {
     image_ = Image(camera.width, camera.height, 4);
   }
-  Image& alone = front != nullptr ? alone_ : image_;
+  share_.reset();
+  if (options.clip == ClipOperator::kExact && options.body.radius > 0) {
+    share_.emplace(camera, cut, options.body);
+    if (share_->is_whole()) {
+      share_.reset();
+    }
+  }
+  Image& alone = front != nullptr || share_ ? alone_ : image_;
   if (alone.data.size() != image_.data.size()) {
     alone = Image(camera.width, camera.height, 4);
   }
@@ -199,8 +206,14 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
       out[1] = tile.g[at];
       out[2] = tile.b[at];
       out[3] = 1.0f - tile.t[at];
+      float* shown = &image_.data[pixel * 4];
+      if (share_) {
+        const float share = share_of(pixel);
+        std::transform(out, out + 4, shown, [&](float v) { return share * v; });
+        out = shown;
+      }
       if (front != nullptr) {
-        put_behind(&front_.data[pixel * 4], out, &image_.data[pixel * 4]);
+        put_behind(&front_.data[pixel * 4], out, shown);
       }
     });
   });
@@ -213,7 +226,7 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     throw Error("gradients are there for one plane only, not for {}", planes_.size());
   }
   const TileLimits limits = limits_of(options_);
-  const Image& alone = front_.data.empty() ? image_ : alone_;
+  const Image& alone = front_.data.empty() && !share_ ? image_ : alone_;
   instance_gradients_.resize(list_.size());
   parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
     const int tx = static_cast<int>(tile_index) % tiles_x_;
@@ -225,19 +238,22 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
       const float* in = &alone.data[pixel * 4];
       const float* g = &image_gradient.data[pixel * 4];
+      const float share = share_ ? share_of(pixel) : 1;
       std::array<float, 4> behind;
       if (!front_.data.empty()) {
-        put_behind_backward(&front_.data[pixel * 4], in, g, behind.data());
+        const std::array<float, 4> shown = {share * in[0], share * in[1], share * in[2],
+                                            share * in[3]};
+        put_behind_backward(&front_.data[pixel * 4], shown.data(), g, behind.data());
         g = behind.data();
       }
       tile.r[at] = in[0];
       tile.g[at] = in[1];
       tile.b[at] = in[2];
       tile.t[at] = 1.0f - in[3];
-      gradient.r[at] = g[0];
-      gradient.g[at] = g[1];
-      gradient.b[at] = g[2];
-      gradient.t[at] = g[3];
+      gradient.r[at] = share * g[0];
+      gradient.g[at] = share * g[1];
+      gradient.b[at] = share * g[2];
+      gradient.t[at] = share * g[3];
     });
     const std::uint32_t begin = tile_begin_[tile_index];
     const std::uint32_t used = used_[tile_index];

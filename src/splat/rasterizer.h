@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/cut.h"
 #include "core/image.h"
+#include "splat/kept_share.h"
 #include "splat/projection.h"
 #include "splat/tile_kernel.h"
 
@@ -38,6 +40,10 @@ class Rasterizer {
   void project_all(const Gaussians& gaussians);
   void sort_by_depth();
   void bin_into_tiles();
+  float share_of(size_t pixel) const {
+    return share_->at(static_cast<int>(pixel % static_cast<size_t>(camera_.width)),
+                      static_cast<int>(pixel / static_cast<size_t>(camera_.width)));
+  }
   void start(int tx, int ty, Tile& tile) const;
   SplatGradient summed_gradient(std::uint32_t splat) const;
 
@@ -46,7 +52,8 @@ class Rasterizer {
   RasterOptions options_;
   Image image_;
   Image front_;  // empty: nothing
-  Image alone_;  // the splats without it
+  Image alone_;  // the splats without it, and before share_
+  std::optional<KeptShare> share_;
   int tiles_x_ = 0;
   int tiles_y_ = 0;
 

@@ -90,6 +90,7 @@ TEST_P(ClipTest, SeveralPlanesEqualTheReference) {
        {std::vector{kPlane, other}, std::vector{kPlane, back}, std::vector{kPlane, other, back}}) {
     RasterOptions options;
     options.clip = GetParam();
+    options.body = {Vec3(0), 3};  // so small that the planes end it within the picture
     const Cut cut(planes);
     Rasterizer rasterizer;
     const Image& fast = rasterizer.forward(cloud, camera, cut, options);
@@ -166,6 +167,7 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   options.transmittance_min = 0;
   options.clip_sigma = 8;
   options.face_gain = random_gain();
+  options.body = {Vec3(0), 3};  // so small that the plane ends it within the picture
   Rng rng(4);
   Image weight(camera.width, camera.height, 4);
   for (float& w : weight.data) {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
+#include <optional>
 
 #include "splat/clip.h"
+#include "splat/kept_share.h"
 
 namespace clipgs {
 
@@ -217,6 +219,10 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
   }
   std::ranges::stable_sort(splats, {}, [](const auto& splat) { return splat.depth; });
 
+  std::optional<KeptShare> share;
+  if (options.clip == ClipOperator::kExact && options.body.radius > 0) {
+    share.emplace(camera, cut, options.body);
+  }
   std::vector<double> image(static_cast<size_t>(camera.width) * camera.height * 4, 0.0);
   for (int py = 0; py < camera.height; ++py) {
     for (int px = 0; px < camera.width; ++px) {
@@ -239,6 +245,8 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
         transmittance *= 1 - alpha;
       }
       out[3] = 1 - transmittance;
+      std::transform(out, out + 4, out,
+                     [&](double v) { return share ? double{share->at(px, py)} * v : v; });
     }
   }
   return image;

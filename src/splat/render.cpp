@@ -53,23 +53,26 @@ const char* clip_operator_name(ClipOperator clip) {
 }
 
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front, const FaceGain& gain, const LayerSwitch& layers) {
+             const Image* front, const FaceGain& gain, const LayerSwitch& layers,
+             const Sphere& body) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
+  options.body = body;
   const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
 }
 
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
                        ClipOperator clip, const Image* front, const FaceGain& gain,
-                       const LayerSwitch& layers) {
+                       const LayerSwitch& layers, const Sphere& body) {
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
+  options.body = body;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image = reference_render(parameters, gaussians, camera, cut, options);
   for (size_t i = 0; front != nullptr && i < image.size(); i += 4) {

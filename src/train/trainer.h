@@ -94,7 +94,8 @@ class Trainer {
   void densify();
 
   TrainOptions options_;
-  Claim claim_;      // what the result of the run depends on
+  Claim claim_;  // what the result of the run depends on
+  Sphere body_;
   float extent_;     // mm
   float pixel_ = 0;  // mm, of a picture's pixel
   std::vector<View> views_;

@@ -33,4 +33,10 @@ struct LightRig {
   float environment_turn = 0;  ///< radians, towards the patient's right
 };
 
+/// Turned about the patient's long axis, counterclockwise seen from the head.
+LightRig turned(const LightRig& rig, float degrees);
+
+/// A lamp that shines from a direction (RAS, not 0) instead of the rig's, beside a darker sky.
+LightRig lamp_instead(const LightRig& rig, const Vec3& direction);
+
 }  // namespace clipgs

@@ -3,7 +3,8 @@ import type { Vector3 } from "three";
 import { canDraw, type Cut } from "./model/cut";
 import type { FaceSource } from "./model/faces";
 import { flipped, type Plane, projectBox } from "./model/geometry";
-import { isSameWindow, type Window } from "./model/grey";
+import { type GreyOpenings, isSameWindow, type Window } from "./model/grey";
+import type { Lighting } from "./model/rigs";
 import { History } from "./model/history";
 import { freeAxis, kAxes, type Orientation, planeAcross } from "./model/planes";
 import { type Mode, stateText } from "./model/states";
@@ -16,14 +17,14 @@ export const kThickness = 20;
 export const kLeastThickness = 1;
 
 /** What is undone, and done again. */
-interface Moment {
+interface Moment extends Lighting {
   mode: Mode;
   cuts: readonly Cut[];
   active: number;
   clip: ClipOperator;
   section: FaceSource;
   grey: number;
-  rig: string | null;
+  openings: GreyOpenings;
   window: Window | null;
 }
 
@@ -262,8 +263,8 @@ export class Actions {
   }
 
   get #moment(): Moment {
-    const { mode, cuts, active, clip, section, grey, rig, window } = this.#viewer.state;
-    return { mode, cuts, active, clip, section, grey, rig, window };
+    const { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window } = this.#viewer.state;
+    return { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window };
   }
 
   #record(): void {
@@ -273,7 +274,7 @@ export class Actions {
   }
 
   #restore(moment: Moment): void {
-    const { mode, cuts, active, clip, section, grey, rig, window } = moment;
+    const { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window } = moment;
     const viewer = this.#viewer;
     this.#restoring = true;
     viewer.setMode(mode);
@@ -281,7 +282,10 @@ export class Actions {
     viewer.setClip(clip);
     viewer.setSection(section);
     viewer.setGrey(grey);
+    viewer.setOpenings(openings);
     viewer.setRig(rig);
+    viewer.setTurn(turn);
+    viewer.setLamp(lamp);
     this.#latest = moment;
     viewer.setWindow(window);
     this.#restoring = false;

@@ -1,3 +1,4 @@
+import type { GreyOpenings } from "./model/grey";
 import type { Layers } from "./model/layers";
 import type { Effort } from "./xr/governor";
 
@@ -96,10 +97,19 @@ export interface ClipgsApi {
   /** How faces drawn from the volume look: 0 cinematic … 1 grey values through the window. */
   setGrey(grey: number): void;
   /**
+   * What grey shows in gaps of a face that the window has black: the walls behind them, cinematic or of a clay that no
+   * value looks like, or the gaps' values.
+   */
+  setOpenings(openings: GreyOpenings): void;
+  /**
    * Lights the case by one of "ambient", "dome", "rim", "studio" and "theatre"; null: by the lights that it was made in.
    * Returns whether there is such a rig; cases without a section, and of translucent matter, stay as they are.
    */
   setRig(rig: string | null): boolean;
+  /** Turns the lights about the patient's long axis, counterclockwise seen from the head. */
+  setTurn(degrees: number): void;
+  /** A lamp instead of the rig's: where it shines from (RAS); null: none. */
+  setLamp(from: Triple | null): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: GreyWindow | null): void;
   /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
@@ -128,7 +138,10 @@ export interface ClipgsApi {
     clip: ClipOperator;
     section: FaceSource;
     grey: number;
+    openings: GreyOpenings;
     rig: string | null;
+    turn: number;
+    lamp: Triple | null;
     window: GreyWindow | null;
     layers: Layers;
   };

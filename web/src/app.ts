@@ -247,7 +247,10 @@ export class App {
     }
     this.viewer.setSection(link.section ?? "volume");
     this.viewer.setGrey(link.grey ?? 0);
+    this.viewer.setOpenings(link.openings ?? "cinematic");
     this.viewer.setRig(link.rig ?? null);
+    this.viewer.setTurn(link.turn ?? 0);
+    this.viewer.setLamp(link.lamp ?? null);
     this.viewer.setPins(link.pins ?? []);
     if (link.window) {
       this.viewer.setWindow(link.window);
@@ -258,12 +261,16 @@ export class App {
 
   /** What is shown. */
   get link(): Link {
-    const { view, mode, cuts, clip, section, grey, rig, window, pins } = this.viewer.state;
+    const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, pins } =
+      this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
     const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
     const style = {
       ...(grey > 0 ? { grey, window: window ?? undefined } : {}),
+      ...(grey > 0 && openings !== "cinematic" ? { openings } : {}),
       ...(rig ? { rig } : {}),
+      ...(turn ? { turn } : {}),
+      ...(lamp ? { lamp } : {}),
     };
     return { case: name, view, ...cut, clip, section, ...style, pins };
   }

@@ -45,7 +45,10 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     setClip: (clip) => viewer.setClip(clip),
     setSection: (section) => viewer.setSection(section),
     setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
+    setOpenings: (openings) => viewer.setOpenings(openings),
     setRig: (rig) => viewer.setRig(rig),
+    setTurn: (degrees) => viewer.setTurn(degrees),
+    setLamp: (from) => viewer.setLamp(from),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
     setLayers: (layers) => viewer.setLayers(layers),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
@@ -71,7 +74,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       }));
     },
     get state() {
-      const { view, mode, cuts, clip, section, grey, rig, layers } = viewer.state;
+      const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, layers } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
@@ -85,7 +88,10 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         clip,
         section,
         grey,
+        openings,
         rig,
+        turn,
+        lamp,
         window: viewer.window,
         layers: { ...layers },
       };

@@ -13,8 +13,8 @@ import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import { type FaceEffort, type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
-import { kWorldFromPatient, type Plane, projectOnto } from "./model/geometry";
-import type { Window } from "./model/grey";
+import { kWorldFromPatient, type Plane, projectOnto, type Triple } from "./model/geometry";
+import type { GreyOpenings, Window } from "./model/grey";
 import { kAllLayers, type Layers } from "./model/layers";
 import type { LinkPin } from "./model/link";
 import { type Pin, withoutPin, withPin } from "./model/pins";
@@ -87,7 +87,10 @@ export class Viewer {
     clip: "exact",
     section: "volume",
     grey: 0,
+    openings: "cinematic",
     rig: null,
+    turn: 0,
+    lamp: null,
     window: null,
     handle: true,
     layers: kAllLayers,
@@ -442,6 +445,12 @@ export class Viewer {
     this.#touch();
   }
 
+  /** What grey shows in gaps of a face that the window has black. */
+  setOpenings(openings: GreyOpenings): void {
+    this.state.openings = openings;
+    this.#touch();
+  }
+
   /** Whether the case can be seen in other lights than its own: null until that is known. */
   get canChangeRig(): boolean | null {
     return this.#case?.canChangeRig ?? null;
@@ -455,6 +464,18 @@ export class Viewer {
       this.#touch();
     }
     return possible;
+  }
+
+  /** Turns the lights about the patient's long axis by degrees, counterclockwise seen from the head. */
+  setTurn(turn: number): void {
+    this.state.turn = turn;
+    this.#touch();
+  }
+
+  /** A lamp instead of the rig's, that shines from a direction (RAS); null: none. */
+  setLamp(from: Triple | null): void {
+    this.state.lamp = from && new Vector3(...from).normalize().toArray();
+    this.#touch();
   }
 
   /** null: the window that the case's values suggest. */

@@ -3,7 +3,8 @@ import { Vector3 } from "three";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { canDraw, type Cut, makeCut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
-import type { Window } from "./grey";
+import type { Triple } from "./geometry";
+import { type GreyOpenings, kGreyOpenings, type Window } from "./grey";
 import type { Pin } from "./pins";
 import { kRigs } from "./rigs";
 import { type View, viewFrom } from "./view";
@@ -22,7 +23,10 @@ export interface Link {
   section?: FaceSource;
   grey?: number;
   /** One of kRigs. */
+  openings?: GreyOpenings;
   rig?: string;
+  turn?: number;
+  lamp?: Triple;
   window?: Window;
   pins?: readonly LinkPin[];
   /** Fixed size of the picture, px. */
@@ -70,7 +74,7 @@ function parsePins(parameters: URLSearchParams): LinkPin[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&rig=…&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -109,9 +113,21 @@ export function parseLink(hash: string): Link {
   if (grey !== undefined && grey >= 0 && grey <= 1) {
     link.grey = grey;
   }
+  const openings = kGreyOpenings.find((name) => name === parameters.get("openings"));
+  if (openings) {
+    link.openings = openings;
+  }
   const rig = parameters.get("rig");
   if (rig && kRigs.has(rig)) {
     link.rig = rig;
+  }
+  const [turn] = numbers(parameters.get("turn"), 1, 1) ?? [];
+  if (turn) {
+    link.turn = turn % 360;
+  }
+  const lamp = numbers(parameters.get("lamp"), 3, 3);
+  if (lamp?.some((part) => part !== 0)) {
+    link.lamp = [lamp[0]!, lamp[1]!, lamp[2]!];
   }
   const window = numbers(parameters.get("window"), 2, 2);
   if (window && window[1]! > 0) {
@@ -173,8 +189,17 @@ export function formatLink(link: Link): string {
   if (link.grey) {
     parts.push(`grey=${rounded(link.grey, 2)}`);
   }
+  if (link.openings) {
+    parts.push(`openings=${link.openings}`);
+  }
   if (link.rig) {
     parts.push(`rig=${link.rig}`);
+  }
+  if (link.turn) {
+    parts.push(`turn=${rounded(link.turn, 1)}`);
+  }
+  if (link.lamp) {
+    parts.push(`lamp=${link.lamp.map((v) => rounded(v, 3))}`);
   }
   if (link.window) {
     parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);

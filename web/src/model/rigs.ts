@@ -1,4 +1,4 @@
-import { Vector3 } from "three";
+import { MathUtils, Vector3 } from "three";
 
 import type { LightRig } from "../sog/section";
 import type { Triple } from "./geometry";
@@ -53,3 +53,50 @@ export const kRigs: ReadonlyMap<string, NamedRig> = new Map(
     .filter(([, file]) => file.keys.every((key) => !key.distance))
     .map(([path, file]) => [/([^/]+)\.json$/.exec(path)![1]!, { title: file.title, rig: rigOf(file) }]),
 );
+
+/** Which lights a case is seen in. */
+export interface Lighting {
+  rig: string | null; // one of kRigs; null: the lights that the case was made in
+  turn: number; // degrees that they are turned about the patient's long axis, counterclockwise seen from the head
+  lamp: Triple | null; // a lamp instead of the rig's: where it shines from, unit RAS
+}
+
+/** Of the sky beside a lamp: as much as shows what it does not shine on. */
+const kSkyBesideLamp = 0.35;
+const kLampColor: Triple = [1, 0.97, 0.92];
+const kLeastLamp = 1.5;
+const kLampRadius = MathUtils.degToRad(3);
+
+function scaled([x, y, z]: Triple, factor: number): Triple {
+  return [factor * x, factor * y, factor * z];
+}
+
+/** Lights as they are chosen, of a case that was made in `own`. */
+export function lightsOf({ rig, turn, lamp }: Lighting, own: LightRig): LightRig {
+  const base = (rig && kRigs.get(rig)?.rig) || own;
+  if (lamp) {
+    // As bright as the lamps whose place it takes.
+    const strength = base.keys.reduce((sum, { radiance }) => sum + Math.max(...radiance), 0);
+    const radiance = scaled(kLampColor, Math.max(kLeastLamp, strength));
+    return {
+      skyTop: scaled(base.skyTop, kSkyBesideLamp),
+      skyHorizon: scaled(base.skyHorizon, kSkyBesideLamp),
+      skyBottom: scaled(base.skyBottom, kSkyBesideLamp),
+      keys: [{ direction: lamp, radiance, angularRadius: kLampRadius }],
+    };
+  }
+  const axis = new Vector3(0, 0, 1);
+  const angle = MathUtils.degToRad(turn);
+  return {
+    ...base,
+    keys: base.keys.map((key) => ({
+      ...key,
+      direction: new Vector3(...key.direction).applyAxisAngle(axis, angle).toArray(),
+    })),
+  };
+}
+
+/** Whether a case is seen in the lights that it was made in. */
+export function isOwn({ rig, turn, lamp }: Lighting): boolean {
+  return !rig && !turn && !lamp;
+}

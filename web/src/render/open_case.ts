@@ -4,11 +4,11 @@ import { type CaseInfo, parseCaseInfo } from "../model/case_info";
 import { type Cut, planesOf } from "../model/cut";
 import type { FaceEffort, FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import { type Window, windowPresets } from "../model/grey";
+import { type GreyOpenings, type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
-import { kRigs } from "../model/rigs";
+import { isOwn, type Lighting, lightsOf } from "../model/rigs";
 import { type LayerSwitch, switchLayers } from "../model/states";
-import type { Section } from "../sog/section";
+import type { LightRig, Section } from "../sog/section";
 import type { CaseError } from "../sog/zip";
 import type { CaseClient, DecodedSection } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
@@ -24,12 +24,12 @@ export const kAtRest: FaceEffort = { rays: 8, walls: "fine" };
 export const kMoving: FaceEffort = { rays: 1, walls: "coarse" };
 
 /** How a case is cut, and how its faces look. */
-export interface Style {
+export interface Style extends Lighting {
   cuts: readonly Cut[];
   clip: ClipOperator;
   section: FaceSource;
   grey: number; // 0 cinematic … 1 grey
-  rig: string | null; // one of kRigs; null: the lights that the case was made in
+  openings: GreyOpenings; // in grey faces
   layers: Layers;
 }
 
@@ -71,6 +71,7 @@ export class OpenCase {
   readonly #view = new Float32Array(kViewFloats); // that the worker is told
   #coming: SectionFaces | null = null; // what `faces` will be
   #light: OpenedLight | null = null;
+  #lights: { name: string; lights: LightRig | null } = { name: "", lights: null }; // that it is seen in
   #spare: Uint32Array; // an order buffer that neither the GPU nor the worker has
 
   /** Throws CaseError. */
@@ -79,7 +80,7 @@ export class OpenCase {
     this.info = parseCaseInfo(loaded.clipgs);
     const { sceneToPatient, mmPerUnit, faceGain } = this.info;
     const scene = new GpuScene(loaded.scene);
-    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain);
+    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, this.info.sphere);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
@@ -160,24 +161,30 @@ export class OpenCase {
   }
 
   /** Whether the light is that of a style's cuts and lights. */
-  isLit({ cuts, rig }: Style): boolean {
-    return this.#lightBy(rig)?.isSettled(this.#planes(cuts)) ?? true;
+  isLit(style: Style): boolean {
+    return this.#lightBy(style)?.isSettled(this.#planes(style.cuts)) ?? true;
   }
 
   /** Lets the light follow a style: nearly, while something is `moving`. */
-  followLight({ cuts, rig }: Style, moving: boolean): void {
-    this.#lightBy(rig)?.follow(this.#planes(cuts), moving);
+  followLight(style: Style, moving: boolean): void {
+    this.#lightBy(style)?.follow(this.#planes(style.cuts), moving);
   }
 
   /** Until the light is that of a style. */
-  async light({ cuts, rig }: Style): Promise<void> {
+  async light(style: Style): Promise<void> {
     await this.#light?.ready;
-    await this.#lightBy(rig)?.settle(this.#planes(cuts));
+    await this.#lightBy(style)?.settle(this.#planes(style.cuts));
   }
 
-  /** Under a rig, where it can be lit by others than its own. */
-  #lightBy(rig: string | null): OpenedLight | null {
-    this.#light?.setRig((rig && kRigs.get(rig)?.rig) || null);
+  /** In the lights of a style, where it can be lit by others than its own. */
+  #lightBy(style: Lighting): OpenedLight | null {
+    const { rig, turn, lamp } = style;
+    const wanted = JSON.stringify([rig, turn, lamp]);
+    if (this.#light && this.faces && wanted !== this.#lights.name) {
+      const lights = isOwn(style) ? null : lightsOf(style, this.faces.section.rig);
+      this.#lights = { name: wanted, lights };
+    }
+    this.#light?.setRig(this.#lights.lights);
     return this.#light;
   }
 
@@ -185,7 +192,7 @@ export class OpenCase {
   subject(
     camera: PerspectiveCamera,
     height: number,
-    { cuts, clip, section, grey, layers }: Style,
+    { cuts, clip, section, grey, openings, layers }: Style,
     window: Window | null,
     effort: FaceEffort,
   ): Subject {
@@ -204,7 +211,7 @@ export class OpenCase {
     const reach = eye.distanceTo(info.sphere.center) + info.sphere.radius;
     const pixel = (2 * reach * Math.tan((camera.fov * Math.PI) / 360)) / height;
     faces.setPlanes(planes, effort.rays > 1 ? 2 * pixel : 0, !mesh.visible);
-    faces.setStyle(grey, window);
+    faces.setStyle(grey, openings, window);
     faces.effort = effort;
     return { mesh, faces };
   }

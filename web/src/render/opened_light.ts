@@ -28,6 +28,7 @@ function lightTexture(texels: Uint16Array, [x, y, z]: OpeningsInfo["cells"]): Da
 /** Light under a cut: nearly as it is, or all that is computed. */
 interface Solution {
   planes: readonly Plane[];
+  rig: LightRig | null;
   quick: boolean;
 }
 
@@ -52,7 +53,8 @@ export class OpenedLight {
   #state: "coming" | "drawn" | "none" = "coming";
   #lit: Solution | null = null;
   #solving: Promise<void> | null = null;
-  #rig: LightRig | null = null; // null: the case's own
+  #rig: LightRig | null = null; // that is wanted; null: the case's own
+  #told: LightRig | null = null; // that the worker knows of
 
   constructor(client: LightClient, faces: SectionFaces, mesh: SplatMesh, changed: () => void) {
     this.#client = client;
@@ -77,11 +79,8 @@ export class OpenedLight {
   /** Chooses lights; null: those that the case was made in. */
   setRig(rig: LightRig | null): void {
     if (this.#state === "drawn" && rig !== this.#rig) {
-      const shown = rig ?? this.#faces.section.rig;
       this.#rig = rig;
-      this.#lit = null;
-      this.#faces.setRig(shown);
-      this.#client.setRig(shown);
+      this.#faces.setRig(rig ?? this.#faces.section.rig);
       this.#changed();
     }
   }
@@ -92,7 +91,7 @@ export class OpenedLight {
     return (
       this.#state === "none" ||
       !this.#matters(planes) ||
-      (this.#state === "drawn" && lit !== null && !lit.quick && same(lit.planes, planes))
+      (this.#state === "drawn" && lit !== null && !lit.quick && this.#is(lit, planes))
     );
   }
 
@@ -103,7 +102,7 @@ export class OpenedLight {
 
   /** Asks for the light under a cut, unless some is being computed. */
   follow(planes: readonly Plane[], quick: boolean): void {
-    const enough = quick && this.#lit !== null && same(this.#lit.planes, planes);
+    const enough = quick && this.#lit !== null && this.#is(this.#lit, planes);
     if (this.#state === "drawn" && !this.#solving && !enough && !this.isSettled(planes)) {
       void this.#solve(planes, quick);
     }
@@ -123,6 +122,10 @@ export class OpenedLight {
     this.#textures?.light.dispose();
     this.#textures?.own.dispose();
     this.#textures = null;
+  }
+
+  #is({ planes, rig }: Solution, wanted: readonly Plane[]): boolean {
+    return rig === this.#rig && same(planes, wanted);
   }
 
   /** Uncut, under its own lights, a case looks as it was trained. */
@@ -145,17 +148,21 @@ export class OpenedLight {
   #solve(planes: readonly Plane[], quick: boolean): Promise<void> {
     const values = planes.flatMap(({ normal, offset }) => [...normal.toArray(), offset]);
     const rig = this.#rig;
+    if (rig !== this.#told) {
+      this.#told = rig;
+      this.#client.setRig(rig ?? this.#faces.section.rig);
+    }
     this.#solving = this.#client.solve(Float32Array.from(values), quick).then((texels) => {
       this.#solving = null;
       if (!texels) {
         this.#state = "none"; // what was lit last stays
-      } else if (this.#textures && rig === this.#rig) {
+      } else if (this.#textures) {
         const { light } = this.#textures;
         light.image.data = texels as BufferSource as Uint16Array<ArrayBuffer>;
         light.needsUpdate = true;
         this.#faces.lit = true;
         this.#mesh.invalidateColors();
-        this.#lit = { planes, quick };
+        this.#lit = { planes, rig, quick };
         this.#changed();
       }
     });

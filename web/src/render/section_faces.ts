@@ -43,7 +43,7 @@ import {
 import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import { shades, type Window } from "../model/grey";
+import { type GreyOpenings, kGreyOpenings, shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo } from "../worker/protocol";
@@ -248,6 +248,7 @@ export class SectionFaces {
       uPlaneCount: { value: 0 },
       uRays: { value: 1 },
       uGrey: { value: 0 },
+      uGreyOpenings: { value: 0 },
       uGlossy: { value: Math.max(...section.materials.specular) > 0 },
       uRig: { value: rigUniform(section.rig) },
       uExposure: { value: section.exposure },
@@ -382,9 +383,13 @@ export class SectionFaces {
     this.partial.renderOrder = over ? kOverSplats : kBehindSplats;
   }
 
-  /** How faces look: 0 cinematic … 1 grey values through a window; null for photographs, which have colours. */
-  setStyle(grey: number, window: Window | null): void {
+  /**
+   * How faces look: 0 cinematic … 1 grey values through a window (null for photographs, which have colours), and what
+   * grey shows in gaps that are black.
+   */
+  setStyle(grey: number, openings: GreyOpenings, window: Window | null): void {
     this.#uniforms["uGrey"]!.value = grey;
+    this.#uniforms["uGreyOpenings"]!.value = kGreyOpenings.indexOf(openings);
     if (!window || (window.center === this.#window?.center && window.width === this.#window.width)) {
       return;
     }

@@ -12,12 +12,16 @@ import {
   Scene,
   UnsignedByteType,
   Vector2,
+  Vector3,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
 
 import type { Picture } from "../api";
+import { kMaxPlanes } from "../model/cut";
+import { kClipOperators } from "../worker/protocol";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
+import { keptEdges } from "./kept_share";
 import type { SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
 import type { SplatMesh } from "./splat_mesh";
@@ -50,7 +54,7 @@ export class SplatLayer {
   readonly #still: WebGLRenderTarget; // splats and opaque faces
   readonly #moving: WebGLRenderTarget; // the same
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
-  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
+  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel" | "uEdges" | "uEdgeCount", IUniform>;
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
@@ -64,6 +68,8 @@ export class SplatLayer {
       uPicture: { value: null },
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
+      uEdges: { value: Array.from({ length: 2 * kMaxPlanes }, () => new Vector3()) },
+      uEdgeCount: { value: 0 },
     };
     this.object = new Mesh(
       fullScreenTriangle(),
@@ -72,7 +78,7 @@ export class SplatLayer {
         vertexShader: shader("full_screen.vert.glsl"),
         fragmentShader: shader("composite.frag.glsl"),
         uniforms: this.#uniforms,
-        defines: { kStraight: 0 },
+        defines: { kStraight: 0, kMaxPlanes },
         transparent: true,
         depthTest: false,
         depthWrite: false,
@@ -100,7 +106,7 @@ export class SplatLayer {
     const straight = new FullScreenPass(
       "composite.frag.glsl",
       { ...this.#uniforms, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
-      { kStraight: 1 },
+      { kStraight: 1, kMaxPlanes },
     );
     straight.render(this.#renderer, bytes);
     const rows = new Uint8Array(width * height * 4);
@@ -126,7 +132,12 @@ export class SplatLayer {
     height: number,
   ): void {
     const renderer = this.#renderer;
-    mesh.updateColors(renderer, mesh.sceneCamera(camera, width, height).position);
+    const seen = mesh.sceneCamera(camera, width, height);
+    mesh.updateColors(renderer, seen.position);
+    const edges = mesh.clip === kClipOperators.exact ? keptEdges(seen, mesh.planes, mesh.body) : [];
+    const values = this.#uniforms.uEdges.value as Vector3[];
+    edges.flat().forEach((line, i) => values[i]!.copy(line));
+    this.#uniforms.uEdgeCount.value = edges.length;
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
     this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);

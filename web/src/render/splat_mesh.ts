@@ -10,6 +10,7 @@ import {
   OneMinusSrcAlphaFactor,
   type PerspectiveCamera,
   RawShaderMaterial,
+  Sphere,
   Vector2,
   Vector3,
   Vector4,
@@ -85,6 +86,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #faceGain: FaceGain;
   readonly #colorPass: FullScreenPass;
   #colored = false; // as seen from uEye, with these planes
+  /** Around the splats, in scene space. */
+  readonly body: Sphere;
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
   clip: number = kClipOperators.none;
@@ -93,7 +96,14 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** Splats in the current order. */
   drawn = 0;
 
-  constructor(scene: GpuScene, sceneToPatient: Matrix4, mmPerUnit: number, faceGain: FaceGain) {
+  /** `sphere`: around the splats, RAS mm. */
+  constructor(
+    scene: GpuScene,
+    sceneToPatient: Matrix4,
+    mmPerUnit: number,
+    faceGain: FaceGain,
+    sphere: { center: Vector3; radius: number },
+  ) {
     const camera = makeSceneCamera();
     const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
     super(
@@ -133,6 +143,10 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.#mmPerUnit = mmPerUnit;
     this.#sceneToPatient = sceneToPatient;
     this.#faceGain = faceGain;
+    this.body = new Sphere(
+      sphere.center.clone().applyMatrix4(sceneToPatient.clone().invert()),
+      sphere.radius / mmPerUnit,
+    );
     const { uScene, uScaleCodebook, uPackedScene, uPlanes, uPlaneCount } = this.material.uniforms;
     this.#colorPass = new FullScreenPass(
       "color.frag.glsl",

@@ -7,7 +7,20 @@ uniform sampler2D uPicture;
 uniform sampler2D uFaces;
 uniform vec2 uTexelsPerPixel;  // of both, where they are drawn at another size
 
+// Planes that are seen along themselves end the picture: the twin of KeptShare in src/splat/kept_share.h.
+uniform vec3 uEdges[2 * kMaxPlanes];
+uniform int uEdgeCount;
+
 out vec4 fragColor;
+
+// How much of a pixel, which counts from the top left, sees anything that is kept.
+float keptShare(vec3 pixel) {
+  float share = 1.0;
+  for (int i = 0; i < uEdgeCount; ++i) {
+    share *= clamp(max(dot(uEdges[2 * i], pixel), dot(uEdges[2 * i + 1], pixel)), 0.0, 1.0);
+  }
+  return share;
+}
 
 // What covers a pixel in part covers the same part of it: the twin of put_behind() in src/splat/behind.h.
 vec4 putBehind(vec4 face, vec4 splats) {
@@ -17,7 +30,9 @@ vec4 putBehind(vec4 face, vec4 splats) {
 
 void main() {
   vec2 at = gl_FragCoord.xy * uTexelsPerPixel;
-  vec4 c = putBehind(texture(uFaces, at), texture(uPicture, at));
+  vec2 size = vec2(textureSize(uPicture, 0));
+  float share = keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
+  vec4 c = putBehind(texture(uFaces, at), share * texture(uPicture, at));
   c.rgb = min(c.rgb, c.a);
   if (kStraight == 1) {
     c.rgb /= max(c.a, 1e-6);

@@ -26,6 +26,7 @@ uniform bool uGlossy;
 uniform float uGrey;  // 0 cinematic … 1 values through the window
 uniform LightRig uRig;
 uniform float uExposure;
+uniform int uGreyOpenings;
 uniform bool uOpened;  // whether walls behind gaps are drawn; splats show them else
 uniform Openings uOpenings;
 uniform sampler3D uBlocks;
@@ -33,16 +34,18 @@ uniform highp sampler3D uLight;
 
 out vec4 fragColor;
 
-// Premultiplied display sRGB of what `rays` rays saw of lit tissue.
-vec4 cinematic(FaceSum sum, vec3 towardsEye, float rays) {
-  if (sum.alpha <= 0.0) {
-    return vec4(0.0);
-  }
+// Premultiplied display sRGB of a sum of linear RGB.
+vec4 exposed(vec3 light, float alpha) {
+  return alpha > 0.0 ? alpha * vec4(srgbFromLinear(uExposure / alpha * light), 1.0) : vec4(0.0);
+}
+
+// Premultiplied display sRGB of lit tissue, and of walls that are seen as such.
+vec4 cinematic(FaceSum sum, vec3 towardsEye) {
   vec3 light = sum.reflectance * vLight.rgb + sum.opened;
   if (sum.specular > 0.0) {
     light += sum.specular * faceGloss(uRig, vOutward, towardsEye, sum.roughness / sum.specular);
   }
-  return sum.alpha / rays * vec4(srgbFromLinear(uExposure / sum.alpha * light), 1.0);
+  return exposed(light, sum.alpha);
 }
 
 void main() {
@@ -53,7 +56,7 @@ void main() {
   vec3 right = dFdx(vPosition);
   vec3 up = dFdy(vPosition);
   vec3 last = vec3(textureSize(uVoxels, 0) - 1);
-  FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0));
+  FaceSum sum = FaceSum(vec3(0.0), 0.0, 0.0, 0.0, vec3(0.0), vec4(0.0));
   vec4 grey = vec4(0.0);
   for (int i = 0; i < uRays; ++i) {
     vec2 offset = placeInPixel(i, uRays) - 0.5;
@@ -69,21 +72,28 @@ void main() {
     ray.leave = min(distanceToSide(ray.start, ray.stride, last),
                     distanceToCut(position, direction, uPlanes, uPlaneCount));
     ray.surface = vLight.a;
-    if (uGrey < 1.0) {
+    float open = 0.0;  // of a grey ray
+    if (uGrey < 1.0 || uGreyOpenings != kGapValues) {
       vec2 gap = march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
       Wall wall;
       if (uOpened && gap.x > 0.0 && isInside(ray.start, uBlocks) &&
           firstWall(ray, direction, gap.y, uOpenings, uVoxels, uBlocks, uMaterials, wall)) {
-        sum.opened += gap.x * wall.reflectance * wallLight(wall, uOpenings, uLight);
-        sum.alpha += gap.x;
+        if (uGrey > 0.0 && uGreyOpenings != kGapValues) {
+          open = openness(gap.x, ray.start, uVoxels, uCurve, uMaterials);
+        }
+        vec3 light = wallLight(wall, uOpenings, uLight);
+        vec3 behind = uGreyOpenings == kNeutralWalls ? mix(wall.reflectance, kClay, uGrey) : wall.reflectance;
+        sum.opened += (1.0 - open) * gap.x * wall.reflectance * light;
+        sum.alpha += (1.0 - open) * gap.x;
+        sum.behind += open * (1.0 - (1.0 - uGrey) * (1.0 - gap.x)) * vec4(behind * light, 1.0);
       }
     }
     if (uGrey > 0.0) {
-      grey += greyAt(ray.start, uVoxels, uCurve, uMaterials);
+      grey += (1.0 - open) * greyAt(ray.start, uVoxels, uCurve, uMaterials);
     }
   }
-  float rays = float(uRays);
-  vec4 color = mix(cinematic(sum, normalize(eye - vPosition), rays), grey / rays, uGrey);
+  vec4 seen = mix(cinematic(sum, normalize(eye - vPosition)), grey, uGrey);
+  vec4 color = (seen + exposed(sum.behind.rgb, sum.behind.a)) / float(uRays);
   bool opaque = color.a > 0.999;
   if (color.a <= 0.0 || opaque != (kOpaque == 1)) {
     discard;

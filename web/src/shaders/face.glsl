@@ -85,7 +85,17 @@ struct FaceSum {
   float specular;
   float roughness;  // times specular
   vec3 opened;      // linear RGB of walls, lit
+  vec4 behind;      // the same of those behind grey faces, and their alpha
 };
+
+// What grey shows in gaps that the window has black (FaceStyle::Openings of src/section/faces.h).
+const int kNeutralWalls = 1;
+const int kGapValues = 2;
+const float kGap = 0.4;  // of a ray's light that goes on: less is tissue …
+const float kClearGap = 0.6;  // … and more an opening
+const float kDark = 0.1;  // of the window, below black: as dark is an opening, brighter is a value
+const vec3 kClay = vec3(0.16, 0.26, 0.42);  // of neutral walls, linear RGB
+
 
 vec3 srgbFromLinear(vec3 linear) {
   vec3 c = clamp(linear, 0.0, 1.0);
@@ -129,6 +139,16 @@ vec4 sampleAt(vec3 index, highp sampler3D voxels, highp sampler2D curve) {
 
 // Where the table of materials has a value.
 float materialColumn(float value) { return (value * float(kColumns - 1) + 0.5) / float(kColumns); }
+
+// How much of what is behind a gap is seen in grey, where `share` of a ray's light goes on at an index.
+float openness(float share, vec3 index, highp sampler3D voxels, highp sampler2D curve, sampler2D materials) {
+  float gap = clamp((share - kGap) / (kClearGap - kGap), 0.0, 1.0);
+  if (kChannels == 3) {
+    return gap;
+  }
+  float column = materialColumn(valueOf(sampleAt(index, voxels, curve)));
+  return gap * clamp(-texture(materials, vec2(column, kGlossRow)).b / kDark, 0.0, 1.0);
+}
 
 // What a ray meets on the face in grey: premultiplied display sRGB and alpha.
 vec4 greyAt(vec3 index, highp sampler3D voxels, highp sampler2D curve, sampler2D materials) {

@@ -12,7 +12,7 @@ function checksum(bytes: Uint8Array): string {
 export function requireChecksum(stated: unknown, bytes: Uint8Array, file: string): void {
   if (stated !== undefined && stated !== checksum(bytes)) {
     throw new CaseError(
-      `${file} does not decode to what was written (its checksum differs), so the case is not shown; copy it again, or use another browser`,
+      `${file} does not decode to what was written (its checksum differs), so it is not shown; copy the case again, or use another browser`,
     );
   }
 }

@@ -1,12 +1,25 @@
 import type { FaceSource } from "../model/faces";
-import { isSameWindow, type Window } from "../model/grey";
+import { type GreyOpenings, isSameWindow, kGreyOpenings, type Window } from "../model/grey";
 import { kRigs } from "../model/rigs";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
+import { LampPad } from "./lamp_pad";
 
 const kSources: Record<FaceSource, string> = {
   volume: "Cut faces are drawn from the section volume",
   splats: "Cut faces are what the cut leaves of the splats",
+};
+
+/** The choice of a lamp among the rigs. */
+const kLamp = "lamp";
+
+const kOpenings: Record<GreyOpenings, [label: string, hint: string]> = {
+  cinematic: ["Lit", "Behind what the window has black, walls are seen in their colours and light"],
+  neutral: [
+    "Clay",
+    "Behind what the window has black, walls are seen as blue clay, which no value looks like",
+  ],
+  values: ["Values", "Values alone: what the window has black is black"],
 };
 
 /** How cut faces look: from the volume or by splats, cinematic or grey, and through which window. */
@@ -17,6 +30,11 @@ export class FacePanel {
   readonly #noSection = h("p", { class: "hint" });
   readonly #rig: HTMLSelectElement;
   readonly #light: HTMLElement;
+  readonly #turn: HTMLInputElement;
+  readonly #turned: HTMLElement;
+  readonly #lamp: LampPad;
+  readonly #openings = new Map<GreyOpenings, HTMLButtonElement>();
+  readonly #gaps: HTMLElement;
   readonly #grey: HTMLInputElement;
   readonly #blend: HTMLElement;
   readonly #window: HTMLElement;
@@ -36,9 +54,30 @@ export class FacePanel {
     }
     this.#rig = h(
       "select",
-      { onchange: () => viewer.setRig(this.#rig.value || null) },
+      { onchange: () => this.#chooseLight(this.#rig.value) },
       h("option", { value: "" }, "As the case was made"),
       ...[...kRigs].map(([name, { title }]) => h("option", { value: name }, title)),
+      h("option", { value: kLamp }, "Lamp in hand"),
+    );
+    this.#turn = h("input", {
+      type: "range",
+      min: "-180",
+      max: "180",
+      step: "5",
+      "aria-label": "Turn the light, degrees",
+      oninput: () => viewer.setTurn(this.#turn.valueAsNumber),
+    });
+    this.#turned = h("div", { class: "blend two" }, h("span", {}, "Turned"), this.#turn);
+    this.#lamp = new LampPad(viewer);
+    for (const name of kGreyOpenings) {
+      const [label, title] = kOpenings[name];
+      this.#openings.set(name, h("button", { title, onclick: () => viewer.setOpenings(name) }, label));
+    }
+    this.#gaps = h(
+      "div",
+      { class: "gaps" },
+      h("span", {}, "Openings"),
+      h("div", { class: "segments", role: "group", "aria-label": "Openings" }, ...this.#openings.values()),
     );
     this.#light = h("label", { class: "light" }, "Light", this.#rig);
     this.#grey = h("input", {
@@ -69,16 +108,23 @@ export class FacePanel {
       h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#sources.values()),
       this.#noSection,
       this.#light,
+      this.#turned,
+      this.#lamp.element,
       this.#blend,
+      this.#gaps,
       this.#window,
     );
   }
 
   update(): void {
     const { state, noSection, windows, window, canChangeRig } = this.#viewer;
-    const { section, grey, rig } = state;
+    const { section, grey, openings, rig, turn, lamp } = state;
+    if (lamp) {
+      this.#lamp.update();
+    }
     // Touching the page costs a layout, which turning the case need not.
-    const shown = JSON.stringify([section, noSection, grey, rig, canChangeRig, window, [...windows.keys()]]);
+    const light = [rig, turn, lamp !== null, canChangeRig];
+    const shown = JSON.stringify([section, noSection, grey, openings, light, window, [...windows.keys()]]);
     if (shown === this.#shown) {
       return;
     }
@@ -92,7 +138,14 @@ export class FacePanel {
     this.#noSection.hidden = !noSection;
     this.#marks.hidden = noSection !== null;
     this.#light.hidden = canChangeRig !== true;
-    this.#rig.value = rig ?? "";
+    this.#rig.value = lamp ? kLamp : (rig ?? "");
+    this.#turned.hidden = canChangeRig !== true || lamp !== null;
+    this.#turn.value = String(turn);
+    this.#lamp.element.hidden = canChangeRig !== true || lamp === null;
+    this.#gaps.hidden = source === "splats" || grey === 0 || canChangeRig !== true;
+    for (const [name, button] of this.#openings) {
+      button.setAttribute("aria-pressed", String(name === openings));
+    }
     this.#blend.hidden = source === "splats";
     this.#grey.value = String(grey);
     this.#window.hidden = source === "splats" || grey === 0 || !window;
@@ -109,6 +162,15 @@ export class FacePanel {
     );
     this.#center.value = window ? String(Math.round(window.center)) : "";
     this.#width.value = window ? String(Math.round(window.width)) : "";
+  }
+
+  #chooseLight(name: string): void {
+    if (name === kLamp) {
+      this.#lamp.begin();
+    } else {
+      this.#viewer.setLamp(null);
+      this.#viewer.setRig(name || null);
+    }
   }
 
   #number(label: string): HTMLInputElement {

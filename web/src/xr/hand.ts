@@ -142,6 +142,11 @@ export class Hand {
     return Math.abs(back) > kDeadZone ? -back : 0;
   }
 
+  /** Of a point before where it takes hold, m, its place in the room. */
+  toRoom(point: Vector3): Vector3 {
+    return point.applyMatrix4(this.#near.matrixWorld);
+  }
+
   /** A tick that is felt, where the controller can: strength 0 … 1. */
   pulse(strength: number, milliseconds: number): void {
     void this.source?.gamepad?.hapticActuators?.[0]?.pulse(strength, milliseconds);

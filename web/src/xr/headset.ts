@@ -11,6 +11,7 @@ import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
 import { type Effort, Governor } from "./governor";
 import { Hand } from "./hand";
+import { HeldLamp } from "./held_lamp";
 import type { Panel, PanelHost } from "./panel/panel";
 import { Stage } from "./stage";
 
@@ -47,6 +48,7 @@ export class Headset {
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
+  readonly #lamp: HeldLamp;
   readonly #forward = new Vector3();
   readonly #eye = new Vector3(); // scratch
   #placed = false;
@@ -69,7 +71,8 @@ export class Headset {
     this.#hands = [0, 1].map(
       (index) => new Hand(xr, index, this.#camera, this.stage.solid, () => this.#placePanel()),
     );
-    this.stage.scene.add(...this.#hands.map((hand) => hand.object));
+    this.#lamp = new HeldLamp(viewer, this.stage);
+    this.stage.scene.add(...this.#hands.map((hand) => hand.object), this.#lamp.object);
     xr.addEventListener("sessionend", () => this.#takenOff());
     // What a session draws into does not come back.
     viewer.canvas.addEventListener("webglcontextlost", () => void this.leave());
@@ -129,6 +132,7 @@ export class Headset {
     this.stage.dispose();
     this.panel?.dispose();
     this.#hands.forEach((hand) => hand.dispose());
+    this.#lamp.dispose();
   }
 
   /** Its code is large, and wanted here alone. */
@@ -146,6 +150,7 @@ export class Headset {
         turnTo: (side) => this.stage.turnTo(side, this.#both.middle),
         stage,
         governor: this.governor,
+        lamp: this.#lamp,
         wrists: this.#hands.map((hand) => hand.wrist),
         summon: () => this.#placePanel(),
       });
@@ -166,6 +171,7 @@ export class Headset {
 
   #takenOff(): void {
     this.#marking.toggle(null);
+    this.#lamp.hand = null;
     const { renderer } = this.#viewer;
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
@@ -198,6 +204,7 @@ export class Headset {
       this.#placePanel();
     }
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd));
+    this.#lamp.update(this.#hands);
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
     this.#time = time;
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
@@ -252,6 +259,7 @@ export class Headset {
     const { renderer } = this.#viewer;
     this.stage.setToolsVisible(tools);
     this.#hands.forEach((hand) => (hand.object.visible = tools));
+    this.#lamp.object.visible &&= tools;
     this.panel!.object.visible = tools;
     renderer.clear();
     renderer.render(this.stage.scene, this.#camera);

@@ -358,6 +358,28 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
     });
 
+    it("is lit by a lamp that a hand holds, until it is left where it is or put out", async () => {
+      await wearer.wear();
+      await cutAcross();
+      await wearer.pressText("right", "Faces");
+      await wearer.pressText("right", "Left hand");
+      const lamp = () => page.evaluate(() => window.clipgs.state.lamp);
+      const toRoom = await roomFromPatient();
+      const middle = new Vector3().applyMatrix4(toRoom);
+      const holdAt = async (away: Vector3) => {
+        await wearer.reach("left", middle.clone().add(away));
+        await wearer.frames(2);
+        const [x, y, z] = (await lamp())!;
+        return new Vector3(x, y, z).transformDirection(toRoom);
+      };
+      expect((await holdAt(new Vector3(0, 0.8, 0))).y).toBeGreaterThan(0.95);
+      expect((await holdAt(new Vector3(-0.8, 0, 0))).x).toBeLessThan(-0.95);
+      await wearer.pressText("right", "Leave the lamp where it is");
+      expect((await holdAt(new Vector3(0, 0.8, 0))).x).toBeLessThan(-0.95);
+      await wearer.pressText("right", "No lamp");
+      expect(await lamp()).toBe(null);
+    });
+
     it("removes a pin that is pressed while points are marked", async () => {
       await wearer.wear();
       await cutAcross();
@@ -572,7 +594,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
           [some, total].map((n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f")).join(" of "),
         await page.evaluate(() => window.clipgs.stats),
       );
-      const text = `${said} splats, 50 % resolution, to 2.2 σ, from 3 px`;
+      const text = `${said} splats, 50 % resolution, to 2.2 σ, from 3 px, least walls`;
       await expect.poll(() => page.evaluate((t) => window.clipgs.headset.find(t), text)).not.toBeNull();
       await wearer.pressText("right", "Steady");
       await wearer.frames(5);

@@ -1,6 +1,8 @@
 import { join } from "node:path";
 
 import type { FaceSource } from "../../src/model/faces";
+import type { Triple } from "../../src/model/geometry";
+import type { GreyOpenings } from "../../src/model/grey";
 import type { ClipOperator } from "../../src/worker/protocol";
 import { type Picture, readPng } from "./picture";
 import { clipgs } from "./program";
@@ -17,7 +19,10 @@ export interface Shot {
   section?: FaceSource;
   grey?: number;
   shades?: [number, number]; // centre and width of the window
+  openings?: GreyOpenings;
   rig?: string;
+  turn?: number;
+  lamp?: Triple;
 }
 
 /** The same with its faces drawn from the volume and by splats. */
@@ -35,9 +40,10 @@ export async function choose(page: Evaluates, name: string): Promise<void> {
 
 /** Shows a shot of the case that is open. */
 export async function show(page: Evaluates, shot: Shot): Promise<void> {
-  const { view, plane, more = [], clip, section = "volume", grey = 0, shades, rig = null } = shot;
+  const { view, plane, more = [], clip, section = "volume", grey = 0, shades } = shot;
+  const { openings = "cinematic", rig = null, turn = 0, lamp = null } = shot;
   await page.evaluate(
-    ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width], lights]) => {
+    ([[azimuth, elevation, zoom], cuts, operator, source, share, [center, width], gaps, lights]) => {
       window.clipgs.setView({ azimuth, elevation, zoom });
       window.clipgs.setMode("arbitrary");
       window.clipgs.setCuts(
@@ -47,9 +53,21 @@ export async function show(page: Evaluates, shot: Shot): Promise<void> {
       window.clipgs.setSection(source);
       window.clipgs.setGrey(share);
       window.clipgs.setWindow({ center, width });
-      window.clipgs.setRig(lights);
+      window.clipgs.setOpenings(gaps);
+      window.clipgs.setRig(lights.rig);
+      window.clipgs.setTurn(lights.turn);
+      window.clipgs.setLamp(lights.lamp);
     },
-    [view, plane ? [plane, ...more] : [], clip, section, grey, shades ?? [40, 400], rig] as const,
+    [
+      view,
+      plane ? [plane, ...more] : [],
+      clip,
+      section,
+      grey,
+      shades ?? [40, 400],
+      openings,
+      { rig, turn, lamp },
+    ] as const,
   );
 }
 
@@ -66,7 +84,7 @@ export async function rendered(
 /** The same, with what it prints. */
 export async function renderedAndPrinted(
   server: Server,
-  { name = "phantom", view, plane, more = [], clip, section, grey, shades, rig }: Shot,
+  { name = "phantom", view, plane, more = [], clip, section, grey, shades, openings, rig, turn, lamp }: Shot,
   size: string,
   options: string[] = [],
 ): Promise<{ picture: Picture; printed: string }> {
@@ -90,7 +108,10 @@ export async function renderedAndPrinted(
     ...cut,
     ...source,
     ...(grey ? ["--grey", String(grey)] : []),
+    ...(openings ? ["--openings", openings] : []),
     ...(rig ? ["--rig", rig] : []),
+    ...(turn ? ["--turn-light", String(turn)] : []),
+    ...(lamp ? ["--lamp", lamp.join()] : []),
     ...(shades ? ["--window", shades.join()] : []),
     ...options,
   );

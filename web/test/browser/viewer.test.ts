@@ -4,7 +4,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
 import type { Triple } from "../../src/model/geometry";
-import { coverage, pagePicture, psnr, readPng } from "./picture";
+import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
 import { loseGpu, Session } from "./session";
@@ -111,6 +111,85 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(0);
     await marks.waitFor({ state: "hidden" });
+  });
+
+  it("is lit by a lamp in hand, from where it is held, and by lights that are turned", async () => {
+    const state = () => page.evaluate(() => window.clipgs.state);
+    /** How much brighter the left half of the picture is than the right one. */
+    const leftward = async () => {
+      const { data, width, height } = await pagePicture(page, 128, 128);
+      const sum = (from: number, to: number) => {
+        let light = 0;
+        for (let y = 0; y < height; ++y) {
+          for (let x = from; x < to; ++x) {
+            light += data[4 * (y * width + x) + 1]!;
+          }
+        }
+        return light;
+      };
+      return sum(0, 64) / sum(64, 128);
+    };
+    await show(page, { view: [0, 0, 1], plane: null, clip: "exact" });
+    const made = await leftward();
+    const light = page.getByRole("combobox", { name: /^Light/ });
+    await light.selectOption("Lamp in hand");
+    const pad = page.getByRole("slider", { name: "Where the lamp shines from" });
+    const { x, y, width, height } = (await pad.boundingBox())!;
+    const drag = async (right: number, up: number) => {
+      await page.mouse.move(x + 0.5 * width, y + 0.5 * height);
+      await page.mouse.down();
+      await page.mouse.move(x + (0.5 + right) * width, y + (0.5 - up) * height, { steps: 3 });
+      await page.mouse.up();
+    };
+    await drag(-0.28, 0); // seen from the front the patient's right is to the left
+    expect((await state()).lamp![0]).toBeGreaterThan(0.9);
+    expect(await leftward()).toBeGreaterThan(1.2 * made);
+    await drag(0.28, 0);
+    expect((await state()).lamp![0]).toBeLessThan(-0.9);
+    expect(await leftward()).toBeLessThan(made / 1.2);
+    expect(await pad.getAttribute("aria-valuetext")).toMatch(/degrees from the camera, right$/);
+    await pad.press("ArrowUp");
+    expect((await state()).lamp![2]).toBeGreaterThan(0.05);
+    await page.waitForFunction(() => location.hash.includes("lamp="));
+    const linked = await session.open(await hashOf(page), errors);
+    await linked.evaluate(() => window.clipgs.ready);
+    expect(await linked.evaluate(() => window.clipgs.state.lamp![0])).toBeCloseTo(
+      (await state()).lamp![0],
+      2,
+    );
+    await linked.close();
+    await page.waitForTimeout(1000); // a movement is one step of the history
+    await light.selectOption("As the case was made");
+    expect((await state()).lamp).toBe(null);
+    await page.getByLabel("Turn the light, degrees").fill("90");
+    expect((await state()).turn).toBe(90);
+    expect(Math.abs((await leftward()) / made - 1)).toBeGreaterThan(0.05);
+    await page.waitForTimeout(1000);
+    await page.keyboard.press("Control+z");
+    expect((await state()).turn).toBe(0);
+    await page.evaluate(() => window.clipgs.setTurn(0));
+  });
+
+  it("shows walls, clay or values where grey faces open, as its buttons say", async () => {
+    await show(page, { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", grey: 1 });
+    const group = page.getByRole("group", { name: "Openings" });
+    const pictures = [];
+    for (const [label, openings] of [
+      ["Lit", "cinematic"],
+      ["Clay", "neutral"],
+      ["Values", "values"],
+    ] as const) {
+      await group.getByRole("button", { name: label }).click();
+      expect(await page.evaluate(() => window.clipgs.state.openings)).toBe(openings);
+      pictures.push(await pagePicture(page, 128, 128));
+    }
+    const colored = ({ data }: Picture, more: number, less: number) =>
+      data.filter((v, i) => i % 4 === more && v > data[i - more + less]! + 25).length;
+    const [lit, clay, values] = pictures as [Picture, Picture, Picture];
+    expect(colored(lit, 0, 2)).toBeGreaterThan(colored(values, 0, 2) + 200); // red
+    expect(colored(clay, 2, 0)).toBeGreaterThan(colored(values, 2, 0) + 200); // blue
+    await page.evaluate(() => window.clipgs.setGrey(0));
+    await page.evaluate(() => window.clipgs.setOpenings("cinematic"));
   });
 
   it("drags the window with the right button on a grey face, and moves the view elsewhere", async () => {

@@ -12,6 +12,7 @@ import {
   surfaceDepth,
   kWallSteps,
 } from "../../src/model/faces";
+import { kGreyOpenings } from "../../src/model/grey";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
 import { kCodes, kFirstInside, type LightRig, parseSection } from "../../src/sog/section";
 import { makeSectionBlock, withVoxels } from "./section_fixture";
@@ -237,6 +238,24 @@ describe("face.glsl", () => {
       expect(Number(value(glsl, number)), name).toBe(Number(value(openings, number)));
     }
     expect(value(glsl, /kOpaqueWall = 1\.0 \/ (\d+)/)).toBe(value(openings, /kOpaqueWall = 1\.0f \/ (\d+)/));
+    const relight = readFileSync("src/shaders/relight.glsl", "utf8");
+    for (const name of ["kDim", "kMostGain", "kDisplay"]) {
+      const number = new RegExp(`${name} = ([\\d.]+)`);
+      expect(Number(value(relight, number)), name).toBe(Number(value(openings, number)));
+    }
+    const drawn = readFileSync("../src/section/faces.cpp", "utf8");
+    const clay = (text: string) =>
+      value(text, /kClay(?: = vec3)?\(([^)]+)\)/)!
+        .split(",")
+        .map(parseFloat);
+    expect(clay(glsl)).toEqual(clay(drawn));
+    for (const name of ["kGap", "kClearGap", "kDark"]) {
+      const number = new RegExp(`${name} = ([\\d.]+)`);
+      expect(Number(value(glsl, number)), name).toBe(Number(value(drawn, number)));
+    }
+    expect(kGreyOpenings.map((name) => new RegExp(`"${name}"`).test(drawn))).toEqual([true, true, true]);
+    expect(kGreyOpenings.indexOf("neutral")).toBe(Number(value(glsl, /kNeutralWalls = (\d)/)));
+    expect(kGreyOpenings.indexOf("values")).toBe(Number(value(glsl, /kGapValues = (\d)/)));
     const empty = readFileSync("../src/light/empty_space.h", "utf8");
     const client = readFileSync("src/worker/cut_light.ts", "utf8");
     for (const text of [glsl, client]) {

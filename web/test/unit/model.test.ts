@@ -15,7 +15,9 @@ import { canDraw, planesOf } from "../../src/model/cut";
 import { formatLink, parseLink } from "../../src/model/link";
 import { PlaneDrag, snapped } from "../../src/model/plane_drag";
 import { freeAxis, kAxes, orientationOf, planeAcross, planeText } from "../../src/model/planes";
+import { lightsOf } from "../../src/model/rigs";
 import { applyView, viewDirection, viewFrom } from "../../src/model/view";
+import type { LightRig } from "../../src/sog/section";
 
 const box = { min: new Vector3(-100, -60, 0), max: new Vector3(100, 60, 300) };
 
@@ -123,10 +125,32 @@ describe("the camera", () => {
   });
 });
 
+describe("lights", () => {
+  const own = {
+    skyTop: [0.2, 0.4, 0.6],
+    skyHorizon: [1, 1, 1],
+    skyBottom: [1, 1, 1],
+    keys: [{ direction: [1, 0, 0], radiance: [2, 1, 1], angularRadius: 0.1 }],
+  } satisfies LightRig;
+
+  it("are turned from the right towards the front", () => {
+    const [x, y, z] = lightsOf({ rig: null, turn: 90, lamp: null }, own).keys[0]!.direction;
+    expect([x, y, z].map((part) => Number(part.toFixed(6)) + 0)).toEqual([0, 1, 0]);
+  });
+
+  it("are a lamp's, as bright as those whose place it takes", () => {
+    const lights = lightsOf({ rig: null, turn: 90, lamp: [0, 0, 1] }, own);
+    expect(lights.keys).toHaveLength(1);
+    expect(lights.keys[0]!.direction).toEqual([0, 0, 1]);
+    expect(lights.keys[0]!.radiance[0]).toBe(2);
+    expect(lights.skyTop[2]).toBeLessThan(0.5 * own.skyTop[2]);
+  });
+});
+
 describe("links", () => {
   it("say again what they said", () => {
     const text =
-      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&window=40,400&pin=1.5,-20,3&pin=0,0,9&size=512x384";
+      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&openings=neutral&rig=rim&turn=-40&lamp=0.6,0,0.8&window=40,400&pin=1.5,-20,3&pin=0,0,9&size=512x384";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
   });
@@ -175,6 +199,11 @@ describe("links", () => {
       "#grey=2",
       "#grey=-1",
       "#grey=x",
+      "#openings=closed",
+      "#rig=sun",
+      "#turn=left",
+      "#lamp=0,0,0",
+      "#lamp=1,2",
       "#window=40",
       "#window=40,0",
       "#size=x",

@@ -14,7 +14,7 @@ import {
 import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, failureText, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
-import { isSameWindow, type Window } from "../../model/grey";
+import { type GreyOpenings, isSameWindow, type Window } from "../../model/grey";
 import { kRigs } from "../../model/rigs";
 import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
@@ -24,6 +24,7 @@ import { capital } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Effort, Governor } from "../governor";
+import type { HeldLamp } from "../held_lamp";
 import { kLeastScale, kMostScale, type Stage } from "../stage";
 import { kHelp } from "./help";
 import { OrientationCube } from "./orientation_cube";
@@ -35,6 +36,7 @@ import { button, choice, column, type Live, label, row, slider } from "./widgets
 
 /** Among rigs, the lights that the case was made in. */
 const kOwnLight = "";
+type LampHand = "none" | "left" | "right";
 /** More than three buttons do not stand in a row. */
 const kRigRows = [0, 3].map((first) => [kOwnLight, ...kRigs.keys()].slice(first, first + 3));
 
@@ -82,6 +84,7 @@ export interface PanelHost {
   turnTo(side: Vector3): void;
   readonly stage: Stage;
   readonly governor: Governor;
+  readonly lamp: HeldLamp;
   /** Of bare hands. */
   readonly wrists: readonly Object3D[];
   /** Puts the panel before the eyes. */
@@ -406,6 +409,14 @@ export class Panel {
     ];
   }
 
+  /** In a hand; one that is put out is held no more. */
+  #holdLamp(hand: LampHand): void {
+    this.#host.lamp.hand = hand === "none" ? null : hand;
+    if (hand === "none") {
+      this.#viewer.setLamp(null);
+    }
+  }
+
   #faces(): (Container | Text)[] {
     const [viewer, marking] = [this.#viewer, this.#marking];
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
@@ -445,6 +456,29 @@ export class Panel {
           canChangeRig,
         ),
       ),
+      tab(
+        choice<LampHand>(
+          { none: "No lamp", left: "Left hand", right: "Right hand" },
+          this.#live(() => (viewer.state.lamp ? this.#host.lamp.hand : "none")),
+          (hand) => this.#set(() => this.#holdLamp(hand)),
+        ),
+        canChangeRig,
+      ),
+      tab(
+        button("Leave the lamp where it is", () => this.#set(() => (this.#host.lamp.hand = null))),
+        () => canChangeRig() && this.#host.lamp.hand !== null,
+      ),
+      tab(
+        label(this.#live(() => `Light turned by ${Math.round(viewer.state.turn)}°`)),
+        () => canChangeRig() && !viewer.state.lamp,
+      ),
+      tab(
+        slider(
+          this.#live(() => ({ min: -180, max: 180, value: viewer.state.turn })),
+          (turn) => viewer.setTurn(Math.round(turn)),
+        ),
+        () => canChangeRig() && !viewer.state.lamp,
+      ),
       tab(label("From cinematic to grey"), byVolume),
       tab(
         slider(
@@ -452,6 +486,14 @@ export class Panel {
           (grey) => viewer.setGrey(grey),
         ),
         byVolume,
+      ),
+      tab(
+        choice<GreyOpenings>(
+          { cinematic: "Lit openings", neutral: "Clay", values: "Values" },
+          this.#live(() => viewer.state.openings),
+          (openings) => viewer.setOpenings(openings),
+        ),
+        () => isGrey() && canChangeRig(),
       ),
       tab(this.#windows, isGrey),
       tab(
