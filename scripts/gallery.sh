@@ -220,6 +220,21 @@ if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
 QUALITY="${QUALITY:-draft}" picture phantom "$folder/phantom.nii.gz" "Phantom torso" 30,25
+# openings NAME PLANE VIEW: a case's grey face in a soft-tissue window: lit walls, clay and values; and in that of lungs
+openings() {
+  local name="$1" plane="$2" view="$3" case="$folder/$1.sog" look
+  echo "gallery: openings of $name"
+  for look in "cinematic soft-tissue" "neutral soft-tissue" "values soft-tissue" "cinematic lung"; do
+    # shellcheck disable=SC2086
+    set -- $look
+    "$clipgs" --quiet render "$case" -o "$folder/$name-$1-$2.png" --view "$view" --plane "$plane" --grey 1 \
+      --openings "$1" --window "$2" --size "$size"
+    convert "$folder/$name-$1-$2.png" -background 'rgb(18,20,26)' -flatten "$folder/$name-$1-$2.png"
+  done
+  convert "$folder/$name-cinematic-soft-tissue.png" "$folder/$name-neutral-soft-tissue.png" \
+    "$folder/$name-values-soft-tissue.png" "$folder/$name-cinematic-lung.png" +append -quality 85 "$out/$name-openings.webp"
+}
+
 inside phantom "$folder/phantom.nii.gz" 20,45,1.4
 
 if [ -n "${CLIPGS_DATA:-}" ]; then
@@ -228,7 +243,9 @@ if [ -n "${CLIPGS_DATA:-}" ]; then
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   inside chest "$CLIPGS_DATA/chest.nrrd" 20,45,1.4
   lights chest "$CLIPGS_DATA/chest.nrrd" 30,25
+  openings chest 0,0,-1,540 0,70,1.5
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
+  inside abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" 20,45,1.4
   sheets
   stills -262,-150,60
   if [ -f "${PAPER:-build/paper}/head/case.sog" ]; then

@@ -221,6 +221,58 @@ async function planeTasks(session: Session): Promise<string[]> {
   ];
 }
 
+/** Counts, in the page, the frames between a cut whose light is asked for and that light. */
+const kCountLight = {
+  content: `{
+    window.lightFrames = [];
+    window.prepareMs = 0;
+    let frame = 0;
+    const tick = () => (++frame, requestAnimationFrame(tick));
+    tick();
+    const post = Worker.prototype.postMessage;
+    Worker.prototype.postMessage = function (message, ...rest) {
+      if (message.kind === "light") this.askedAt = frame;
+      if (message.kind === "decode") {
+        let decoded;
+        this.addEventListener("message", ({ data }) => {
+          if (data.kind === "section") decoded = performance.now();
+          if (data.kind === "openings") window.prepareMs = performance.now() - decoded;
+          if (data.kind === "lit") window.lightFrames.push(frame - this.askedAt);
+        });
+      }
+      return post.call(this, message, ...rest);
+    };
+  }`,
+};
+
+/** How far the light is behind a plane that moves, and how long it takes to come when a case is opened. */
+async function light(session: Session): Promise<string[][]> {
+  const page = await session.open("#case=first", [], undefined, [kCountLight]);
+  await page.evaluate(() => window.clipgs.ready);
+  await page.waitForFunction(() => window.clipgs.stats.settled);
+  const { prepareMs, frames } = await page.evaluate(async () => {
+    const { clipgs } = window;
+    const watched = window as unknown as { lightFrames: number[]; prepareMs: number };
+    const { min, max } = clipgs.bounds!;
+    watched.lightFrames.length = 0;
+    for (let i = 0; i < 60; ++i) {
+      clipgs.setPlane({ normal: [0.6, 0, 0.8], offset: min[2] + ((i + 1) / 61) * (max[2] - min[2]) });
+      await new Promise(requestAnimationFrame);
+    }
+    return { prepareMs: watched.prepareMs, frames: [...watched.lightFrames] };
+  });
+  await page.close();
+  const most = frames.length > 0 ? Math.max(...frames) : 0;
+  return [
+    [
+      `light of a moving plane: ${frames.length} solutions in 60 frames, the latest of them`,
+      `${most} frames late`,
+      "2",
+    ],
+    ["walls and horizons of the case, in the worker", `${(prepareMs / 1000).toFixed(1)} s`, ""],
+  ];
+}
+
 interface AllocationNode {
   selfSize: number;
   children: AllocationNode[];
@@ -295,6 +347,7 @@ await session.start((cases) => {
 });
 try {
   rows.push(await firstPicture(session), await switching(session), await planeTasks(session));
+  rows.push(...(await light(session)));
   rows.push(await garbage(session), ...(await sectionMemory(session)), overdraw(session));
 } finally {
   process.exitCode = (await session.stop()) ?? 0;
