@@ -1,4 +1,4 @@
-import type { GreyOpenings } from "./model/grey";
+import type { GreyOpenings } from "./model/face_style";
 import type { Layers } from "./model/layers";
 import type { Effort } from "./xr/governor";
 

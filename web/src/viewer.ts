@@ -12,9 +12,11 @@ import {
 import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
-import { type FaceEffort, type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
+import type { FaceEffort } from "./model/face_style";
+import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
 import { kWorldFromPatient, type Plane, projectOnto, type Triple } from "./model/geometry";
-import type { GreyOpenings, Window } from "./model/grey";
+import type { GreyOpenings } from "./model/face_style";
+import type { Window } from "./model/grey";
 import { kAllLayers, type Layers } from "./model/layers";
 import type { LinkPin } from "./model/link";
 import { type Pin, withoutPin, withPin } from "./model/pins";

@@ -6,13 +6,6 @@ export interface Window {
   width: number;
 }
 
-/**
- * What grey shows in gaps of a face that the window has black, in the order of kNeutralWalls and kGapValues of
- * shaders/face.glsl: the walls behind them, cinematic or of clay, or the gaps' values.
- */
-export const kGreyOpenings = ["cinematic", "neutral", "values"] as const;
-export type GreyOpenings = (typeof kGreyOpenings)[number];
-
 const kCtWindows: Record<string, Window> = {
   "Soft tissue": { center: 40, width: 400 },
   Bone: { center: 400, width: 1800 },

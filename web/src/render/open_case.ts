@@ -2,9 +2,11 @@ import type { PerspectiveCamera, WebGLRenderer } from "three";
 
 import { type CaseInfo, parseCaseInfo } from "../model/case_info";
 import { type Cut, planesOf } from "../model/cut";
-import type { FaceEffort, FaceSource } from "../model/faces";
+import type { FaceEffort } from "../model/face_style";
+import type { FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import { type GreyOpenings, type Window, windowPresets } from "../model/grey";
+import type { GreyOpenings } from "../model/face_style";
+import { type Window, windowPresets } from "../model/grey";
 import type { Layers } from "../model/layers";
 import { isOwn, type Lighting, lightsOf } from "../model/rigs";
 import { type LayerSwitch, switchLayers } from "../model/states";

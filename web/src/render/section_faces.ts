@@ -31,19 +31,13 @@ import {
   type WebGLRenderer,
 } from "three";
 
-import {
-  type FaceEffort,
-  facePolygons,
-  indexFromPatient,
-  kWallSteps,
-  planSteps,
-  sectionEnds,
-  surfaceDepth,
-} from "../model/faces";
+import { type FaceEffort, kWallSteps } from "../model/face_style";
+import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
 import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import { type GreyOpenings, kGreyOpenings, shades, type Window } from "../model/grey";
+import { type GreyOpenings, kGreyOpenings } from "../model/face_style";
+import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo } from "../worker/protocol";

@@ -1,5 +1,6 @@
 import type { FaceSource } from "../model/faces";
-import { type GreyOpenings, isSameWindow, kGreyOpenings, type Window } from "../model/grey";
+import { type GreyOpenings, kGreyOpenings } from "../model/face_style";
+import { isSameWindow, type Window } from "../model/grey";
 import { kRigs } from "../model/rigs";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";

@@ -1,4 +1,4 @@
-import type { WallEffort } from "../model/faces";
+import type { WallEffort } from "../model/face_style";
 
 /** What a frame may cost: less of it looks worse. */
 export interface Effort {

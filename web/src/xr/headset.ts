@@ -2,7 +2,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 
 import type { Actions } from "../actions";
 import type { EyePicture, Surroundings } from "../api";
-import type { WallEffort } from "../model/faces";
+import type { WallEffort } from "../model/face_style";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf } from "../render/splat_layer";
 import type { Marking } from "../model/pins";

@@ -2,7 +2,7 @@ import { join } from "node:path";
 
 import type { FaceSource } from "../../src/model/faces";
 import type { Triple } from "../../src/model/geometry";
-import type { GreyOpenings } from "../../src/model/grey";
+import type { GreyOpenings } from "../../src/model/face_style";
 import type { ClipOperator } from "../../src/worker/protocol";
 import { type Picture, readPng } from "./picture";
 import { clipgs } from "./program";

@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 
 import { faceDiffuse } from "../../src/model/face_light";
+import { kWallSteps } from "../../src/model/face_style";
 import {
   facePolygons,
   gridMiddle,
@@ -10,9 +11,8 @@ import {
   planSteps,
   sectionEnds,
   surfaceDepth,
-  kWallSteps,
 } from "../../src/model/faces";
-import { kGreyOpenings } from "../../src/model/grey";
+import { kGreyOpenings } from "../../src/model/face_style";
 import { type Plane, planeThrough, signedDistance } from "../../src/model/geometry";
 import { kCodes, kFirstInside, type LightRig, parseSection } from "../../src/sog/section";
 import { makeSectionBlock, withVoxels } from "./section_fixture";

@@ -14,7 +14,8 @@ import {
 import { type Actions, kLeastThickness } from "../../actions";
 import { type CaseSummary, failureText, formatCount } from "../../model/case_list";
 import type { FaceSource } from "../../model/faces";
-import { type GreyOpenings, isSameWindow, type Window } from "../../model/grey";
+import type { GreyOpenings } from "../../model/face_style";
+import { isSameWindow, type Window } from "../../model/grey";
 import { kRigs } from "../../model/rigs";
 import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";

@@ -1,0 +1,24 @@
+/**
+ * What grey shows in gaps of a face that the window has black, in the order of kNeutralWalls and kGapValues of
+ * shaders/face.glsl: the walls behind them, cinematic or of clay, or the gaps' values.
+ */
+export const kGreyOpenings = ["cinematic", "neutral", "values"] as const;
+export type GreyOpenings = (typeof kGreyOpenings)[number];
+
+/** How closely walls behind gaps are looked at: as `clipgs render` does, while things move, and where time is short. */
+export type WallEffort = "fine" | "coarse" | "least";
+
+/** What a pixel of a face may cost. */
+export interface FaceEffort {
+  rays: number;
+  walls: WallEffort;
+}
+
+/** WallSteps of shaders/face.glsl. */
+export const kWallSteps: Readonly<
+  Record<WallEffort, { search: number; fine: number; growth: number; count: number }>
+> = {
+  fine: { search: 1, fine: 0.25, growth: 1.2, count: 12 },
+  coarse: { search: 1, fine: 0.5, growth: 2, count: 3 },
+  least: { search: 1.5, fine: 1, growth: 1, count: 2 },
+};
