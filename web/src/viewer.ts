@@ -722,6 +722,7 @@ export class Viewer {
     ++this.version;
     this.#splatsStale = true;
     this.stats.settled = false;
+    this.changed(); // whether lights can be chosen is known by now
   }
 
   #placeCamera(width = this.#width, height = this.#height, inset = this.#inset): void {

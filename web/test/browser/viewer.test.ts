@@ -113,6 +113,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await marks.waitFor({ state: "hidden" });
   });
 
+  it("offers lights as soon as they can be chosen", async () => {
+    const fresh = await session.open("#case=phantom&plane=0,0,-1,0", errors);
+    await fresh.getByRole("combobox", { name: /^Light/ }).waitFor();
+    await fresh.close();
+  });
+
   it("is lit by a lamp in hand, from where it is held, and by lights that are turned", async () => {
     const state = () => page.evaluate(() => window.clipgs.state);
     /** How much brighter the left half of the picture is than the right one. */
