@@ -201,19 +201,19 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
                      tile_begin_[tile_index + 1] - begin, static_cast<float>(tx * kTileSize),
                      static_cast<float>(ty * kTileSize), limits, tile));
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
-      float* out = &alone.data[pixel * 4];
-      out[0] = tile.r[at];
-      out[1] = tile.g[at];
-      out[2] = tile.b[at];
-      out[3] = 1.0f - tile.t[at];
-      float* shown = &image_.data[pixel * 4];
+      float* splats = &alone.data[pixel * 4];
+      splats[0] = tile.r[at];
+      splats[1] = tile.g[at];
+      splats[2] = tile.b[at];
+      splats[3] = 1.0f - tile.t[at];
+      float* picture = &image_.data[pixel * 4];
       if (share_) {
         const float share = share_of(pixel);
-        std::transform(out, out + 4, shown, [&](float v) { return share * v; });
-        out = shown;
+        std::transform(splats, splats + 4, picture, [&](float v) { return share * v; });
+        splats = picture;
       }
       if (front != nullptr) {
-        put_behind(&front_.data[pixel * 4], out, shown);
+        put_behind(&front_.data[pixel * 4], splats, picture);
       }
     });
   });
