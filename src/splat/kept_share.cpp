@@ -23,6 +23,9 @@ Vec3 share_at_depth(const Camera& camera, const Plane& plane, float z) {
 }  // namespace
 
 KeptShare::KeptShare(const Camera& camera, const Cut& cut, const Sphere& body) {
+  if (body.radius <= 0) {
+    return;
+  }
   const float middle = glm::dot(camera.forward(), body.center - camera.position);
   const float right = static_cast<float>(camera.width) - 1;
   const float bottom = static_cast<float>(camera.height) - 1;

@@ -13,8 +13,9 @@ namespace clipgs {
 /// half covers of several pile up, and the picture reaches a pixel too far.
 class KeptShare {
  public:
-  /// `body`: around all that is drawn, world space. A pixel at a plane's line is covered as a
-  /// straight edge covers it.
+  KeptShare() = default;
+  /// `body`: around all that is drawn, world space; of radius 0 nothing is known, and all is whole.
+  /// A pixel at a plane's line is covered as a straight edge covers it.
   KeptShare(const Camera& camera, const Cut& cut, const Sphere& body);
 
   /// Whether that is 1 in all of the picture.

@@ -172,14 +172,9 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
   if (image_.width != camera.width || image_.height != camera.height) {
     image_ = Image(camera.width, camera.height, 4);
   }
-  share_.reset();
-  if (options.clip == ClipOperator::kExact && options.body.radius > 0) {
-    share_.emplace(camera, cut, options.body);
-    if (share_->is_whole()) {
-      share_.reset();
-    }
-  }
-  Image& alone = front != nullptr || share_ ? alone_ : image_;
+  share_ = KeptShare(camera, cut, options.clip == ClipOperator::kExact ? options.body : Sphere());
+  const bool is_whole = share_.is_whole();
+  Image& alone = front != nullptr || !is_whole ? alone_ : image_;
   if (alone.data.size() != image_.data.size()) {
     alone = Image(camera.width, camera.height, 4);
   }
@@ -207,7 +202,7 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
       splats[2] = tile.b[at];
       splats[3] = 1.0f - tile.t[at];
       float* picture = &image_.data[pixel * 4];
-      if (share_) {
+      if (!is_whole) {
         const float share = share_of(pixel);
         std::transform(splats, splats + 4, picture, [&](float v) { return share * v; });
         splats = picture;
@@ -226,7 +221,7 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     throw Error("gradients are there for one plane only, not for {}", planes_.size());
   }
   const TileLimits limits = limits_of(options_);
-  const Image& alone = front_.data.empty() && !share_ ? image_ : alone_;
+  const Image& alone = front_.data.empty() && share_.is_whole() ? image_ : alone_;
   instance_gradients_.resize(list_.size());
   parallel_for(used_.size(), 1, [&](size_t tile_index, size_t) {
     const int tx = static_cast<int>(tile_index) % tiles_x_;
@@ -238,7 +233,7 @@ void Rasterizer::backward(const Gaussians& gaussians, const Image& image_gradien
     for_tile_pixels(image_, tx, ty, [&](int at, size_t pixel) {
       const float* in = &alone.data[pixel * 4];
       const float* g = &image_gradient.data[pixel * 4];
-      const float share = share_ ? share_of(pixel) : 1;
+      const float share = share_of(pixel);
       std::array<float, 4> behind;
       if (!front_.data.empty()) {
         const std::array<float, 4> shown = {share * in[0], share * in[1], share * in[2],

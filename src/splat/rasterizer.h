@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/cut.h"
@@ -41,8 +40,8 @@ class Rasterizer {
   void sort_by_depth();
   void bin_into_tiles();
   float share_of(size_t pixel) const {
-    return share_->at(static_cast<int>(pixel % static_cast<size_t>(camera_.width)),
-                      static_cast<int>(pixel / static_cast<size_t>(camera_.width)));
+    return share_.at(static_cast<int>(pixel % static_cast<size_t>(camera_.width)),
+                     static_cast<int>(pixel / static_cast<size_t>(camera_.width)));
   }
   void start(int tx, int ty, Tile& tile) const;
   SplatGradient summed_gradient(std::uint32_t splat) const;
@@ -53,7 +52,7 @@ class Rasterizer {
   Image image_;
   Image front_;  // empty: nothing
   Image alone_;  // the splats without it, and before share_
-  std::optional<KeptShare> share_;
+  KeptShare share_;
   int tiles_x_ = 0;
   int tiles_y_ = 0;
 

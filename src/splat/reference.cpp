@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/gtc/quaternion.hpp>
-#include <optional>
 
 #include "splat/clip.h"
 #include "splat/kept_share.h"
@@ -219,10 +218,8 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
   }
   std::ranges::stable_sort(splats, {}, [](const auto& splat) { return splat.depth; });
 
-  std::optional<KeptShare> share;
-  if (options.clip == ClipOperator::kExact && options.body.radius > 0) {
-    share.emplace(camera, cut, options.body);
-  }
+  const KeptShare share(camera, cut,
+                        options.clip == ClipOperator::kExact ? options.body : Sphere());
   std::vector<double> image(static_cast<size_t>(camera.width) * camera.height * 4, 0.0);
   for (int py = 0; py < camera.height; ++py) {
     for (int px = 0; px < camera.width; ++px) {
@@ -245,8 +242,7 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
         transmittance *= 1 - alpha;
       }
       out[3] = 1 - transmittance;
-      std::transform(out, out + 4, out,
-                     [&](double v) { return share ? double{share->at(px, py)} * v : v; });
+      std::transform(out, out + 4, out, [&](double v) { return double{share.at(px, py)} * v; });
     }
   }
   return image;

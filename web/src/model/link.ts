@@ -23,8 +23,8 @@ export interface Link {
   clip?: ClipOperator;
   section?: FaceSource;
   grey?: number;
-  /** One of kRigs. */
   openings?: GreyOpenings;
+  /** One of kRigs. */
   rig?: string;
   turn?: number;
   lamp?: Triple;
