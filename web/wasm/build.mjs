@@ -13,7 +13,7 @@ const kFlags = [
   "--target=wasm32-wasi",
   "-mexec-model=reactor",
   "-std=c++20",
-  "-O3",
+  "-Os",
   "-msimd128",
   "-flto",
   "-fno-rtti",

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "core/image.h"
 #include "section/openings.h"
 
 #define EXPORT(name) __attribute__((export_name(#name)))
@@ -19,6 +20,9 @@ void* __cxa_allocate_exception(std::size_t /*size*/) { __builtin_trap(); }
 [[noreturn]] void __cxa_throw(void* /*what*/, void* /*type*/, void (* /*end*/)(void*)) {
   __builtin_trap();
 }
+/// What the C++ library says of what ends it: nobody would read that, and printing is a sixth of
+/// the module.
+[[noreturn]] void abort_message(const char* /*format*/, ...) { __builtin_trap(); }
 }
 
 namespace {
@@ -47,7 +51,8 @@ struct Light {
   Section section;
   std::unique_ptr<Openings> openings;
   std::vector<Vec3> solution;
-  std::vector<std::uint16_t> texels;  // half floats: [walls and splats, side, cells, RGBA]
+  std::vector<std::uint8_t> texels;  // sRGB and A: [walls and splats, side, cells, RGBA]
+  float scale = 1;                   // what 255 of them stands for
 };
 
 Description description;
@@ -55,17 +60,6 @@ float planes[kMostPlanes][4];  // each keeps plane·x − plane[3] >= 0
 Light light;
 
 Vec3 vec3(const float* v) { return {v[0], v[1], v[2]}; }
-
-/// Half floats of what is not negative, without those below 2⁻¹⁴; as large as there are.
-std::uint16_t to_half(float value) {
-  const float clamped = std::min(value, 65504.0f);
-  if (!(clamped >= 6.103515625e-5f)) {
-    return 0;
-  }
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &clamped, sizeof bits);
-  return static_cast<std::uint16_t>((bits - (112U << 23U) + 0x1000U) >> 13U);
-}
 
 LightRig read_rig() {
   LightRig rig{vec3(description.sky), vec3(description.sky + 3), vec3(description.sky + 6), {}};
@@ -77,26 +71,34 @@ LightRig read_rig() {
   return rig;
 }
 
+float brightest(const std::vector<Vec3>& solution) {
+  float most = 1e-6f;
+  for (const Vec3& light : solution) {
+    most = std::max({most, light.r, light.g, light.b});
+  }
+  return most;
+}
+
 /// Writes the light of every patch at its place, each with 1 as its weight, for walls and then,
 /// where patches are lit uncut, for splats on them.
-void write_texels(const std::vector<Vec3>& solution) {
+const std::uint8_t* write_texels(const std::vector<Vec3>& solution) {
   const Patches& patches = light.openings->light().patches();
   const size_t cells = patches.grid().cells();
+  light.scale = brightest(solution);
   light.texels.assign(2 * 4 * cells * Patches::kSides, 0);
   for (size_t i = 0; i < patches.count(); ++i) {
     const size_t at = static_cast<size_t>(patches.side_of(i)) * cells + patches.cell_of(i);
-    const auto write = [&](size_t set) {
-      std::uint16_t* texel = &light.texels[4 * (set * cells * Patches::kSides + at)];
-      for (int c = 0; c < 3; ++c) {
-        texel[c] = to_half(solution[i][c]);
-      }
-      texel[3] = to_half(1);
-    };
-    write(0);
+    std::uint8_t* texel = &light.texels[4 * at];
+    for (int c = 0; c < 3; ++c) {
+      texel[c] = static_cast<std::uint8_t>(
+          std::lround(255 * srgb_from_linear(solution[i][c] / light.scale)));
+    }
+    texel[3] = 255;
     if (light.openings->is_lit(i)) {
-      write(1);
+      std::copy_n(texel, 4, texel + 4 * cells * Patches::kSides);
     }
   }
+  return light.texels.data();
 }
 
 }  // namespace
@@ -146,12 +148,14 @@ EXPORT(grid) const float* grid() {
   return values.data();
 }
 
-/// The light uncut under the section's own lights, as half floats [walls and splats, side, z, y, x,
-/// RGBA].
-EXPORT(own_light) const std::uint16_t* own_light() {
-  write_texels(light.openings->own_light());
-  return light.texels.data();
+/// The light uncut under the section's own lights: sRGB of its share of scale(), and A, as [walls
+/// and splats, side, z, y, x, RGBA].
+EXPORT(own_light) const std::uint8_t* own_light() {
+  return write_texels(light.openings->own_light());
 }
+
+/// The brightest of the light that was asked for last, linear.
+EXPORT(scale) float scale() { return light.scale; }
 
 /// Lights as the description has them now.
 EXPORT(relight) void relight() {
@@ -161,12 +165,11 @@ EXPORT(relight) void relight() {
 
 /// The light under `count` planes, laid out as own_light(). `quick`: a few bounces, from the
 /// solution before, which is near where a plane has moved a little.
-EXPORT(solve) const std::uint16_t* solve(int count, bool quick) {
+EXPORT(solve) const std::uint8_t* solve(int count, bool quick) {
   std::vector<Plane> cut;
   for (int i = 0; i < std::min(count, kMostPlanes); ++i) {
     cut.push_back({vec3(planes[i]), planes[i][3]});
   }
   light.solution = light.openings->solve(cut, quick ? light.solution : std::vector<Vec3>());
-  write_texels(light.solution);
-  return light.texels.data();
+  return write_texels(light.solution);
 }

@@ -1,4 +1,4 @@
-import { Data3DTexture, HalfFloatType, LinearFilter, Matrix4, RGBAFormat } from "three";
+import { Data3DTexture, LinearFilter, Matrix4, RGBAFormat } from "three";
 
 import { indexFromPatient } from "../model/faces";
 import type { Plane } from "../model/geometry";
@@ -15,11 +15,10 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   );
 }
 
-function lightTexture(texels: Uint16Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
-  const texture = new Data3DTexture(texels as BufferSource as Uint16Array<ArrayBuffer>, x, y, 12 * z);
+function lightTexture(texels: Uint8Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
+  const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, 12 * z);
   texture.format = RGBAFormat;
-  texture.type = HalfFloatType;
-  texture.internalFormat = "RGBA16F";
+  texture.internalFormat = "SRGB8_ALPHA8";
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
@@ -134,15 +133,19 @@ export class OpenedLight {
   }
 
   #take(openings: OpeningsInfo): void {
-    const { ownLight, cells, cellSize } = openings;
+    const {
+      ownLight: { texels, scale },
+      cells,
+      cellSize,
+    } = openings;
     const { section } = this.#faces;
-    const textures = { light: lightTexture(ownLight.slice(), cells), own: lightTexture(ownLight, cells) };
+    const textures = { light: lightTexture(texels.slice(), cells), own: lightTexture(texels, cells) };
     const [x, y, z] = section.spacing.map((mm) => mm / cellSize);
     const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
     this.#textures = textures;
     this.#state = "drawn";
     this.#faces.setOpenings(openings, textures.light);
-    this.#mesh.setLight(textures.light, textures.own, cells, cellFromPatient);
+    this.#mesh.setLight(textures.light, textures.own, scale, cells, cellFromPatient);
   }
 
   #solve(planes: readonly Plane[], quick: boolean): Promise<void> {
@@ -152,16 +155,15 @@ export class OpenedLight {
       this.#told = rig;
       this.#client.setRig(rig ?? this.#faces.section.rig);
     }
-    this.#solving = this.#client.solve(Float32Array.from(values), quick).then((texels) => {
+    this.#solving = this.#client.solve(Float32Array.from(values), quick).then((solved) => {
       this.#solving = null;
-      if (!texels) {
+      if (!solved) {
         this.#state = "none"; // what was lit last stays
       } else if (this.#textures) {
         const { light } = this.#textures;
-        light.image.data = texels as BufferSource as Uint16Array<ArrayBuffer>;
+        light.image.data = solved.texels as BufferSource as Uint8Array<ArrayBuffer>;
         light.needsUpdate = true;
-        this.#faces.lit = true;
-        this.#mesh.invalidateColors();
+        this.#faces.lightScale = this.#mesh.lightScale = solved.scale;
         this.#lit = { planes, rig, quick };
         this.#changed();
       }

@@ -259,7 +259,7 @@ export class SectionFaces {
           axes: new Matrix3().set(...transposed(section.axes)),
           cell: 1,
           cells: new Vector3(1, 1, 1),
-          lit: false,
+          lightScale: 0,
           glow: glow(section),
         },
       },
@@ -315,8 +315,9 @@ export class SectionFaces {
     uOpenings!.value.cells.set(...openings.cells);
   }
 
-  set lit(lit: boolean) {
-    this.#uniforms["uOpenings"]!.value.lit = lit;
+  /** What 1 in the light's texture stands for, linear: that is drawn from now on. */
+  set lightScale(scale: number) {
+    this.#uniforms["uOpenings"]!.value.lightScale = scale;
   }
 
   /** Lights the faces otherwise from the next setPlanes() on. */

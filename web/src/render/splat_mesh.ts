@@ -167,7 +167,13 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         uHasFaceColors: { value: scene.hasFaceColors },
         uEye: { value: new Vector3() },
         uSplatLight: {
-          value: { changed: false, cellFromScene: new Matrix4(), cells: new Vector3(1, 1, 1) },
+          value: {
+            changed: false,
+            cellFromScene: new Matrix4(),
+            cells: new Vector3(1, 1, 1),
+            scale: 1,
+            ownScale: 1,
+          },
         },
         uLight: { value: null },
         uOwnLight: { value: null },
@@ -258,20 +264,28 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   }
 
   /**
-   * Takes the light of surfaces as it is and as the case was made in, of cells: what splats gain of it is shown while
-   * `relit`.
+   * Takes the light of surfaces that is shown and that which the case was made in, of cells, 1 standing for `scale` in
+   * both: what splats gain of it is shown while `relit`.
    */
   setLight(
     light: Data3DTexture,
     own: Data3DTexture,
+    scale: number,
     cells: readonly [number, number, number],
     cellFromPatient: Matrix4,
   ): void {
     const { uSplatLight, uLight, uOwnLight } = this.#colorPass.uniforms;
     uSplatLight!.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
     uSplatLight!.value.cells.set(...cells);
+    uSplatLight!.value.scale = uSplatLight!.value.ownScale = scale;
     uLight!.value = light;
     uOwnLight!.value = own;
+  }
+
+  /** Other light is shown, of which 1 stands for `scale`. */
+  set lightScale(scale: number) {
+    this.#colorPass.uniforms["uSplatLight"]!.value.scale = scale;
+    this.#colored = false;
   }
 
   set relit(relit: boolean) {

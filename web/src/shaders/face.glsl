@@ -68,7 +68,7 @@ struct Openings {
   mat3 axes;          // RAS directions of its axes
   float cell;         // mm, of the light
   ivec3 cells;
-  bool lit;           // whether light is computed; until then all walls are in …
+  float lightScale;   // what 1 in the texture of the light stands for; 0 until some is computed: all walls are in …
   vec3 glow;          // … this, linear RGB
 };
 
@@ -357,7 +357,7 @@ vec4 lightOfSide(vec3 texel, float side, Openings o, highp sampler3D light) {
 // What a white wall radiates, linear RGB: of cells around it, by the sides of their patches that it faces. The light
 // of splats' surfaces lies above that of walls.
 vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
-  if (!o.lit) {
+  if (o.lightScale <= 0.0) {
     return o.glow;
   }
   vec3 n = wall.normal * o.axes;
@@ -373,7 +373,7 @@ vec3 wallLight(Wall wall, Openings o, highp sampler3D light) {
       sum += lightOfSide(at, float(side), o, light);
     }
   }
-  return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0);
+  return sum.a > 0.0 ? o.lightScale / sum.a * sum.rgb : vec3(0.0);
 }
 
 float ggxLambda(float cosine, float alpha) {

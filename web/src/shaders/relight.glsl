@@ -9,6 +9,8 @@ struct SplatLight {
   bool changed;         // else every gain is 1
   mat4 cellFromScene;
   vec3 cells;
+  float scale;          // what 1 in the texture of the light stands for …
+  float ownScale;       // … and in that of the light that the case was made in
 };
 
 // A factor of display sRGB for what lies at a point (scene space) with its shortest axis along `axis`.
@@ -22,6 +24,8 @@ vec3 lightGain(vec3 position, vec3 axis, SplatLight l, highp sampler3D light, hi
     before += share * texture(ownLight, texel).rgb;
     now += share * texture(light, texel).rgb;
   }
+  before *= l.ownScale;
+  now *= l.scale;
   if (before.g <= 0.0) {
     return vec3(1.0);
   }

@@ -1,5 +1,5 @@
 import type { LightRig, Section } from "../sog/section";
-import type { OpeningsInfo } from "./protocol";
+import type { CutLightTexels, OpeningsInfo } from "./protocol";
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -11,6 +11,7 @@ interface Exports {
   blocks(): number;
   grid(): number;
   own_light(): number;
+  scale(): number;
   relight(): void;
   solve(count: number, quick: number): number;
 }
@@ -19,9 +20,6 @@ interface Exports {
 const kBlock = 2;
 /** For walls and for splats, of six sides. */
 const kSides = 2 * 6;
-
-/** The C++ library asks for these where it reports what ends it; there is nobody to read that. */
-const kNoFiles = { fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8 };
 
 /** Lights as wasm/cut_light.cpp wants them described. */
 function describeRig({ skyTop, skyHorizon, skyBottom, keys }: LightRig): number[] {
@@ -55,11 +53,11 @@ function describe(section: Section): Float32Array {
 export class CutLight {
   readonly #wasm: Exports;
   readonly #rigAt: number; // among the floats of the description
-  #texels = 0;
+  #bytes = 0; // of texels
 
   /** Takes the section's voxels over as a copy. Throws where memory is out. */
   constructor(module: WebAssembly.Module, section: Section) {
-    const instance = new WebAssembly.Instance(module, { wasi_snapshot_preview1: kNoFiles });
+    const instance = new WebAssembly.Instance(module);
     this.#wasm = instance.exports as unknown as Exports;
     this.#wasm._initialize();
     const voxels = this.#wasm.reserve(section.voxels.length);
@@ -78,7 +76,7 @@ export class CutLight {
     const blockDims = dims.map((n) => Math.ceil(n / kBlock)) as OpeningsInfo["blockDims"];
     const count = blockDims[0] * blockDims[1] * blockDims[2];
     const [x, y, z, cellSize] = new Float32Array(wasm.memory.buffer, wasm.grid(), 4);
-    this.#texels = 4 * kSides * x! * y! * z!;
+    this.#bytes = 4 * kSides * x! * y! * z!;
     return {
       blocks: new Uint8Array(wasm.memory.buffer, wasm.blocks(), count).slice(),
       blockDims,
@@ -94,15 +92,16 @@ export class CutLight {
     this.#wasm.relight();
   }
 
-  /** Half floats of the light under a cut; `quick`: nearly, where that was asked before of a cut nearby. */
-  solve(planes: Float32Array, quick: boolean): Uint16Array {
+  /** The light under a cut; `quick`: nearly, where that was asked before of a cut nearby. */
+  solve(planes: Float32Array, quick: boolean): CutLightTexels {
     const wasm = this.#wasm;
     new Float32Array(wasm.memory.buffer, wasm.cut_planes(), planes.length).set(planes);
     return this.#read(wasm.solve(planes.length / 4, quick ? 1 : 0));
   }
 
-  #read(texels: number): Uint16Array {
-    return new Uint16Array(this.#wasm.memory.buffer, texels, this.#texels).slice();
+  #read(at: number): CutLightTexels {
+    const texels = new Uint8Array(this.#wasm.memory.buffer, at, this.#bytes).slice();
+    return { texels, scale: this.#wasm.scale() };
   }
 
   /** Writes floats of the description from one on. */

@@ -1,12 +1,12 @@
 import type { LightRig } from "../sog/section";
-import type { OpeningsInfo, SectionReply, SectionRequest } from "./protocol";
+import type { CutLightTexels, OpeningsInfo, SectionReply, SectionRequest } from "./protocol";
 
 /** The main thread's end of section_worker.ts, once it has decoded: what cuts open, and the light in there. */
 export class LightClient {
   /** What openings are drawn from; null: splats show them. */
   readonly openings: Promise<OpeningsInfo | null>;
   readonly #worker: Worker;
-  #lit: ((texels: Uint16Array | null) => void) | null = null;
+  #lit: ((light: CutLightTexels | null) => void) | null = null;
 
   constructor(worker: Worker) {
     this.#worker = worker;
@@ -15,7 +15,7 @@ export class LightClient {
         if (data.kind === "openings") {
           resolve(data.openings);
         } else if (data.kind === "lit") {
-          this.#answer(data.texels);
+          this.#answer(data.light);
         }
       };
       worker.onerror = () => {
@@ -30,8 +30,8 @@ export class LightClient {
     this.#worker.postMessage({ kind: "rig", rig } satisfies SectionRequest);
   }
 
-  /** Of one cut at a time: half floats, or null where the worker has stopped. */
-  solve(planes: Float32Array, quick: boolean): Promise<Uint16Array | null> {
+  /** Of one cut at a time; null where the worker has stopped. */
+  solve(planes: Float32Array, quick: boolean): Promise<CutLightTexels | null> {
     return new Promise((resolve) => {
       this.#lit = resolve;
       this.#worker.postMessage({ kind: "light", planes, quick } satisfies SectionRequest, [planes.buffer]);
@@ -44,8 +44,8 @@ export class LightClient {
     this.#answer(null);
   }
 
-  #answer(texels: Uint16Array | null): void {
-    this.#lit?.(texels);
+  #answer(light: CutLightTexels | null): void {
+    this.#lit?.(light);
     this.#lit = null;
   }
 }

@@ -12,6 +12,12 @@ export interface CodedSection {
   libwebp: WebAssembly.Module;
 }
 
+/** Light in what cuts open: of 255 `scale`, linear, in sRGB, and A of what is lit [walls and splats, side, z, y, x, RGBA]. */
+export interface CutLightTexels {
+  texels: Uint8Array;
+  scale: number;
+}
+
 /** Where walls may be and how their light lies in space: what openings are drawn from beside the section's voxels. */
 export interface OpeningsInfo {
   /** Of 2³ voxels each, as EmptySpace of src/light/empty_space.h has them. */
@@ -20,8 +26,8 @@ export interface OpeningsInfo {
   /** Cells of the light along each axis of the section, and their side, mm. */
   cells: [number, number, number];
   cellSize: number;
-  /** The light uncut, under the lights that the case was made in: half floats as `lit` has them. */
-  ownLight: Uint16Array;
+  /** The light uncut, under the lights that the case was made in. */
+  ownLight: CutLightTexels;
 }
 
 /** To the section's worker: first the section, then other lights, and cuts (x, y, z, offset of each plane, RAS mm). */
@@ -32,13 +38,13 @@ export type SectionRequest =
 
 /**
  * From it: the section, or why there is none; what its openings are drawn from (null: splats show them); the light under
- * the cut that was asked for, as half floats [walls and splats, side, z, y, x, RGBA].
+ * the cut that was asked for.
  */
 export type SectionReply =
   | { kind: "section"; section: Section }
   | { kind: "failed"; message: string }
   | { kind: "openings"; openings: OpeningsInfo | null }
-  | { kind: "lit"; texels: Uint16Array };
+  | { kind: "lit"; light: CutLightTexels };
 
 /** A case, decoded, but for its section: that takes longer, and has a worker of its own. */
 export interface LoadedCase {

@@ -34,7 +34,7 @@ async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
   const openings = prepare(dims);
   worker.postMessage(
     { kind: "openings", openings },
-    openings ? [openings.blocks.buffer, openings.ownLight.buffer] : [],
+    openings ? [openings.blocks.buffer, openings.ownLight.texels.buffer] : [],
   );
 }
 
@@ -62,7 +62,7 @@ worker.onmessage = ({ data }) => {
   } else if (data.kind === "rig") {
     light?.setRig(data.rig);
   } else if (light) {
-    const texels = light.solve(data.planes, data.quick);
-    worker.postMessage({ kind: "lit", texels }, [texels.buffer]);
+    const lit = light.solve(data.planes, data.quick);
+    worker.postMessage({ kind: "lit", light: lit }, [lit.texels.buffer]);
   }
 };

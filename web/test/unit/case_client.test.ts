@@ -94,8 +94,8 @@ describe("the client of the case worker", () => {
       planes: new Float32Array([0, 0, 1, 5]),
       quick: false,
     });
-    decoder.onmessage({ data: { kind: "lit", texels: new Uint16Array([7]) } });
-    expect(await lit).toEqual(new Uint16Array([7]));
+    decoder.onmessage({ data: { kind: "lit", light: { texels: new Uint8Array([7]), scale: 2 } } });
+    expect(await lit).toEqual({ texels: new Uint8Array([7]), scale: 2 });
     const never = light.solve(new Float32Array(4), true);
     light.dispose();
     expect(await never).toBe(null);

@@ -4,6 +4,7 @@ import { beforeAll, describe, expect, it } from "vitest";
 
 import { parseSection, type Section } from "../../src/sog/section";
 import { CutLight } from "../../src/worker/cut_light";
+import type { CutLightTexels } from "../../src/worker/protocol";
 import { makeSectionBlock } from "./section_fixture";
 
 const kSide = 40;
@@ -39,18 +40,19 @@ function hollowBlock(extinction: number): Section {
   return { ...info, voxels, counts: [] };
 }
 
-function fromHalf(bits: number): number {
-  return bits === 0 ? 0 : 2 ** ((bits >> 10) - 15) * (1 + (bits & 1023) / 1024);
+function linearFromSrgb(texel: number): number {
+  const x = texel / 255;
+  return x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
 }
 
 /** Means of r, g and b over the cells of walls that have any light, and how many those are. */
-function meanLight(texels: Uint16Array): { mean: number[]; cells: number } {
+function meanLight({ texels, scale }: CutLightTexels): { mean: number[]; cells: number } {
   const sum = [0, 0, 0];
   let cells = 0;
   for (let i = 0; i < texels.length / 2; i += 4) {
     if (texels[i + 3]! > 0) {
       ++cells;
-      sum.forEach((_, c) => (sum[c]! += fromHalf(texels[i + c]!)));
+      sum.forEach((_, c) => (sum[c]! += scale * linearFromSrgb(texels[i + c]!)));
     }
   }
   return { mean: sum.map((all) => all / cells), cells };
@@ -73,7 +75,7 @@ describe("the light of cuts, as WebAssembly", () => {
     expect(openings.blocks).toHaveLength(20 ** 3);
     expect(openings.blocks[10 + 20 * (10 + 20 * 10)]! & 127).toBeGreaterThan(2); // empty all around the middle
     expect(openings.blocks[0]! & 127).toBe(0);
-    expect(openings.ownLight).toHaveLength(2 * 6 * 4 * openings.cells.reduce((a, b) => a * b));
+    expect(openings.ownLight.texels).toHaveLength(2 * 6 * 4 * openings.cells.reduce((a, b) => a * b));
     const closed = meanLight(openings.ownLight);
     expect(closed.cells).toBeGreaterThan(50);
     expect(closed.mean).toEqual([0, 0, 0]);
