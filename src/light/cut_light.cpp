@@ -46,19 +46,29 @@ Vec3 key_ray(const KeyLight& key, size_t i) {
   return glm::normalize(key.direction + r * (std::cos(phi) * u + std::sin(phi) * v));
 }
 
-/// The basis of a patch: its rays are turned about the normal by an angle of their own, so that
-/// what few rays miss differs from patch to patch, and interpolation evens it out.
-Mat3 basis_of(const SurfacePoint& patch, size_t number) {
-  Vec3 u;
-  Vec3 v;
-  orthonormal_basis(patch.normal, u, v);
-  const float turned = kGolden * static_cast<float>(number);
-  const float phi = 2 * kPi * (turned - std::floor(turned));
-  return {std::cos(phi) * u + std::sin(phi) * v, std::cos(phi) * v - std::sin(phi) * u,
-          patch.normal};
-}
-
 }  // namespace
+
+/// Calls use(i, origin, direction) for every ray of a patch to the sky. They begin in turns at the
+/// patch's samples, and are turned about the normal by an angle of the patch's own: what few rays
+/// miss differs from patch to patch, and interpolation evens it out.
+template <typename Use>
+void CutLight::each_sky_ray(size_t patch, const Use& use) const {
+  const float turned = kGolden * static_cast<float>(patch);
+  const float phi = 2 * kPi * (turned - std::floor(turned));
+  const float c = std::cos(phi);
+  const float s = std::sin(phi);
+  for (size_t k = 0; k < Patches::kSamples; ++k) {
+    const SurfacePoint& sample = patches_.sample(patch, k);
+    Vec3 u;
+    Vec3 v;
+    orthonormal_basis(sample.normal, u, v);
+    const Mat3 basis(c * u + s * v, c * v - s * u, sample.normal);
+    const Vec3 origin = origin_of(sample);
+    for (size_t i = k; i < kSky; i += Patches::kSamples) {
+      use(i, origin, basis * cosine_rays()[i]);
+    }
+  }
+}
 
 CutLight::CutLight(Occluders occluders, Patches patches, const LightRig& rig, float lift)
     : occluders_(std::move(occluders)),
@@ -69,16 +79,12 @@ CutLight::CutLight(Occluders occluders, Patches patches, const LightRig& rig, fl
   const float start = kStart * occluders_.spacing;
   parallel_for(patches_.count(), kPatchesATurn, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      const SurfacePoint& patch = patches_.all()[p];
-      const Vec3 from = origin_of(patch);
-      const Mat3 basis = basis_of(patch, p);
-      for (size_t i = 0; i < kSky; ++i) {
-        const Vec3 direction = basis * cosine_rays()[i];
+      each_sky_ray(p, [&](size_t i, const Vec3& from, const Vec3& direction) {
         const float distance = horizon_distance(occluders_, empty_, from, direction, start);
         sky_[p * kSky + i] = {
             distance, distance < kNever ? patches_.met_by(from + distance * direction, direction)
                                         : Patches::kNone};
-      }
+      });
     }
   });
   set_rig(rig);
@@ -96,11 +102,11 @@ void CutLight::set_rig(const LightRig& rig) {
   const float start = kStart * occluders_.spacing;
   parallel_for(patches_.count(), kPatchesATurn, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      const SurfacePoint& patch = patches_.all()[p];
       for (size_t i = 0; i < key_directions_.size(); ++i) {
+        const SurfacePoint& sample = key_sample(p, i);
         keys_[p * key_directions_.size() + i] =
-            glm::dot(patch.normal, key_directions_[i]) > 0
-                ? horizon_distance(occluders_, empty_, origin_of(patch), key_directions_[i], start)
+            glm::dot(sample.normal, key_directions_[i]) > 0
+                ? horizon_distance(occluders_, empty_, origin_of(sample), key_directions_[i], start)
                 : 0;
       }
     }
@@ -116,25 +122,22 @@ CutLight::Direct CutLight::direct(std::span<const Plane> planes) const {
   parallel_for(count, kPatchesATurn, [&](size_t begin, size_t end) {
     Direct& part = parts[begin / kPatchesATurn];
     for (size_t p = begin; p < end; ++p) {
-      const SurfacePoint& patch = patches_.all()[p];
-      const Vec3 from = origin_of(patch);
-      const Mat3 basis = basis_of(patch, p);
       part.first.push_back(static_cast<std::uint32_t>(part.met.size()));
       Vec3 sum(0);
-      for (size_t i = 0; i < kSky; ++i) {
+      each_sky_ray(p, [&](size_t i, const Vec3& from, const Vec3& direction) {
         const Horizon& horizon = sky_[p * kSky + i];
-        const Vec3 direction = basis * cosine_rays()[i];
         if (horizon.distance >= exit_distance(planes, from, direction)) {
           sum += sky_radiance(rig_, direction);
         } else if (horizon.patch != Patches::kNone) {
           part.met.push_back(horizon.patch);
         }
-      }
+      });
       sum /= static_cast<float>(kSky);
       for (size_t i = 0; i < key_directions_.size(); ++i) {
-        const float cosine = glm::dot(patch.normal, key_directions_[i]);
+        const SurfacePoint& sample = key_sample(p, i);
+        const float cosine = glm::dot(sample.normal, key_directions_[i]);
         if (cosine > 0 && keys_[p * key_directions_.size() + i] >=
-                              exit_distance(planes, from, key_directions_[i])) {
+                              exit_distance(planes, origin_of(sample), key_directions_[i])) {
           sum += cosine / static_cast<float>(kKey) * rig_.keys[i / kKey].radiance;
         }
       }

@@ -49,7 +49,13 @@ class CutLight {
   };
   Direct direct(std::span<const Plane> planes) const;
 
-  Vec3 origin_of(const SurfacePoint& patch) const { return patch.position + lift_ * patch.normal; }
+  Vec3 origin_of(const SurfacePoint& point) const { return point.position + lift_ * point.normal; }
+  template <typename Use>
+  void each_sky_ray(size_t patch, const Use& use) const;
+  /// Where ray i of those to all keys begins.
+  const SurfacePoint& key_sample(size_t patch, size_t i) const {
+    return patches_.sample(patch, i * (Patches::kSamples / kKeyRays));
+  }
 
   Occluders occluders_;
   EmptySpace empty_;

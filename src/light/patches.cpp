@@ -37,7 +37,7 @@ Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> points) : 
     }
   }
   patches_.assign(places_.size(), {Vec3(0), Vec3(0), Vec3(0)});
-  std::vector<float> counts(places_.size(), 0.0f);
+  std::vector<std::uint32_t> counts(places_.size(), 0);
   for (size_t i = 0; i < points.size(); ++i) {
     const auto patch = static_cast<size_t>(lookup_[places[i]]);
     patches_[patch].position += points[i].position;
@@ -46,9 +46,21 @@ Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> points) : 
     ++counts[patch];
   }
   for (size_t i = 0; i < patches_.size(); ++i) {
-    patches_[i].position /= counts[i];
+    const auto count = static_cast<float>(counts[i]);
+    patches_[i].position /= count;
     patches_[i].normal = glm::normalize(patches_[i].normal);
-    patches_[i].reflectance /= counts[i];
+    patches_[i].reflectance /= count;
+  }
+  // Sample k of a patch of n points is its point k·n / kSamples.
+  samples_.resize(places_.size() * kSamples);
+  std::vector<std::uint32_t> passed(places_.size(), 0);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto patch = static_cast<size_t>(lookup_[places[i]]);
+    const size_t count = counts[patch];
+    const size_t at = passed[patch]++;
+    for (size_t k = (at * kSamples + count - 1) / count; k * count < (at + 1) * kSamples; ++k) {
+      samples_[patch * kSamples + k] = points[i];
+    }
   }
 }
 

@@ -38,6 +38,7 @@ struct PatchGrid {
 class Patches {
  public:
   static constexpr int kSides = 6;
+  static constexpr size_t kSamples = 8;
   static constexpr std::int32_t kNone = -1;
 
   Patches(const PatchGrid& grid, std::span<const SurfacePoint> points);
@@ -49,6 +50,10 @@ class Patches {
   /// Index of the patch of a cell that faces a side, or kNone.
   std::int32_t at(size_t cell, int side) const {
     return lookup_[cell * kSides + static_cast<size_t>(side)];
+  }
+  /// One of a few points of a patch, spread over it: where its light comes to.
+  const SurfacePoint& sample(size_t patch, size_t i) const {
+    return samples_[patch * kSamples + i % kSamples];
   }
   size_t cell_of(size_t patch) const { return places_[patch] / kSides; }
   int side_of(size_t patch) const { return static_cast<int>(places_[patch] % kSides); }
@@ -83,6 +88,7 @@ class Patches {
  private:
   PatchGrid grid_;
   std::vector<SurfacePoint> patches_;
+  std::vector<SurfacePoint> samples_;  // [patches, kSamples]
   std::vector<std::uint32_t> places_;  // cell · kSides + side
   std::vector<std::int32_t> lookup_;   // [cells, kSides]
 };
