@@ -21,6 +21,8 @@ step() {
   if ! "$@" >"$log" 2>&1 </dev/null; then
     echo "FAILED after $((SECONDS - begin)) s; $log ends with"
     tail -n 60 "$log"
+    echo "test: of $log, what failed:"
+    grep -aE '^ *(FAIL|×|→)|AssertionError|\[  FAILED  \]|error:' "$log" | tail -n 20 || true
     echo "test: failed: $name"
     exit 1
   fi

@@ -5,6 +5,7 @@
 
 #include "core/camera.h"
 #include "core/cut.h"
+#include "splat/gaussians.h"
 
 namespace clipgs {
 
@@ -13,10 +14,12 @@ namespace clipgs {
 /// half covers of several pile up, and the picture reaches a pixel too far.
 class KeptShare {
  public:
+  static constexpr float kMargin = 3;  ///< px that splats may reach out of the hull of their means
+
   KeptShare() = default;
-  /// `body`: around all that is drawn, world space; of radius 0 nothing is known, and all is whole.
-  /// A pixel at a plane's line is covered as a straight edge covers it.
-  KeptShare(const Camera& camera, const Cut& cut, const Sphere& body);
+  /// Of what is between the near and the far end of the Gaussians' hull on a pixel's ray. A pixel
+  /// at a plane's line is covered as a straight edge covers it.
+  KeptShare(const Camera& camera, const Cut& cut, const Gaussians& body);
 
   /// Whether that is 1 in all of the picture.
   bool is_whole() const { return edges_.empty(); }
@@ -24,9 +27,22 @@ class KeptShare {
   float at(int x, int y) const;
 
  private:
-  /// Linear functions of the pixel: of what a plane keeps at the body's near end and its far end.
-  using Edge = std::array<Vec3, 2>;
+  /// What a plane keeps of a pixel at depth z: (x, y, 1)·along + near/z, 0 at the plane's line, a
+  /// pixel 1.
+  struct Edge {
+    Vec3 along;
+    float near;
+  };
+  /// The planes across one direction of the hull, at depths between low and high over (x, y,
+  /// 1)·along.
+  struct Slab {
+    Vec3 along;
+    float low;
+    float high;
+  };
   std::vector<Edge> edges_;
+  float margin_ = 0;  // of a depth, that splats reach out of the hull of their means
+  std::vector<Slab> slabs_;
 };
 
 }  // namespace clipgs

@@ -69,7 +69,8 @@ class LayersPicture : public testing::Test {
         scene_.gaussians.plane(Gaussians::kLogScale + a)[i] += 1.5f;
       }
     }
-    camera_ = frame_sphere(scene_.sphere, View{30, 20, 1}, 80, 64);
+    camera_ = frame_sphere(scene_.sphere, Vec3(0.2f, 0.5f, 0.8f), 1, 80,
+                           64);  // no plane is seen along itself
     plane_ = scene_.states.plane(scene_.axis, scene_.states.position(97));
   }
 

@@ -22,7 +22,7 @@ struct RasterOptions {
   float clip_sigma = 3.0f;          ///< exact: Gaussians further from the plane are not cut
   FaceGain face_gain;               ///< of the Gaussians that are drawn
   LayerSwitch layers;               ///< the same
-  Sphere body;  ///< around them, for kExact at edges: see KeptShare. Radius 0: none
+  bool kept_share = false;          ///< exact: planes seen along themselves end all, see KeptShare
 };
 
 /// A plane, and the gain of the splats at its face.

@@ -172,7 +172,7 @@ const Image& Rasterizer::forward(const Gaussians& gaussians, const Camera& camer
   if (image_.width != camera.width || image_.height != camera.height) {
     image_ = Image(camera.width, camera.height, 4);
   }
-  share_ = KeptShare(camera, cut, options.clip == ClipOperator::kExact ? options.body : Sphere());
+  share_ = options.kept_share ? KeptShare(camera, cut, gaussians) : KeptShare();
   const bool is_whole = share_.is_whole();
   Image& alone = front != nullptr || !is_whole ? alone_ : image_;
   if (alone.data.size() != image_.data.size()) {

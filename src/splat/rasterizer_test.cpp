@@ -90,8 +90,9 @@ TEST_P(ClipTest, SeveralPlanesEqualTheReference) {
        {std::vector{kPlane, other}, std::vector{kPlane, back}, std::vector{kPlane, other, back}}) {
     RasterOptions options;
     options.clip = GetParam();
-    options.body = {Vec3(0), 3};  // so small that the planes end it within the picture
+    options.kept_share = true;
     const Cut cut(planes);
+    EXPECT_FALSE(KeptShare(camera, cut, cloud).is_whole());
     Rasterizer rasterizer;
     const Image& fast = rasterizer.forward(cloud, camera, cut, options);
     const std::vector<double> slow =
@@ -167,13 +168,14 @@ TEST_P(ClipTest, GradientsOfEveryParameterMatchFiniteDifferences) {
   options.transmittance_min = 0;
   options.clip_sigma = 8;
   options.face_gain = random_gain();
-  options.body = {Vec3(0), 3};  // so small that the plane ends it within the picture
+  options.kept_share = true;
   Rng rng(4);
   Image weight(camera.width, camera.height, 4);
   for (float& w : weight.data) {
     w = rng.uniform() - 0.3f;
   }
   const Image front = random_front(camera, 5);
+  EXPECT_FALSE(KeptShare(camera, kPlane, cloud).is_whole());
   Rasterizer rasterizer;
   rasterizer.forward(cloud, camera, kPlane, options, &front);
   Gaussians gradients = cloud.like(cloud.size());

@@ -218,8 +218,7 @@ std::vector<double> reference_render(const std::vector<double>& parameters, cons
   }
   std::ranges::stable_sort(splats, {}, [](const auto& splat) { return splat.depth; });
 
-  const KeptShare share(camera, cut,
-                        options.clip == ClipOperator::kExact ? options.body : Sphere());
+  const KeptShare share = options.kept_share ? KeptShare(camera, cut, shape) : KeptShare();
   std::vector<double> image(static_cast<size_t>(camera.width) * camera.height * 4, 0.0);
   for (int py = 0; py < camera.height; ++py) {
     for (int px = 0; px < camera.width; ++px) {

@@ -53,26 +53,25 @@ const char* clip_operator_name(ClipOperator clip) {
 }
 
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front, const FaceGain& gain, const LayerSwitch& layers,
-             const Sphere& body) {
+             const Image* front, const FaceGain& gain, const LayerSwitch& layers) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
-  options.body = body;
+  options.kept_share = clip == ClipOperator::kExact;
   const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
 }
 
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
                        ClipOperator clip, const Image* front, const FaceGain& gain,
-                       const LayerSwitch& layers, const Sphere& body) {
+                       const LayerSwitch& layers) {
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
-  options.body = body;
+  options.kept_share = clip == ClipOperator::kExact;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image = reference_render(parameters, gaussians, camera, cut, options);
   for (size_t i = 0; front != nullptr && i < image.size(); i += 4) {

@@ -20,14 +20,13 @@ const char* clip_operator_name(ClipOperator clip);
 /// A picture of the scene: RGBA, display sRGB, straight alpha, in [0, 1].
 /// `front`: what the Gaussians lie behind, of the same size, premultiplied display sRGB and alpha;
 /// null: nothing. `gain`: of the splats at a face. `layers`: as the cut switches them, for kLayers.
-/// `body`: around the splats, so that kExact ends them sharply where a plane is seen along itself.
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
              const Image* front = nullptr, const FaceGain& gain = {},
-             const LayerSwitch& layers = {}, const Sphere& body = {});
+             const LayerSwitch& layers = {});
 
 /// The same from the slow double-precision reference that the fast rasteriser is held to.
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
                        ClipOperator clip, const Image* front = nullptr, const FaceGain& gain = {},
-                       const LayerSwitch& layers = {}, const Sphere& body = {});
+                       const LayerSwitch& layers = {});
 
 }  // namespace clipgs

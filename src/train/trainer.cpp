@@ -139,10 +139,7 @@ TrainOptions refine_options() {
 
 Trainer::Trainer(const Dataset& dataset, const TrainOptions& options, const Section* section,
                  const Scene* start)
-    : options_(options),
-      body_(dataset.sphere),
-      extent_(dataset.sphere.radius),
-      has_section_(section != nullptr) {
+    : options_(options), extent_(dataset.sphere.radius), has_section_(section != nullptr) {
   std::vector<const Frame*> frames = dataset.split(Split::kTrain);
   Vec3 normal(0);
   if (options.uniaxial) {
@@ -281,7 +278,7 @@ const Image& Trainer::draw(const View& view, const Camera& camera) {
   RasterOptions raster;
   raster.clip = options_.clip;
   raster.face_gain = gain_.value;
-  raster.body = body_;
+  raster.kept_share = raster.clip == ClipOperator::kExact;
   return rasterizer_.forward(gaussians_, camera, view.plane, raster, front);
 }
 

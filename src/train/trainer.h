@@ -94,8 +94,7 @@ class Trainer {
   void densify();
 
   TrainOptions options_;
-  Claim claim_;  // what the result of the run depends on
-  Sphere body_;
+  Claim claim_;      // what the result of the run depends on
   float extent_;     // mm
   float pixel_ = 0;  // mm, of a picture's pixel
   std::vector<View> views_;

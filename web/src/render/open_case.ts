@@ -82,7 +82,7 @@ export class OpenCase {
     this.info = parseCaseInfo(loaded.clipgs);
     const { sceneToPatient, mmPerUnit, faceGain } = this.info;
     const scene = new GpuScene(loaded.scene);
-    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, this.info.sphere);
+    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, loaded.hull);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;

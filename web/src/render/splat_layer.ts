@@ -12,7 +12,6 @@ import {
   Scene,
   UnsignedByteType,
   Vector2,
-  Vector3,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
@@ -21,7 +20,8 @@ import type { Picture } from "../api";
 import { kMaxPlanes } from "../model/cut";
 import { kClipOperators } from "../worker/protocol";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
-import { keptEdges } from "./kept_share";
+import { kHullDirections } from "../sog/hull";
+import { KeptShare } from "./kept_share";
 import type { SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
 import type { SplatMesh } from "./splat_mesh";
@@ -54,7 +54,8 @@ export class SplatLayer {
   readonly #still: WebGLRenderTarget; // splats and opaque faces
   readonly #moving: WebGLRenderTarget; // the same
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
-  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel" | "uEdges" | "uEdgeCount", IUniform>;
+  readonly #keptShare = new KeptShare();
+  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
@@ -68,8 +69,7 @@ export class SplatLayer {
       uPicture: { value: null },
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
-      uEdges: { value: Array.from({ length: 2 * kMaxPlanes }, () => new Vector3()) },
-      uEdgeCount: { value: 0 },
+      ...this.#keptShare.uniforms,
     };
     this.object = new Mesh(
       fullScreenTriangle(),
@@ -78,7 +78,7 @@ export class SplatLayer {
         vertexShader: shader("full_screen.vert.glsl"),
         fragmentShader: shader("composite.frag.glsl"),
         uniforms: this.#uniforms,
-        defines: { kStraight: 0, kMaxPlanes },
+        defines: { kStraight: 0, kMaxPlanes, kHullDirections },
         transparent: true,
         depthTest: false,
         depthWrite: false,
@@ -106,7 +106,7 @@ export class SplatLayer {
     const straight = new FullScreenPass(
       "composite.frag.glsl",
       { ...this.#uniforms, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
-      { kStraight: 1, kMaxPlanes },
+      { kStraight: 1, kMaxPlanes, kHullDirections },
     );
     straight.render(this.#renderer, bytes);
     const rows = new Uint8Array(width * height * 4);
@@ -134,10 +134,7 @@ export class SplatLayer {
     const renderer = this.#renderer;
     const seen = mesh.sceneCamera(camera, width, height);
     mesh.updateColors(renderer, seen.position);
-    const edges = mesh.clip === kClipOperators.exact ? keptEdges(seen, mesh.planes, mesh.body) : [];
-    const values = this.#uniforms.uEdges.value as Vector3[];
-    edges.flat().forEach((line, i) => values[i]!.copy(line));
-    this.#uniforms.uEdgeCount.value = edges.length;
+    this.#keptShare.set(seen, mesh.clip === kClipOperators.exact ? mesh.planes : [], mesh.hull);
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
     this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);

@@ -10,7 +10,6 @@ import {
   OneMinusSrcAlphaFactor,
   type PerspectiveCamera,
   RawShaderMaterial,
-  Sphere,
   Vector2,
   Vector3,
   Vector4,
@@ -21,6 +20,7 @@ import { areOpposite, kMaxPlanes } from "../model/cut";
 import { type FaceGain, gainAt } from "../model/face_gain";
 import type { Plane } from "../model/geometry";
 import type { LayerSwitch } from "../model/states";
+import type { Hull } from "../sog/hull";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
 import { type GpuScene, kWidthBits } from "./gpu_scene";
@@ -87,7 +87,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #colorPass: FullScreenPass;
   #colored = false; // as seen from uEye, with these planes
   /** Around the splats, in scene space. */
-  readonly body: Sphere;
+  readonly hull: Hull;
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
   clip: number = kClipOperators.none;
@@ -96,14 +96,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** Splats in the current order. */
   drawn = 0;
 
-  /** `sphere`: around the splats, RAS mm. */
-  constructor(
-    scene: GpuScene,
-    sceneToPatient: Matrix4,
-    mmPerUnit: number,
-    faceGain: FaceGain,
-    sphere: { center: Vector3; radius: number },
-  ) {
+  constructor(scene: GpuScene, sceneToPatient: Matrix4, mmPerUnit: number, faceGain: FaceGain, hull: Hull) {
     const camera = makeSceneCamera();
     const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
     super(
@@ -143,10 +136,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.#mmPerUnit = mmPerUnit;
     this.#sceneToPatient = sceneToPatient;
     this.#faceGain = faceGain;
-    this.body = new Sphere(
-      sphere.center.clone().applyMatrix4(sceneToPatient.clone().invert()),
-      sphere.radius / mmPerUnit,
-    );
+    this.hull = hull;
     const { uScene, uScaleCodebook, uPackedScene, uPlanes, uPlaneCount } = this.material.uniforms;
     this.#colorPass = new FullScreenPass(
       "color.frag.glsl",

@@ -8,16 +8,37 @@ uniform sampler2D uFaces;
 uniform vec2 uTexelsPerPixel;  // of both, where they are drawn at another size
 
 // Planes that are seen along themselves end the picture: the twin of KeptShare in src/splat/kept_share.h.
-uniform vec3 uEdges[2 * kMaxPlanes];
+uniform vec4 uEdges[kMaxPlanes];  // what a plane keeps of a pixel at depth z: xyz·(x, y, 1) + w/z
 uniform int uEdgeCount;
+// Planes around the body, across some directions, at depths between two ends over xyz·(x, y, 1).
+uniform vec3 uHull[kHullDirections];
+uniform vec2 uHullEnds[kHullDirections];
+uniform float uNear;
+uniform float uMargin;  // of a depth, that splats reach out of the hull of their means
 
 out vec4 fragColor;
 
 // How much of a pixel, which counts from the top left, sees anything that is kept.
 float keptShare(vec3 pixel) {
+  if (uEdgeCount == 0) {
+    return 1.0;
+  }
+  float near = uNear;
+  float far = 1e30;
+  for (int k = 0; k < kHullDirections; ++k) {
+    float along = dot(uHull[k], pixel);
+    if (abs(along) > 1e-6) {
+      vec2 ends = uHullEnds[k] / along;
+      near = max(near, min(ends.x, ends.y));
+      far = min(far, max(ends.x, ends.y));
+    }
+  }
+  near *= 1.0 - uMargin;
+  far = max(far * (1.0 + uMargin), uNear);
   float share = 1.0;
   for (int i = 0; i < uEdgeCount; ++i) {
-    share *= clamp(max(dot(uEdges[2 * i], pixel), dot(uEdges[2 * i + 1], pixel)), 0.0, 1.0);
+    float kept = dot(uEdges[i].xyz, pixel) + max(uEdges[i].w / near, uEdges[i].w / far);
+    share *= clamp(kept + 0.5, 0.0, 1.0);
   }
   return share;
 }

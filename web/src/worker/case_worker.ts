@@ -4,6 +4,7 @@ import libwebpUrl from "@cwasm/webp/webp.wasm?url";
 import splatOrderUrl from "@wasm/splat_order.wasm?url";
 
 import { requireTexelChecksum } from "../sog/checksum";
+import { hullOf } from "../sog/hull";
 import { parseSection, type SectionInfo } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta, type Texels } from "../sog/sog";
 import { WebpDecoder } from "../sog/webp";
@@ -86,6 +87,14 @@ function sectionOf(
   }
 }
 
+/** Of the scene in the patient; what is not as it should be is refused where the block is checked. */
+function rowsOf(clipgs: unknown): number[][] {
+  const { world } = (clipgs ?? {}) as { world?: { scene_to_ras_mm?: unknown } };
+  const rows = world?.scene_to_ras_mm;
+  const isMatrix = Array.isArray(rows) && rows.length === 4 && rows.every(Array.isArray);
+  return isMatrix ? rows : [0, 1, 2].map((i) => [0, 1, 2].map((k) => (i === k ? 1 : 0)));
+}
+
 /** Throws CaseError once another case was asked for. */
 function checkNewest(ticket: number): void {
   if (ticket !== newest.ticket) {
@@ -127,7 +136,16 @@ async function load(ticket: number, url: string): Promise<void> {
     const { clipgs } = meta;
     const { length } = bytes;
     reply(
-      { kind: "loaded", ticket, scene, section, sectionProblem: problem, clipgs, bytes: length },
+      {
+        kind: "loaded",
+        ticket,
+        scene,
+        hull: hullOf(scene, rowsOf(clipgs)),
+        section,
+        sectionProblem: problem,
+        clipgs,
+        bytes: length,
+      },
       transfer,
     );
   } catch (error) {

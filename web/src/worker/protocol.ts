@@ -1,5 +1,6 @@
 import { kMaxPlanes } from "../model/cut";
 import type { LightRig, Section, SectionInfo } from "../sog/section";
+import type { Hull } from "../sog/hull";
 import type { PackedScene } from "../sog/sog";
 
 /** Why there is nothing of a case, to whoever waited for it. */
@@ -50,6 +51,7 @@ export type SectionReply =
 export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
+  hull: Hull;
   section: CodedSection | null;
   /** What is wrong with the section that it has, if something is: splats show the case without it. */
   sectionProblem: string | null;
