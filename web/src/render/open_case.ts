@@ -117,7 +117,7 @@ export class OpenCase {
     if (faces && (await faces.upload(renderer))) {
       this.faces = faces;
       this.windows = windowPresets(section);
-      this.#light = new OpenedLight(light, faces, this.mesh, relit);
+      this.#light = new OpenedLight(renderer, light, faces, this.mesh, relit);
     } else {
       light.dispose();
       faces?.free();

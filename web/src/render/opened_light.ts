@@ -1,4 +1,4 @@
-import { Data3DTexture, LinearFilter, Matrix4, RGBAFormat } from "three";
+import { Data3DTexture, LinearFilter, Matrix4, RGBAFormat, type WebGLRenderer } from "three";
 
 import { indexFromPatient } from "../model/faces";
 import type { Plane } from "../model/geometry";
@@ -7,6 +7,7 @@ import type { LightClient } from "../worker/light_client";
 import type { OpeningsInfo } from "../worker/protocol";
 import type { SectionFaces } from "./section_faces";
 import type { SplatMesh } from "./splat_mesh";
+import { uploadInPieces } from "./upload";
 
 function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   return (
@@ -15,8 +16,11 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   );
 }
 
-function lightTexture(texels: Uint8Array, [x, y, z]: OpeningsInfo["cells"]): Data3DTexture {
-  const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, 12 * z);
+/** Bytes that a frame has time to hand over, or a little less. */
+const kUploadBytes = 1.5e6;
+
+function lightTexture(texels: Uint8Array, [x, y]: OpeningsInfo["cells"], depth: number): Data3DTexture {
+  const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, depth);
   texture.format = RGBAFormat;
   texture.internalFormat = "SRGB8_ALPHA8";
   texture.minFilter = texture.magFilter = LinearFilter;
@@ -31,10 +35,12 @@ interface Solution {
   quick: boolean;
 }
 
-/** The light on the GPU, and that which the case was made in. */
+/** On the GPU: the light that the case was made in, that of a cut, which is drawn, and what will take its place. */
 interface Textures {
-  light: Data3DTexture;
   own: Data3DTexture;
+  shown: Data3DTexture;
+  next: Data3DTexture;
+  cells: OpeningsInfo["cells"];
 }
 
 /**
@@ -42,6 +48,7 @@ interface Textures {
  * planes move, and at rest as `clipgs render` has it. `changed` is called where what is seen has changed.
  */
 export class OpenedLight {
+  readonly #renderer: WebGLRenderer;
   readonly #client: LightClient;
   readonly #faces: SectionFaces;
   readonly #mesh: SplatMesh;
@@ -55,16 +62,23 @@ export class OpenedLight {
   #rig: LightRig | null = null; // that is wanted; null: the case's own
   #told: LightRig | null = null; // that the worker knows of
 
-  constructor(client: LightClient, faces: SectionFaces, mesh: SplatMesh, changed: () => void) {
+  constructor(
+    renderer: WebGLRenderer,
+    client: LightClient,
+    faces: SectionFaces,
+    mesh: SplatMesh,
+    changed: () => void,
+  ) {
+    this.#renderer = renderer;
     this.#client = client;
     this.#faces = faces;
     this.#mesh = mesh;
     this.#changed = changed;
-    this.ready = client.openings.then((openings) => {
+    this.ready = client.openings.then(async (openings) => {
       if (!openings || this.#state === "none") {
         this.dispose();
       } else {
-        this.#take(openings);
+        await this.#take(openings);
       }
       changed();
     });
@@ -118,8 +132,10 @@ export class OpenedLight {
   dispose(): void {
     this.#state = "none";
     this.#client.dispose();
-    this.#textures?.light.dispose();
-    this.#textures?.own.dispose();
+    if (this.#textures) {
+      const { own, shown, next } = this.#textures;
+      [own, shown, next].forEach((texture) => texture.dispose());
+    }
     this.#textures = null;
   }
 
@@ -132,42 +148,60 @@ export class OpenedLight {
     return planes.length > 0 || this.#rig !== null;
   }
 
-  #take(openings: OpeningsInfo): void {
-    const {
-      ownLight: { texels, scale },
-      cells,
-      cellSize,
-    } = openings;
+  async #take(openings: OpeningsInfo): Promise<void> {
+    const { ownLight, cells, cellSize } = openings;
     const { section } = this.#faces;
-    const textures = { light: lightTexture(texels.slice(), cells), own: lightTexture(texels, cells) };
+    const texture = () => lightTexture(ownLight.texels, cells, 12 * cells[2]);
+    const textures = { own: texture(), shown: texture(), next: texture(), cells };
+    this.#textures = textures;
+    if (!(await this.#give(textures.own, ownLight.texels))) {
+      return;
+    }
     const [x, y, z] = section.spacing.map((mm) => mm / cellSize);
     const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
-    this.#textures = textures;
     this.#state = "drawn";
-    this.#faces.setOpenings(openings, textures.light);
-    this.#mesh.setLight(textures.light, textures.own, scale, cells, cellFromPatient);
+    this.#faces.setOpenings(openings);
+    this.#mesh.setOwnLight(textures.own, ownLight.scale, cells, cellFromPatient);
+  }
+
+  /** Hands texels to the GPU. Returns whether anybody still wants them. */
+  async #give(texture: Data3DTexture, texels: Uint8Array): Promise<boolean> {
+    const { cells } = this.#textures!;
+    texture.image.data = texels as BufferSource as Uint8Array<ArrayBuffer>;
+    const slice = 4 * cells[0] * cells[1];
+    const piece = (z: number, depth: number) =>
+      lightTexture(texels.subarray(z * slice, (z + depth) * slice), cells, depth);
+    const wanted = () => this.#textures !== null;
+    await uploadInPieces(this.#renderer, texture, piece, Math.ceil(kUploadBytes / slice), wanted);
+    return wanted();
   }
 
   #solve(planes: readonly Plane[], quick: boolean): Promise<void> {
+    this.#solving = this.#light(planes, quick).then(() => {
+      this.#solving = null;
+      this.#changed();
+    });
+    return this.#solving;
+  }
+
+  async #light(planes: readonly Plane[], quick: boolean): Promise<void> {
     const values = planes.flatMap(({ normal, offset }) => [...normal.toArray(), offset]);
     const rig = this.#rig;
     if (rig !== this.#told) {
       this.#told = rig;
       this.#client.setRig(rig ?? this.#faces.section.rig);
     }
-    this.#solving = this.#client.solve(Float32Array.from(values), quick).then((solved) => {
-      this.#solving = null;
-      if (!solved) {
-        this.#state = "none"; // what was lit last stays
-      } else if (this.#textures) {
-        const { light } = this.#textures;
-        light.image.data = solved.texels as BufferSource as Uint8Array<ArrayBuffer>;
-        light.needsUpdate = true;
-        this.#faces.lightScale = this.#mesh.lightScale = solved.scale;
-        this.#lit = { planes, rig, quick };
-        this.#changed();
-      }
-    });
-    return this.#solving;
+    const solved = await this.#client.solve(Float32Array.from(values), quick);
+    const textures = this.#textures;
+    if (!solved) {
+      this.#state = "none"; // what was lit last stays
+    } else if (textures && (await this.#give(textures.next, solved.texels))) {
+      const { next, shown } = textures;
+      textures.shown = next;
+      textures.next = shown;
+      this.#faces.setLight(next, solved.scale);
+      this.#mesh.setLight(next, solved.scale);
+      this.#lit = { planes, rig, quick };
+    }
   }
 }

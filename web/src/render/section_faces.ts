@@ -43,6 +43,7 @@ import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo } from "../worker/protocol";
 import { kBehindSplats, kOverSplats } from "./draw_order";
 import { shader } from "./shaders";
+import { uploadInPieces } from "./upload";
 
 const kTableRows = 4;
 const kGlossRow = 2;
@@ -277,46 +278,36 @@ export class SectionFaces {
     const { section } = this;
     const gl = renderer.getContext();
     wasOutOfMemory(gl); // before this, for something else
-    const [nx, ny, nz] = section.dims;
+    const [nx, ny] = section.dims;
     const sliceBytes = nx * ny * section.channels;
     const slices = Math.ceil(kUploadBytes / sliceBytes);
     const texture = this.#uniforms["uVoxels"]!.value as Data3DTexture;
-    texture.source.dataReady = false; // only memory is asked for
     let lost = false;
     const lose = (): void => void (lost = true);
     renderer.domElement.addEventListener("webglcontextlost", lose);
-    for (let z = 0; z < nz && !this.#freed; z += slices) {
-      const depth = Math.min(slices, nz - z);
-      const voxels = section.voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes);
-      renderer.copyTextureToTexture(
-        volumeTexture(voxels, section, depth),
-        texture,
-        null,
-        new Vector3(0, 0, z),
-      );
-      await new Promise((resolve) => setTimeout(resolve));
-    }
+    const piece = (z: number, depth: number) =>
+      volumeTexture(section.voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes), section, depth);
+    await uploadInPieces(renderer, texture, piece, slices, () => !this.#freed);
     renderer.domElement.removeEventListener("webglcontextlost", lose);
-    texture.source.dataReady = true; // from now on three.js gives all of it to a new context
     if (lost) {
       texture.needsUpdate = true;
     }
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
-  /** From now on walls behind gaps are drawn: in no more than a glow until `light` is that of a cut. */
-  setOpenings(openings: OpeningsInfo, light: Data3DTexture): void {
-    const { uOpenings, uBlocks, uLight } = this.#uniforms;
+  /** From now on walls behind gaps are drawn: in no more than a glow until there is light of a cut. */
+  setOpenings(openings: OpeningsInfo): void {
+    const { uOpenings, uBlocks } = this.#uniforms;
     this.#hasOpenings = true;
     (uBlocks!.value as Data3DTexture).dispose();
     uBlocks!.value = blockTexture(openings);
-    uLight!.value = light;
     uOpenings!.value.cell = openings.cellSize;
     uOpenings!.value.cells.set(...openings.cells);
   }
 
-  /** What 1 in the light's texture stands for, linear: that is drawn from now on. */
-  set lightScale(scale: number) {
+  /** Lights walls by a texture from now on, in which 1 stands for `scale`, linear. */
+  setLight(light: Data3DTexture, scale: number): void {
+    this.#uniforms["uLight"]!.value = light;
     this.#uniforms["uOpenings"]!.value.lightScale = scale;
   }
 

@@ -253,28 +253,25 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     }
   }
 
-  /**
-   * Takes the light of surfaces that is shown and that which the case was made in, of cells, 1 standing for `scale` in
-   * both: what splats gain of it is shown while `relit`.
-   */
-  setLight(
-    light: Data3DTexture,
+  /** Takes the light of surfaces that the case was made in, of cells, in which 1 stands for `scale`. */
+  setOwnLight(
     own: Data3DTexture,
     scale: number,
     cells: readonly [number, number, number],
     cellFromPatient: Matrix4,
   ): void {
-    const { uSplatLight, uLight, uOwnLight } = this.#colorPass.uniforms;
+    const { uSplatLight, uOwnLight } = this.#colorPass.uniforms;
     uSplatLight!.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
     uSplatLight!.value.cells.set(...cells);
-    uSplatLight!.value.scale = uSplatLight!.value.ownScale = scale;
-    uLight!.value = light;
+    uSplatLight!.value.ownScale = scale;
     uOwnLight!.value = own;
   }
 
-  /** Other light is shown, of which 1 stands for `scale`. */
-  set lightScale(scale: number) {
-    this.#colorPass.uniforms["uSplatLight"]!.value.scale = scale;
+  /** What splats gain of this light, laid out as their own, is shown while `relit`. */
+  setLight(light: Data3DTexture, scale: number): void {
+    const { uSplatLight, uLight } = this.#colorPass.uniforms;
+    uLight!.value = light;
+    uSplatLight!.value.scale = scale;
     this.#colored = false;
   }
 

@@ -416,8 +416,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const settle = () => page.waitForTimeout(600);
     await settle();
-    await page.keyboard.press("s");
-    await page.keyboard.press("ArrowUp");
+    // Within one task: however slow the machine is, no pause parts them.
+    await page.evaluate(() => {
+      for (const key of ["s", "ArrowUp"]) {
+        window.dispatchEvent(new KeyboardEvent("keydown", { key }));
+      }
+    });
     await settle();
     await page.keyboard.press("2");
     await page.keyboard.press("Control+z");
