@@ -346,6 +346,22 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   EXPECT_EQ(json.at("rows").size(), 12U);  // two splits, three operators, volume and splats
   EXPECT_THAT(read_text(at("report.html")), HasSubstr("ot for diagnosis"));
 
+  // In other lights than the dataset's, every split is worse.
+  const Finished otherwise =
+      run_clipgs({"eval", at("case.sog"), "--dataset", at("case.clipgs-work/dataset"), "--json",
+                  at("rim.json"), "--rig", "rim"});
+  ASSERT_EQ(otherwise.status, 0) << otherwise.err;
+  const auto rim = nlohmann::json::parse(read_text(at("rim.json")));
+  ASSERT_EQ(rim.at("rows").size(), 6U);
+  for (const auto& row : rim.at("rows")) {
+    const auto same = std::ranges::find_if(json.at("rows"), [&](const auto& own) {
+      return own.at("split") == row.at("split") && own.at("clip") == row.at("clip") &&
+             own.at("section") == "volume";
+    });
+    ASSERT_NE(same, json.at("rows").end());
+    EXPECT_LT(row.at("psnr_masked"), same->at("psnr_masked"));
+  }
+
   const Finished dataset = run_clipgs({"info", at("case.clipgs-work/dataset"), "--json"});
   ASSERT_EQ(dataset.status, 0) << dataset.err;
   EXPECT_EQ(nlohmann::json::parse(dataset.out).at("train").at("pictures"), 8);
@@ -362,6 +378,10 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   }
   EXPECT_NE(pictures[0], pictures[1]);
   EXPECT_NE(pictures[0], pictures[2]);
+
+  expect_failure(
+      {"render", at("case.sog"), "-o", at("lit.png"), "--section", "splats", "--rig", "rim"},
+      "trained in", at("lit.png"));
 
   // A state is a plane along the axis.
   const Finished state = run_clipgs(

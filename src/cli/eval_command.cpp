@@ -18,6 +18,7 @@
 #include "measure/evaluation.h"
 #include "measure/report.h"
 #include "train/model_file.h"
+#include "volume/preset.h"
 
 namespace clipgs {
 
@@ -35,6 +36,7 @@ struct EvalArguments {
   std::vector<std::string> clips = {"hard", "soft", "exact"};
   std::vector<std::string> sections;
   std::string split = "test";
+  std::string rig;
 };
 
 EvaluationOptions evaluation_options(const EvalArguments& arguments) {
@@ -49,7 +51,8 @@ EvaluationOptions evaluation_options(const EvalArguments& arguments) {
       options.clips.push_back(clip);
     }
   }
-  for (const std::string& name : arguments.sections) {
+  const std::vector<std::string> relit = {face_source_name(FaceSource::kVolume)};
+  for (const std::string& name : arguments.rig.empty() ? arguments.sections : relit) {
     const FaceSource source = parse_face_source(name);
     if (std::ranges::find(options.faces, source) == options.faces.end()) {
       options.faces.push_back(source);
@@ -102,6 +105,12 @@ std::vector<Case> load_subjects(const EvalArguments& arguments, const Dataset& d
     add(arguments.model);
   }
   std::ranges::for_each(cases, prepare_openings);
+  if (!arguments.rig.empty()) {
+    const LightRig rig = load_rig(arguments.rig);
+    for (Case& contents : cases) {
+      relight(contents, rig);
+    }
+  }
   return cases;
 }
 
@@ -161,9 +170,10 @@ void add_eval_command(CLI::App& app) {
                    "Another scene to measure beside it; may be given again")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command->add_option("--model", arguments->model,
-                      "The neural model that the scene was baked from: measured beside it, and "
-                      "scenes against its pictures, with the bytes of each step of baking");
+  CLI::Option* const model =
+      command->add_option("--model", arguments->model,
+                          "The neural model that the scene was baked from: measured beside it, and "
+                          "scenes against its pictures, with the bytes of each step of baking");
   // A scene's own description has its name and .json.
   command->add_option("--json", arguments->json, "File to write the figures to, as JSON")
       ->check(ends_in({".json", ".figures"}));
@@ -177,16 +187,24 @@ void add_eval_command(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember({"hard", "soft", "exact", "layers"}))
       ->capture_default_str();
-  command
-      ->add_option("--section", arguments->sections,
-                   "What draws the faces of the cut: volume, splats (default: what the case has)")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"volume", "splats"}));
+  CLI::Option* const section =
+      command
+          ->add_option(
+              "--section", arguments->sections,
+              "What draws the faces of the cut: volume, splats (default: what the case has)")
+          ->delimiter(',')
+          ->check(CLI::IsMember({"volume", "splats"}));
   command
       ->add_option("--split", arguments->split,
                    "Pictures: test, for tables, or validation, to choose between methods by")
       ->check(CLI::IsMember({"test", "validation"}))
       ->capture_default_str();
+  command
+      ->add_option("--rig", arguments->rig,
+                   "Lights that scenes are shown in, such as those of the dataset: studio, "
+                   "theatre, rim, dome, ambient or a JSON file (default: those that each was "
+                   "made in); with faces from the volume")
+      ->excludes(section, model);
   command->footer(
       "Scenes are called by their files' names.\n"
       "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html\n"

@@ -73,7 +73,11 @@ FaceSource face_source(const RenderArguments& arguments, const Case& contents) {
   if (arguments.section.empty()) {
     return contents.section ? FaceSource::kVolume : FaceSource::kSplats;
   }
-  return parse_face_source(arguments.section);
+  const FaceSource source = parse_face_source(arguments.section);
+  if (source == FaceSource::kSplats && arguments.changes_light()) {
+    throw Error("--section splats shows the light that they were trained in; leave it out");
+  }
+  return source;
 }
 
 /// The plane of one state, which is said on standard output.

@@ -21,11 +21,9 @@ constexpr float kWisp = 0.3f;
 constexpr int kBounces = 10;
 constexpr int kQuickBounces = 2;
 
-// Of a surface's light: what no change of lights takes away, for colours of next to nothing.
-constexpr float kDim = 0.01f;
+// Of a surface's light: what no change of lights takes away, for lamps without some colour.
+constexpr float kDim = 0.001f;
 constexpr float kMostGain = 10;
-// Linear light as display sRGB, nearly: a factor to this power.
-constexpr float kDisplay = 0.45f;
 
 // Of opaque presets' matter less than a tenth is translucent, at its surfaces; of others a third or
 // more.
@@ -139,9 +137,8 @@ Vec3 OpenedLight::gain(const Vec3& world, const Vec3& axis) const {
   if (!(before.g > 0)) {
     return Vec3(1);
   }
-  const Vec3 ratio = glm::clamp((now + kDim * before.g) / (before + kDim * before.g),
-                                Vec3(1 / kMostGain), Vec3(kMostGain));
-  return glm::pow(ratio, Vec3(kDisplay));
+  return glm::clamp((now + kDim * before.g) / (before + kDim * before.g), Vec3(1 / kMostGain),
+                    Vec3(kMostGain));
 }
 
 }  // namespace clipgs

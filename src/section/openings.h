@@ -79,7 +79,7 @@ class OpenedLight {
   /// What a wall would radiate if it were white, linear RGB before exposure.
   Vec3 on(const Wall& wall) const;
   /// How much brighter the surface around a point (RAS mm) is than uncut under its own lights, of
-  /// sides that `axis` points out of or into: a factor of display sRGB. 1 where there is none, or
+  /// sides that `axis` points out of or into: a factor of linear RGB. 1 where there is none, or
   /// none that was lit.
   Vec3 gain(const Vec3& world, const Vec3& axis) const;
 

@@ -52,7 +52,8 @@ void main() {
   float basis[kMaxShCoefficients];
   Gaussian g = unpackGaussian(p, uPackedScene);
   shBasis(normalize(g.mean - uEye), basis);
-  vec3 color = 0.5 + basis[0] * lookUp(uSh0Codebook, texelFetch(uSh0, texel, 0).rgb);
+  vec3 meanColor = 0.5 + basis[0] * lookUp(uSh0Codebook, texelFetch(uSh0, texel, 0).rgb);
+  vec3 color = meanColor;
   int label = int(shLabel(p));
   ivec2 first = ivec2((label % 64) * uShCoefficients, label / 64);
   for (int k = 0; k < uShCoefficients; ++k) {
@@ -62,7 +63,8 @@ void main() {
   if (uSplatLight.changed) {
     vec3 s = vec3(dot(g.axes[0], g.axes[0]), dot(g.axes[1], g.axes[1]), dot(g.axes[2], g.axes[2]));
     int shortest = s.x <= s.y && s.x <= s.z ? 0 : (s.y <= s.z ? 1 : 2);
-    color = max(color, 0.0) * lightGain(g.mean, g.axes[shortest], uSplatLight, uLight, uOwnLight);
+    vec3 changed = lightGain(g.mean, g.axes[shortest], uSplatLight, uLight, uOwnLight);
+    color = displayGain(changed, meanColor) * max(color, 0.0);
   }
   for (int i = 0; i < uPlaneCount; ++i) {
     float share = faceShare(g, uPlanes[i], uEye);

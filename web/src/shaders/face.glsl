@@ -5,6 +5,8 @@
 // Positions are voxel indices, directions are RAS. The including program defines kChannels: 1 (values) or 3 (sRGB),
 // and kColumns, of the table of materials.
 
+#include "srgb.glsl"
+
 const int kTaps = 8;
 const int kMaxKeys = 8;
 const int kMaxPlanes = 6;
@@ -95,16 +97,6 @@ const float kGap = 0.4;  // of a ray's light that goes on: less is tissue …
 const float kClearGap = 0.6;  // … and more an opening
 const float kDark = 0.1;  // of the window, below black: as dark is an opening, brighter is a value
 const vec3 kClay = vec3(0.16, 0.26, 0.42);  // of neutral walls, linear RGB
-
-
-vec3 srgbFromLinear(vec3 linear) {
-  vec3 c = clamp(linear, 0.0, 1.0);
-  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
-}
-
-vec3 linearFromSrgb(vec3 srgb) {
-  return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
 
 // Value of a sample, 0…1.
 float valueOf(vec4 voxel) {

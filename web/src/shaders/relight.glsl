@@ -1,9 +1,11 @@
 // How splats follow the light: of another rig, and of the cut, whose shadows are others. The twin of OpenedLight::gain
-// in src/section/openings.cpp.
+// in src/section/openings.cpp and of src/section/relight.cpp.
 
-const float kDim = 0.01;
+#include "srgb.glsl"
+
+const float kDim = 0.001;
 const float kMostGain = 10.0;
-const float kDisplay = 0.45;
+const float kBlack = 0.001;
 
 struct SplatLight {
   bool changed;         // else every gain is 1
@@ -13,7 +15,7 @@ struct SplatLight {
   float ownScale;       // … and in that of the light that the case was made in
 };
 
-// A factor of display sRGB for what lies at a point (scene space) with its shortest axis along `axis`.
+// A factor of linear RGB for what lies at a point (scene space) with its shortest axis along `axis`.
 vec3 lightGain(vec3 position, vec3 axis, SplatLight l, highp sampler3D light, highp sampler3D ownLight) {
   vec3 n = normalize(mat3(l.cellFromScene) * axis);
   vec3 at = clamp((l.cellFromScene * vec4(position, 1.0)).xyz, vec3(0.0), l.cells - 1.0) + 0.5;
@@ -30,5 +32,11 @@ vec3 lightGain(vec3 position, vec3 axis, SplatLight l, highp sampler3D light, hi
     return vec3(1.0);
   }
   vec3 dim = vec3(kDim * before.g);
-  return pow(clamp((now + dim) / (before + dim), 1.0 / kMostGain, kMostGain), vec3(kDisplay));
+  return clamp((now + dim) / (before + dim), 1.0 / kMostGain, kMostGain);
+}
+
+// A factor of linear light as one of a color in display sRGB.
+vec3 displayGain(vec3 gain, vec3 color) {
+  vec3 bounded = clamp(color, kBlack, 1.0);
+  return srgbFromLinear(gain * linearFromSrgb(bounded)) / bounded;
 }
