@@ -16,8 +16,8 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   );
 }
 
-/** Bytes that a frame has time to hand over, or a little less. */
-const kUploadBytes = 1.5e6;
+/** Bytes handed over at once: every light but the largest, for pieces wait for each other, and the plane for none. */
+const kUploadBytes = 3e6;
 
 function lightTexture(texels: Uint8Array, [x, y]: OpeningsInfo["cells"], depth: number): Data3DTexture {
   const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, depth);

@@ -16,7 +16,9 @@ export async function uploadInPieces(
   for (let z = 0; z < all && wanted(); z += slices) {
     const depth = Math.min(slices, all - z);
     renderer.copyTextureToTexture(piece(z, depth), texture, null, new Vector3(0, 0, z));
-    await new Promise((resolve) => setTimeout(resolve));
+    if (z + depth < all) {
+      await new Promise((resolve) => setTimeout(resolve));
+    }
   }
   texture.source.dataReady = true; // from now on three.js gives all of it to a new context
 }
