@@ -16,8 +16,8 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
   );
 }
 
-/** Bytes handed over at once: every light but the largest, for pieces wait for each other, and the plane for none. */
-const kUploadBytes = 3e6;
+/** Bytes handed over at once. More take the main thread longer, fewer let a moving plane wait longer for its light. */
+const kUploadBytes = 1.5e6;
 
 function lightTexture(texels: Uint8Array, [x, y]: OpeningsInfo["cells"], depth: number): Data3DTexture {
   const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, depth);
