@@ -239,10 +239,12 @@ describe("face.glsl", () => {
     }
     expect(value(glsl, /kOpaqueWall = 1\.0 \/ (\d+)/)).toBe(value(openings, /kOpaqueWall = 1\.0f \/ (\d+)/));
     const relight = readFileSync("src/shaders/relight.glsl", "utf8");
-    for (const name of ["kDim", "kMostGain", "kDisplay"]) {
+    for (const name of ["kDim", "kMostGain"]) {
       const number = new RegExp(`${name} = ([\\d.]+)`);
       expect(Number(value(relight, number)), name).toBe(Number(value(openings, number)));
     }
+    const splats = readFileSync("../src/section/relight.cpp", "utf8");
+    expect(Number(value(relight, /kBlack = ([\d.]+)/))).toBe(Number(value(splats, /kBlack = ([\d.]+)/)));
     const drawn = readFileSync("../src/section/faces.cpp", "utf8");
     const clay = (text: string) =>
       value(text, /kClay(?: = vec3)?\(([^)]+)\)/)!
