@@ -282,16 +282,9 @@ export class SectionFaces {
     const sliceBytes = nx * ny * section.channels;
     const slices = Math.ceil(kUploadBytes / sliceBytes);
     const texture = this.#uniforms["uVoxels"]!.value as Data3DTexture;
-    let lost = false;
-    const lose = (): void => void (lost = true);
-    renderer.domElement.addEventListener("webglcontextlost", lose);
     const piece = (z: number, depth: number) =>
       volumeTexture(section.voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes), section, depth);
-    await uploadInPieces(renderer, texture, piece, slices, () => !this.#freed);
-    renderer.domElement.removeEventListener("webglcontextlost", lose);
-    if (lost) {
-      texture.needsUpdate = true;
-    }
+    const lost = await uploadInPieces(renderer, texture, piece, slices, () => !this.#freed);
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
