@@ -221,23 +221,30 @@ async function planeTasks(session: Session): Promise<string[]> {
   ];
 }
 
-/** Counts, in the page, the frames between a cut whose light is asked for and that light. */
+/** Counts, in the page, the frames between a cut whose light is asked for and that light, whole, with the GPU. */
 const kCountLight = {
   content: `{
     window.lightFrames = [];
     window.prepareMs = 0;
-    let frame = 0;
+    let frame = 1, givenAt = 0;
     const tick = () => (++frame, requestAnimationFrame(tick));
     tick();
+    const give = WebGL2RenderingContext.prototype.texSubImage3D;
+    WebGL2RenderingContext.prototype.texSubImage3D = function (...all) {
+      givenAt = frame;
+      return give.apply(this, all);
+    };
     const post = Worker.prototype.postMessage;
     Worker.prototype.postMessage = function (message, ...rest) {
-      if (message.kind === "light") this.askedAt = frame;
+      if (message.kind === "light") {
+        if (this.askedAt) window.lightFrames.push(givenAt - this.askedAt);
+        this.askedAt = frame;
+      }
       if (message.kind === "decode") {
         let decoded;
         this.addEventListener("message", ({ data }) => {
           if (data.kind === "section") decoded = performance.now();
           if (data.kind === "openings") window.prepareMs = performance.now() - decoded;
-          if (data.kind === "lit") window.lightFrames.push(frame - this.askedAt);
         });
       }
       return post.call(this, message, ...rest);
