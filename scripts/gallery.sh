@@ -240,6 +240,10 @@ inside phantom "$folder/phantom.nii.gz" 20,45,1.4
 if [ -n "${CLIPGS_DATA:-}" ]; then
   picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
   faces head 20,50
+  if [ ! -f "$folder/skull.sog" ]; then
+    "$clipgs" build "$CLIPGS_DATA/head.nrrd" -o "$folder/skull.sog" --quality draft --preset bone --title "Skull" --hu 16,-1024
+  fi
+  inside skull "$CLIPGS_DATA/head.nrrd" 20,35,1.2 --hu 16,-1024
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   inside chest "$CLIPGS_DATA/chest.nrrd" 20,45,1.4
   lights chest "$CLIPGS_DATA/chest.nrrd" 30,25

@@ -84,11 +84,7 @@ function button({ text, enabled, press }: Button): HTMLElement {
 
 function question({ text, low, high, values, chosen, choose }: Question): HTMLElement {
   const answers = values.map((value) =>
-    h(
-      "button",
-      { role: "radio", "aria-checked": String(value === chosen), onclick: () => choose(value) },
-      String(value),
-    ),
+    h("button", { "aria-pressed": String(value === chosen), onclick: () => choose(value) }, String(value)),
   );
   return h(
     "div",
@@ -99,7 +95,7 @@ function question({ text, low, high, values, chosen, choose }: Question): HTMLEl
       "div",
       {
         class: values.length > 7 ? "answers many" : "answers",
-        role: "radiogroup",
+        role: "group",
         "aria-labelledby": "study-question",
       },
       ...answers,
