@@ -9,6 +9,13 @@
 
 namespace clipgs {
 
+void require_valid(const PowerTarget& target) {
+  if (!(target.alpha > 0 && target.power > target.alpha && target.power < 1)) {
+    throw Error("a power of {} at alpha {} is no aim; choose 0 < alpha < power < 1", target.power,
+                target.alpha);
+  }
+}
+
 double paired_t_power(double dz, size_t n, double alpha) {
   const auto df = static_cast<double>(n - 1);
   const boost::math::non_central_t distribution(df, dz * std::sqrt(static_cast<double>(n)));
@@ -18,10 +25,7 @@ double paired_t_power(double dz, size_t n, double alpha) {
 }
 
 std::optional<size_t> paired_t_sample_size(double dz, const PowerTarget& target) {
-  if (!(target.alpha > 0 && target.power > target.alpha && target.power < 1)) {
-    throw Error("a power of {} at alpha {} is no aim; choose alpha < power < 1", target.power,
-                target.alpha);
-  }
+  require_valid(target);
   const double effect = std::abs(dz);
   if (!(effect >= kLeastEffect)) {
     return std::nullopt;

@@ -14,13 +14,16 @@ struct PowerTarget {
   double alpha = 0.05;  ///< two-sided, in (0, 1)
 };
 
+/// Throws Error for a power or alpha out of range.
+void require_valid(const PowerTarget& target);
+
 /// Probability that a two-sided paired t-test at `alpha` finds an effect of d_z with n ≥ 2 pairs:
 /// that a noncentral t of n − 1 degrees of freedom and noncentrality d_z·√n lies beyond the
 /// critical values (Cohen 1988).
 double paired_t_power(double dz, size_t n, double alpha);
 
 /// The fewest pairs with at least that power, 2 or more; empty for an effect smaller than
-/// kLeastEffect either way. Throws Error for a power or alpha out of range.
+/// kLeastEffect either way. Throws Error as require_valid().
 std::optional<size_t> paired_t_sample_size(double dz, const PowerTarget& target = {});
 
 /// The same for Wilcoxon's signed-rank test: the t-test's over the test's asymptotic efficiency
