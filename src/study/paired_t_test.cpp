@@ -154,6 +154,8 @@ TEST(SampleSize, GrowsWithThePowerAndFallsWithTheEffect) {
 TEST(SampleSize, RanksNeedMoreByTheirEfficiency) {
   EXPECT_EQ(wilcoxon_sample_size(0.5), 36U);   // 34 · π/3 = 35.6
   EXPECT_EQ(wilcoxon_sample_size(0.2), 209U);  // 199 · π/3 = 208.4
+  EXPECT_EQ(paired_t_sample_size(3), 4U);
+  EXPECT_EQ(wilcoxon_sample_size(3), 6U);  // five pairs have an exact p of .0625 at best
   EXPECT_FALSE(wilcoxon_sample_size(0));
 }
 

@@ -1,5 +1,6 @@
 #include "study/sample_size.h"
 
+#include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/distributions/non_central_t.hpp>
 #include <cmath>
@@ -48,7 +49,8 @@ std::optional<size_t> wilcoxon_sample_size(double dz, const PowerTarget& target)
     return std::nullopt;
   }
   const double efficiency = 3 / boost::math::constants::pi<double>();
-  return static_cast<size_t>(std::ceil(static_cast<double>(*pairs) / efficiency));
+  const double fewest = std::log2(2 / target.alpha);
+  return static_cast<size_t>(std::ceil(std::max(fewest, static_cast<double>(*pairs) / efficiency)));
 }
 
 }  // namespace clipgs

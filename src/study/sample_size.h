@@ -27,7 +27,8 @@ double paired_t_power(double dz, size_t n, double alpha);
 std::optional<size_t> paired_t_sample_size(double dz, const PowerTarget& target = {});
 
 /// The same for Wilcoxon's signed-rank test: the t-test's over the test's asymptotic efficiency
-/// relative to it for normal differences, 3/π (Lehmann 1975), rounded up.
+/// relative to it for normal differences, 3/π (Lehmann 1975), rounded up; and at least as many as
+/// its exact p, which is never below 2 / 2ⁿ, takes to reach alpha.
 std::optional<size_t> wilcoxon_sample_size(double dz, const PowerTarget& target = {});
 
 }  // namespace clipgs

@@ -136,28 +136,28 @@ double value_of(const MeasurePair& pair, size_t mode) {
   return mode == 0 ? pair.first : pair.second;
 }
 
-/// Where dots stand: those that would lie on each other side by side, in the order of what their
+/// Where dots stand: those that would hide each other side by side, in the order of what their
 /// lines lead to, so that these cross less.
 std::vector<double> dots_across(const PanelFrame& frame, std::span<const MeasurePair> pairs,
                                 size_t mode) {
   constexpr double kApart = 7;
-  constexpr double kRoom = 26;
+  constexpr double kRoom = 42;
+  constexpr double kNear = 6;
   std::vector<size_t> order(pairs.size());
   for (size_t i = 0; i < order.size(); ++i) {
     order[i] = i;
   }
-  std::ranges::stable_sort(order, [&](size_t a, size_t b) {
-    const double mine = value_of(pairs[a], mode) - value_of(pairs[b], mode);
-    return mine != 0 ? mine < 0 : value_of(pairs[a], 1 - mode) < value_of(pairs[b], 1 - mode);
-  });
+  std::ranges::stable_sort(order, {}, [&](size_t i) { return value_of(pairs[i], mode); });
   std::vector<double> x(pairs.size());
   for (size_t begin = 0; begin < order.size();) {
     size_t end = begin + 1;
-    while (end < order.size() && frame.y(value_of(pairs[order[begin]], mode)) -
-                                         frame.y(value_of(pairs[order[end]], mode)) <
-                                     1) {
+    const double bottom = frame.y(value_of(pairs[order[begin]], mode));
+    while (end < order.size() && bottom - frame.y(value_of(pairs[order[end]], mode)) < kNear) {
       ++end;
     }
+    std::stable_sort(order.begin() + begin, order.begin() + end, [&](size_t a, size_t b) {
+      return value_of(pairs[a], 1 - mode) < value_of(pairs[b], 1 - mode);
+    });
     const auto count = static_cast<double>(end - begin);
     const double apart = count > 1 ? std::min(kApart, kRoom / (count - 1)) : 0;
     for (size_t i = begin; i < end; ++i) {
@@ -253,8 +253,10 @@ std::string finding(const MeasureComparison& measure) {
                        p_text(measure.t->p));
   }
   if (measure.suggested == PairedTest::kWilcoxon) {
-    return fmt::format("Wilcoxon Z = {}, {}", signed_text(measure.wilcoxon->z, 2),
-                       p_text(measure.wilcoxon->exact_p.value_or(measure.wilcoxon->p)));
+    const Wilcoxon& test = *measure.wilcoxon;
+    return test.exact_p
+               ? fmt::format("Wilcoxon W = {:g}, exact {}", test.w, p_text(*test.exact_p))
+               : fmt::format("Wilcoxon Z = {}, {}", signed_text(test.z, 2), p_text(test.p));
   }
   return measure.note;
 }
