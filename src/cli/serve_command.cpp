@@ -19,11 +19,13 @@
 #include "serve/qr.h"
 #include "serve/server.h"
 #include "serve/viewer_bundle.h"
+#include "study/records.h"
 
 namespace clipgs {
 namespace {
 
 constexpr const char* kEveryAddress = "0.0.0.0";
+constexpr const char* kPapersPlan = "clipgs-vr.json";
 
 struct ServeArguments {
   ServerOptions server;
@@ -52,17 +54,31 @@ std::vector<std::string> reachable_hosts(const std::string& host) {
 }
 
 void announce_to_headsets(const Server& server, const std::string& host,
-                          const Certificate& certificate) {
+                          const Certificate& certificate, const std::string& query) {
   const std::vector<std::string> hosts = reachable_hosts(host);
   fmt::print("Open this in the headset's browser, with all its letters:\n\n");
   for (const std::string& one : hosts) {
-    fmt::print("  {}\n", server.url_at(one));
+    fmt::print("  {}\n", server.url_at(one) + query);
   }
-  fmt::print("\n{}\n", qr_code(server.url_at(hosts.front())));
+  fmt::print("\n{}\n", qr_code(server.url_at(hosts.front()) + query));
   fmt::print(
       "It warns that nobody vouches for this machine: choose Advanced, then Proceed. The\n"
       "certificate it should show has the fingerprint (SHA-256)\n  {}\n\nCtrl-C ends it.\n",
       fingerprint(certificate));
+}
+
+/// What leads an address to a study: the first plan in its folder, or else the papers'.
+std::string study_query(const std::filesystem::path& folder) {
+  if (folder.empty()) {
+    return "";
+  }
+  std::vector<std::string> plans;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".json" && is_study_name(entry.path().stem().string())) {
+      plans.push_back(entry.path().filename().string());
+    }
+  }
+  return "?study=" + (plans.empty() ? kPapersPlan : *std::ranges::min_element(plans));
 }
 
 void announce(const Server& server, const ServeArguments& arguments) {
@@ -81,14 +97,16 @@ void announce(const Server& server, const ServeArguments& arguments) {
     warn("this program was built without its viewer: only /api and /cases are there");
   }
   const auto& identity = arguments.server.identity;
+  const std::string query = study_query(arguments.server.study);
   if (!server.is_local() && !identity) {
     warn("everyone in the network can open these cases, and the connection is not encrypted");
   }
   if (arguments.json) {
-    nlohmann::json text = {{"url", server.url_at(reachable_hosts(arguments.server.host).front())},
-                           {"port", server.port()},
-                           {"cases", cases},
-                           {"broken", broken}};
+    nlohmann::json text = {
+        {"url", server.url_at(reachable_hosts(arguments.server.host).front()) + query},
+        {"port", server.port()},
+        {"cases", cases},
+        {"broken", broken}};
     if (identity) {
       text["fingerprint"] = fingerprint(identity->certificate);
     }
@@ -96,9 +114,9 @@ void announce(const Server& server, const ServeArguments& arguments) {
   } else {
     fmt::print("{} {} in {}\n\n", cases, cases == 1 ? "case" : "cases", folder);
     if (identity) {
-      announce_to_headsets(server, arguments.server.host, identity->certificate);
+      announce_to_headsets(server, arguments.server.host, identity->certificate, query);
     } else {
-      fmt::print("  {}\n\nCtrl-C ends it.\n", server.url());
+      fmt::print("  {}\n\nCtrl-C ends it.\n", server.url() + query);
     }
   }
   std::fflush(stdout);
@@ -162,7 +180,8 @@ void add_serve_command(CLI::App& app) {
       app.add_subcommand("serve", "Show the cases of a folder in the browser, until Ctrl-C");
   command->footer(
       "Example: clipgs serve cases --port 8080\n"
-      "         clipgs serve cases --headset");
+      "         clipgs serve cases --headset\n"
+      "         clipgs serve cases --headset --study recorded");
   command->add_option("FOLDER", arguments->server.folder, "Folder with the *.sog cases")
       ->required();
   command->add_option("--port", arguments->server.port, "Port to listen on (0: any free one)")
@@ -176,6 +195,9 @@ void add_serve_command(CLI::App& app) {
   command->add_flag("--headset", arguments->headset,
                     "For headsets and telephones in this network: encrypted, at every address of "
                     "this machine (--host: at one), and only for who has the whole address");
+  command->add_option("--study", arguments->server.study,
+                      "Folder where a user study is recorded; its first plan, *.json, or else the "
+                      "papers' leads through it");
   command->add_flag("--json", arguments->json, "Print the address as one line of JSON");
   command->callback([arguments, host] {
     if (arguments->headset && host->count() == 0) {

@@ -75,6 +75,9 @@ class Conversation {
       error_code error;
       socket().expires_after(host_.limits.request);
       co_await beast::http::async_read_header(stream_, buffer_, parser, into(error));
+      if (!error && host_.site.wants_body(parser.get())) {
+        co_await beast::http::async_read(stream_, buffer_, parser, into(error));
+      }
       if (error && error.category() != bad_requests()) {
         co_return;  // gone, or too slow
       }

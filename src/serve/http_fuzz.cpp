@@ -39,6 +39,11 @@ std::vector<Bytes> seeds() {
       kOpen + ("GET /cases/link.sog" + end + "\r\n"),
       kOpen + ("GET /cases/..%2Fsecret.sog" + end + "\r\n"),
       kOpen + ("POST /api/cases" + end + "Content-Length: 3\r\n\r\nabc"),
+      kLocal + ("POST /api/study/sessions/p007-3f9c2a1b" + end +
+                "Content-Type: application/jsonl\r\nContent-Length: 29\r\n\r\n"
+                "{\"seq\":1,\"kind\":\"comment\"}\r\n"),
+      kLocal + ("GET /study/clipgs-vr.json" + end + "\r\n"),
+      kLocal + ("GET /api/study/sessions?participant=7" + end + "\r\n"),
       kLocal + ("GET /cases/head.sog" + end + "Range: bytes=4-9,-5\r\nIf-Range: \"1\"\r\n\r\n"),
       kLocal + ("HEAD /cases/head/thumbnail?v=1" + end + "If-None-Match: W/\"a\", *\r\n\r\n"),
       kLocal + std::string("GET /api/cases HTTP/1.0\r\nHost: [::ffff:127.0.0.1]:80\r\n\r\n"),
@@ -56,7 +61,7 @@ void read(std::span<const std::uint8_t> input) {
   static const std::filesystem::path kFolder = make_folder();
   static Site sites[] = {
       Site({kFolder, "", {}, "http://127.0.0.1/"}),
-      Site({kFolder, "", "localhost", "http://127.0.0.1/"}),
+      Site({kFolder, "", "localhost", "http://127.0.0.1/", scratch_folder() / "study"}),
       Site({kFolder, kToken, {}, "https://127.0.0.1/"}),
   };
   if (input.empty()) {

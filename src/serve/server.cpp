@@ -87,7 +87,8 @@ class Server::Implementation {
     SiteOptions site{options_.folder,
                      options_.identity ? options_.identity->token : "",
                      {},
-                     origin(options_.host)};
+                     origin(options_.host),
+                     options_.study};
     if (local_) {
       site.local_name = host_name(options_.host).value_or("localhost");
     }

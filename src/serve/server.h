@@ -18,6 +18,7 @@ struct ServerOptions {
   /// it once: "https://192.168.1.20:8080/k3v9q-txw7h-…". Browsers then keep it in a cookie.
   std::optional<Identity> identity;
   ConnectionLimits limits = {};
+  std::filesystem::path study = {};  ///< where a study is recorded (StudyDesk); "": nowhere
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
@@ -26,6 +27,7 @@ struct ServerOptions {
 ///   /api/cases              the cases as JSON, see case_index_json
 ///   /cases/NAME.sog         a case, whole or in ranges
 ///   /cases/NAME/thumbnail   its picture
+///   /study, /api/study      of a study, if one is recorded, see StudyDesk
 ///
 /// Listening on a loopback address, it answers only requests that call it by one, so that a web
 /// page elsewhere cannot reach the cases through a name of its own (DNS rebinding). No connection

@@ -23,7 +23,6 @@ using http::field;
 using http::status;
 
 constexpr std::string_view kCookie = "__Host-clipgs";
-constexpr const char* kText = "text/plain; charset=utf-8";
 constexpr std::string_view kCasePrefix = "/cases/";
 constexpr std::string_view kCaseSuffix = ".sog";
 constexpr std::string_view kThumbnailSuffix = "/thumbnail";
@@ -43,33 +42,6 @@ void set_common_headers(HttpHead& head) {
            "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' "
            "'unsafe-inline'; img-src 'self' blob: data:; connect-src 'self' data:; "
            "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'");
-}
-
-std::string_view view_of(boost::beast::string_view text) { return {text.data(), text.size()}; }
-
-std::string_view header(const HttpRequest& request, field name) { return view_of(request[name]); }
-
-/// Bytes that live as long as the program, or as `owner`.
-ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr) {
-  return {bytes.size(),
-          [bytes, owner = std::move(owner)](std::uint64_t offset, std::span<std::uint8_t> out) {
-            const std::string_view rest = bytes.substr(std::min<size_t>(offset, bytes.size()));
-            const size_t size = std::min(rest.size(), out.size());
-            std::copy_n(rest.begin(), size, out.begin());
-            return size;
-          }};
-}
-
-void give_text(Answer& answer, status what, const char* type, std::string text) {
-  const auto owner = std::make_shared<const std::string>(std::move(text));
-  answer.head.result(what);
-  answer.head.set(field::content_type, type);
-  answer.head.set(field::cache_control, "no-store");
-  answer.body = source_of(*owner, owner);
-}
-
-void fail(Answer& answer, status what, const std::string& message) {
-  give_text(answer, what, kText, message + "\n");
 }
 
 /// Whether the browser already has what `etag` names; then it is told so.
@@ -190,13 +162,20 @@ std::string head_text(const HttpHead& head) {
   return text.str();
 }
 
-Site::Site(SiteOptions options) : options_(std::move(options)), index_(options_.folder) {}
+Site::Site(SiteOptions options)
+    : options_(std::move(options)),
+      index_(options_.folder),
+      study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)) {}
+
+bool Site::wants_body(const HttpRequest& request) const {
+  return study_ != nullptr && StudyDesk::brings_records(request);
+}
 
 Answer Site::answer(const HttpRequest& request, const std::string& client) {
   Answer answer;
   answer.head.version(request.version());
   set_common_headers(answer.head);
-  const std::string_view target = view_of(request.target());
+  const std::string_view target(request.target().data(), request.target().size());
   const std::string_view query = target.substr(std::min(target.find('?'), target.size()));
   const std::optional<std::string> path =
       percent_decode(target.substr(0, target.size() - query.size()));
@@ -207,19 +186,8 @@ Answer Site::answer(const HttpRequest& request, const std::string& client) {
       fail(answer, status::forbidden, "open this server by its own address, " + options_.url);
     } else if (!options_.token.empty() && !may_enter(request, *path, client, answer)) {
       // answered
-    } else if (request.method() != http::verb::get && request.method() != http::verb::head) {
-      answer.head.set(field::allow, "GET, HEAD");
-      answer.last = true;  // a body may follow that nobody reads
-      fail(answer, status::method_not_allowed, "this server only gives; use GET");
-    } else if (path->starts_with(kCasePrefix)) {
-      give_of_case(request, std::string_view(*path).substr(kCasePrefix.size()),
-                   query.starts_with("?v="), answer);
-    } else if (*path == "/api/cases") {
-      give_text(answer, status::ok, "application/json",
-                case_index_json(index_.list())
-                    .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
-      give_viewer(request, answer, *path);
+      route(request, *path, query, answer);
     }
   } catch (const Error& error) {
     fail(answer, status::service_unavailable, error.what());
@@ -227,14 +195,39 @@ Answer Site::answer(const HttpRequest& request, const std::string& client) {
   if (answer.head.result() != status::not_modified) {
     answer.head.content_length(answer.body.size);
   }
-  // A body is none of this server's business, so what follows it is not found.
-  answer.last = answer.last || !request.keep_alive() || request.chunked() ||
-                request.count(field::content_length) > 0;
+  // Nobody reads another body, so what follows it is not found.
+  const bool unread =
+      !wants_body(request) && (request.chunked() || request.count(field::content_length) > 0);
+  answer.last = answer.last || !request.keep_alive() || unread;
   answer.head.keep_alive(!answer.last);
   if (request.method() == http::verb::head) {
     answer.body = {};
   }
   return answer;
+}
+
+void Site::route(const HttpRequest& request, const std::string& path, std::string_view query,
+                 Answer& answer) {
+  const bool gives = request.method() == http::verb::get || request.method() == http::verb::head;
+  if (!gives && !wants_body(request)) {
+    answer.head.set(field::allow, "GET, HEAD");
+    answer.last = true;  // a body may follow that nobody reads
+    fail(answer, status::method_not_allowed, "this server only gives; use GET");
+  } else if (path.starts_with(kCasePrefix)) {
+    give_of_case(request, std::string_view(path).substr(kCasePrefix.size()),
+                 query.starts_with("?v="), answer);
+  } else if (path == "/api/cases") {
+    give_text(answer, status::ok, "application/json",
+              case_index_json(index_.list())
+                  .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else if (!StudyDesk::is_asked(path)) {
+    give_viewer(request, answer, path);
+  } else if (study_ != nullptr) {
+    study_->answer(request, path, query, answer);
+  } else {
+    fail(answer, status::not_found,
+         "this server records no study; start it with clipgs serve FOLDER --study FOLDER");
+  }
 }
 
 Answer Site::refuse(const boost::system::error_code& error) {
@@ -244,6 +237,8 @@ Answer Site::refuse(const boost::system::error_code& error) {
   if (large) {
     fail(answer, status::request_header_fields_too_large,
          "the request's headers are too large; delete cookies of other pages of this host");
+  } else if (error == http::error::body_limit) {
+    fail(answer, status::payload_too_large, "this is more than is recorded at once");
   } else {
     fail(answer, status::bad_request, "this is no request that a browser makes");
   }
@@ -256,11 +251,19 @@ Answer Site::refuse(const boost::system::error_code& error) {
 std::string Site::answer_bytes(std::string_view bytes) {
   RequestParser parser;
   boost::system::error_code error;
-  parser.put(boost::asio::buffer(bytes), error);
+  const size_t head_size = parser.put(boost::asio::buffer(bytes), error);
+  if (!error && wants_body(parser.get())) {
+    parser.eager(true);
+    parser.put(boost::asio::buffer(bytes.substr(head_size)), error);
+    if (!error && !parser.is_done()) {
+      error = http::error::need_more;
+    }
+  }
   if (error == http::error::need_more) {
     return {};
   }
-  const Answer given = error && !parser.is_header_done() ? refuse(error) : answer(parser.get(), {});
+  const bool refused = error && (!parser.is_header_done() || wants_body(parser.get()));
+  const Answer given = refused ? refuse(error) : answer(parser.get(), {});
   const std::string text = head_text(given.head);
   std::string body(given.body.size, '\0');
   if (!body.empty()) {
@@ -286,7 +289,9 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
   }
   if (is_secret(plain_token(page), plain_token(options_.token))) {
     answer.head.result(status::found);
-    answer.head.set(field::location, "/");
+    const std::string_view target(request.target().data(), request.target().size());
+    const std::string_view query = target.substr(std::min(target.find('?'), target.size()));
+    answer.head.set(field::location, "/" + std::string(query));
     answer.head.set(field::cache_control, "no-store");
     // Lax, so that a link to a view can be followed from another site: nothing is changed by GET,
     // and what other sites embed or fetch still comes without the cookie.

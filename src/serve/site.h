@@ -1,38 +1,29 @@
 #pragma once
 
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <chrono>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "asset/zip.h"
+#include "serve/answer.h"
 #include "serve/case_index.h"
+#include "serve/study_desk.h"
 #include "serve/throttle.h"
 
 namespace clipgs {
 
-using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
-using HttpHead = boost::beast::http::response<boost::beast::http::empty_body>;
-
-/// Of a request, its first line and its headers, in 16 KiB at most.
-class RequestParser : public boost::beast::http::request_parser<boost::beast::http::empty_body> {
+/// Of a request, its first line and its headers, in 16 KiB at most, and the body of one that brings
+/// records of a study, in 256 KiB.
+class RequestParser : public boost::beast::http::request_parser<boost::beast::http::string_body> {
  public:
   static constexpr std::uint32_t kLimit = 16 << 10;
-  RequestParser() { header_limit(kLimit); }
-};
-
-/// What a request is answered.
-struct Answer {
-  HttpHead head;
-  ByteSource body;  ///< may be read from any thread
-  /// Before it is sent: who tries what is wrong again and again has time.
-  std::chrono::milliseconds delay{0};
-  /// The connection ends with it.
-  bool last = false;
+  static constexpr std::uint64_t kBodyLimit = 256 << 10;
+  RequestParser() {
+    header_limit(kLimit);
+    body_limit(kBodyLimit);
+  }
 };
 
 /// First line and headers, as they are sent.
@@ -44,15 +35,18 @@ struct SiteOptions {
   /// Where the server listens on a loopback address: what it is called there, beside the names
   /// that is_loopback() knows. Requests that call it anything else are refused.
   std::optional<std::string> local_name;
-  std::string url;  ///< for those who are refused; without the token
+  std::string url;                   ///< for those who are refused; without the token
+  std::filesystem::path study = {};  ///< where a study is recorded; "": nowhere
 };
 
 /// What is served, without a network: requests in, answers out. Safe to use from several threads.
 class Site {
  public:
-  /// Throws Error if the folder is not there.
+  /// Throws Error if the folder is not there, or another program records a study in that of one.
   explicit Site(SiteOptions options);
 
+  /// Whether a request has a body that is to be read before it is answered.
+  bool wants_body(const HttpRequest& request) const;
   /// `client`: who asks, see Throttle.
   Answer answer(const HttpRequest& request, const std::string& client);
   /// To what is no request.
@@ -64,6 +58,8 @@ class Site {
   CaseIndex& index() { return index_; }
 
  private:
+  void route(const HttpRequest& request, const std::string& path, std::string_view query,
+             Answer& answer);
   bool is_called_rightly(const HttpRequest& request) const;
   /// Whether the request has the token. One that brings it in its address is sent on without it,
   /// all others are refused.
@@ -75,6 +71,7 @@ class Site {
   SiteOptions options_;
   CaseIndex index_;
   Throttle throttle_;
+  std::unique_ptr<StudyDesk> study_;
 };
 
 }  // namespace clipgs

@@ -4,6 +4,7 @@ import { type CaseSummary, failureText, formatBytes, formatCount } from "./model
 import type { Link } from "./model/link";
 import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
+import type { Study } from "./study/study";
 import { Announcer } from "./ui/announcer";
 import { h, icon, kIcons } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
@@ -14,6 +15,7 @@ import { LayerButtons } from "./ui/layer_buttons";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PlanePanel } from "./ui/plane_panel";
 import { PointerControls } from "./ui/pointer";
+import type { StudyCard } from "./ui/study_card";
 import { savePicture } from "./ui/save_picture";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { Viewer } from "./viewer";
@@ -80,6 +82,8 @@ export class App {
   #again = (): void => {}; // opens the case that was asked for last
   #statsTimer = 0;
   #pictureOnly = false;
+  #study: Study | null = null;
+  #card: StudyCard | null = null;
 
   /** Throws CaseError where the browser cannot draw. */
   constructor(root: HTMLElement, host: Host, client = new CaseClient()) {
@@ -96,7 +100,10 @@ export class App {
     this.viewer = new Viewer(canvas, client);
     this.actions = new Actions(this.viewer);
     this.headset = new Headset(this.viewer, this.actions, this.marking, host);
-    this.headset.changed = () => this.#update();
+    this.headset.changed = () => {
+      this.#study?.observe();
+      this.#update();
+    };
     this.#overlay = new FaceOverlay(this.viewer, this.marking);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
     this.#layers = new LayerButtons(this.viewer);
@@ -125,6 +132,7 @@ export class App {
     );
     this.viewer.changed = () => {
       this.actions.observe();
+      this.#study?.observe();
       this.#update();
     };
     this.viewer.failed = (error) => {
@@ -149,6 +157,7 @@ export class App {
   dispose(): void {
     ++this.#opening;
     this.#ended.abort();
+    this.#study?.dispose();
     this.#resized.disconnect();
     clearTimeout(this.#statsTimer);
     this.#announcer.dispose();
@@ -291,6 +300,23 @@ export class App {
     this.#resize();
   }
 
+  /** Leads people through a study: nothing else is there to be used. */
+  setStudy(study: Study, card: StudyCard): void {
+    this.#study = this.headset.study = study;
+    this.#card = card;
+    study.changed = () => (this.headset.worn ? this.headset.refresh() : this.#showCard(study, card));
+    this.#root.classList.add("in-study");
+    this.#root.append(card.element);
+    this.headset.framed = (time, head, forward) => {
+      study.measures?.frames.count(time);
+      study.measures?.head(head, forward);
+      study.measures?.holds(this.headset.stage.grip.holding !== null);
+    };
+    this.#countFrames(study);
+    study.changed();
+    this.#resize();
+  }
+
   /** "auto": as the user or the system wants it. */
   setTheme(theme: Theme): void {
     this.#theme.fix(theme);
@@ -372,9 +398,10 @@ export class App {
     const box = this.#panel.element.getBoundingClientRect();
     const shown = box.width > 0;
     const below = box.width >= clientWidth;
+    const card = this.#card?.isAside ? this.#card.element.getBoundingClientRect() : null;
     this.viewer.resize({
       right: shown && !below ? stage.right - box.left : 0,
-      bottom: shown && below ? stage.bottom - box.top : 0,
+      bottom: card ? stage.bottom - card.top : shown && below ? stage.bottom - box.top : 0,
     });
   }
 
@@ -385,6 +412,26 @@ export class App {
     this.#themeButton.hidden = isFixed;
     this.#themeButton.title = kThemeTitles[theme];
     this.#themeButton.replaceChildren(icon(kIcons[shown]));
+  }
+
+  /** The case is framed in what the card leaves free. */
+  #showCard(study: Study, card: StudyCard): void {
+    if (card.show(study.screen)) {
+      this.#resize();
+    }
+  }
+
+  /** Of the page, while a task is done there. */
+  #countFrames(study: Study): void {
+    const count = (time: number) => {
+      if (!this.headset.worn) {
+        study.measures?.frames.count(time);
+      }
+      if (!this.#ended.signal.aborted) {
+        requestAnimationFrame(count);
+      }
+    };
+    requestAnimationFrame(count);
   }
 
   async #savePicture(): Promise<void> {
@@ -451,7 +498,7 @@ export class App {
 
   #key(event: KeyboardEvent): void {
     const input = event.target instanceof HTMLInputElement ? event.target : null;
-    if (input?.type === "number" || this.#root.querySelector("dialog[open]")) {
+    if (this.#study || input?.type === "number" || this.#root.querySelector("dialog[open]")) {
       return;
     }
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {

@@ -19,6 +19,9 @@ cases.catch(() => {}); // said by the page
 
 /** The case that the address names (parseLink() would bring most of the viewer's code), or else the first one. */
 async function expectCase(): Promise<void> {
+  if (new URLSearchParams(location.search).has("study")) {
+    return; // its plan says which case
+  }
   const linked = new URLSearchParams(location.hash.slice(1)).get("case");
   const file = linked ? caseFile(linked) : (await cases).find((one) => !one.error)?.file;
   if (file) {

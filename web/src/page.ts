@@ -3,7 +3,7 @@ import { App, type Host } from "./app";
 import { caseFile, type CaseSummary, fetchCases } from "./model/case_list";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
-import type { CaseError } from "./sog/zip";
+import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
 import type { CaseClient } from "./worker/case_client";
 
@@ -42,7 +42,26 @@ class Page implements Host {
       this.app.fail((error as CaseError).message, () => location.reload());
       throw error;
     }
-    await this.#follow(location.hash);
+    const study = new URLSearchParams(location.search).get("study");
+    await (study ? this.#study(study) : this.#follow(location.hash));
+  }
+
+  /** Leads people through a study by the plan of this name. Rejects with CaseError. */
+  async #study(name: string): Promise<void> {
+    try {
+      const { beginStudy, loadPlan } = await import("./study/begin");
+      const plan = await loadPlan(name);
+      if (!this.#cases.some((one) => one.name === plan.case)) {
+        throw new CaseError(
+          `${name}: its case "${plan.case}" is not served; put ${plan.case}.sog into the folder`,
+        );
+      }
+      await this.open(plan.case);
+      await beginStudy(plan, this.app);
+    } catch (error) {
+      this.app.fail((error as CaseError).message, () => location.reload());
+      throw error;
+    }
   }
 
   async cases(): Promise<CaseSummary[]> {

@@ -1,24 +1,35 @@
 import { CaseError } from "./zip";
 
+/** A file and what is to be done where it is wrong. */
+export interface JsonFile {
+  name: string;
+  remedy: string;
+}
+
+const kMetaFile: JsonFile = { name: "meta.json", remedy: "build the case again" };
+
 /**
- * Reads one object of meta.json: every value is checked as it is asked for, and what is missing or out of range is
- * called by its full name. Throws CaseError.
+ * Reads one object of a file: every value is checked as it is asked for, and what is missing or out of range is called by
+ * its full name. Throws CaseError.
  */
 export class JsonReader {
   readonly #object: Record<string, unknown>;
   readonly #name: string;
+  readonly #file: JsonFile;
 
   /** `name` is what errors call the object. */
-  constructor(object: unknown, name: string) {
+  constructor(object: unknown, name: string, file = kMetaFile) {
     this.#name = name;
+    this.#file = file;
     if (typeof object !== "object" || object === null || Array.isArray(object)) {
-      throw new CaseError(`meta.json: ${name} is not an object; build the case again`);
+      throw new CaseError(`${file.name}: ${name} is not an object; ${file.remedy}`);
     }
     this.#object = object as Record<string, unknown>;
   }
 
   fail(key: string): never {
-    throw new CaseError(`meta.json: ${this.#name}.${key} is missing or out of range; build the case again`);
+    const { name, remedy } = this.#file;
+    throw new CaseError(`${name}: ${this.#name}.${key} is missing or out of range; ${remedy}`);
   }
 
   has(key: string): boolean {
@@ -30,7 +41,7 @@ export class JsonReader {
   }
 
   child(key: string): JsonReader {
-    return new JsonReader(this.value(key), `${this.#name}.${key}`);
+    return new JsonReader(this.value(key), `${this.#name}.${key}`, this.#file);
   }
 
   /** The elements of a list of objects, at most `most` of them. */
@@ -39,7 +50,7 @@ export class JsonReader {
     if (!Array.isArray(list) || list.length > most) {
       this.fail(key);
     }
-    return list.map((one, i) => new JsonReader(one, `${this.#name}.${key}[${i}]`));
+    return list.map((one, i) => new JsonReader(one, `${this.#name}.${key}[${i}]`, this.#file));
   }
 
   /** Exactly `count` finite numbers in [least, most]. */

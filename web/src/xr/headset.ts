@@ -6,6 +6,7 @@ import type { WallEffort } from "../model/face_style";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf } from "../render/splat_layer";
 import type { Marking } from "../model/pins";
+import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
@@ -39,6 +40,10 @@ export class Headset {
   #effort: Effort | null = null; // that the headset knows of
   /** It is put on or taken off. */
   changed: () => void = () => {};
+  /** A frame is drawn at `time`, ms, with the head at a place of the room, m, looking along `forward`. */
+  framed: (time: number, head: Vector3, forward: Vector3) => void = () => {};
+  /** Of what is shown here, in the panel's place. */
+  study: Study | null = null;
   /** Null until it is worn for the first time. */
   panel: Panel | null = null;
   readonly #viewer: Viewer;
@@ -80,6 +85,11 @@ export class Headset {
 
   get worn(): boolean {
     return this.#viewer.renderer.xr.isPresenting;
+  }
+
+  /** Frames a second that it shows; null: it is not worn, or does not say. */
+  get frameRate(): number | null {
+    return this.#viewer.renderer.xr.getSession()?.frameRate ?? null;
   }
 
   /** Shows the case there. Rejects with CaseError. Needs a click: browsers want one. */
@@ -141,6 +151,7 @@ export class Headset {
     if (!this.panel) {
       prepareRenderer(this.#viewer.renderer);
       const { stage } = this;
+      const study = () => this.study;
       this.panel = new Panel(this.#viewer, this.#actions, this.#marking, {
         cases: () => this.#host.cases(),
         open: (name) => this.#host.open(name),
@@ -148,6 +159,9 @@ export class Headset {
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
         turnTo: (side) => this.stage.turnTo(side, this.#both.middle),
+        get study() {
+          return study();
+        },
         stage,
         governor: this.governor,
         lamp: this.#lamp,
@@ -203,6 +217,7 @@ export class Headset {
       this.stage.place(middle, this.#forward);
       this.#placePanel();
     }
+    this.framed(time, middle, this.#forward);
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd));
     this.#lamp.update(this.#hands);
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
@@ -239,7 +254,7 @@ export class Headset {
   /** No more is drawn than the headset has time for. */
   #govern(time: number, frame: XRFrame | undefined): void {
     const { xr } = this.#viewer.renderer;
-    const rate = xr.getSession()?.frameRate ?? kFrameRate;
+    const rate = this.frameRate ?? kFrameRate;
     this.governor.count(time, 1000 / rate);
     const { effort } = this.governor;
     if (effort === this.#effort) {

@@ -12,12 +12,30 @@ export class Server {
   readonly cases = join(this.folder, "cases");
   url = "";
   #server!: ChildProcess;
+  #options: string[] = [];
 
   /** Serves what `makeCases` puts into the folder of cases, with more options of `clipgs serve`. */
   async start(makeCases: (cases: string) => Promise<void> | void, ...options: string[]): Promise<void> {
     mkdirSync(this.cases, { recursive: true });
     await makeCases(this.cases);
-    this.#server = spawn(kProgram, ["serve", this.cases, "--port", "0", "--json", ...options], {
+    this.#options = options;
+    await this.#serve("0");
+  }
+
+  /** As a power cut does. */
+  async cutPower(): Promise<void> {
+    const gone = new Promise((done) => this.#server.once("exit", done));
+    this.#server.kill("SIGKILL");
+    await gone;
+  }
+
+  /** The same again, at the same address. */
+  async serveAgain(): Promise<void> {
+    await this.#serve(new URL(this.url).port);
+  }
+
+  async #serve(port: string): Promise<void> {
+    this.#server = spawn(kProgram, ["serve", this.cases, "--port", port, "--json", ...this.#options], {
       stdio: ["ignore", "pipe", "inherit"],
       env: { ...process.env, XDG_STATE_HOME: this.folder },
     });

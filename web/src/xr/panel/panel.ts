@@ -22,6 +22,7 @@ import { kOrientations, type Orientation, orientationOf, planeText } from "../..
 import type { Marking } from "../../model/pins";
 import type { Mode } from "../../model/states";
 import { capital } from "../../model/values";
+import type { Study } from "../../study/study";
 import type { Viewer } from "../../viewer";
 import type { ClipOperator } from "../../worker/protocol";
 import type { Effort, Governor } from "../governor";
@@ -32,8 +33,9 @@ import { OrientationCube } from "./orientation_cube";
 import { OrientationLetters } from "./orientation_letters";
 import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
+import { StudyBoard } from "./study_board";
 import { WristButton } from "./wrist_button";
-import { button, choice, column, type Live, label, row, slider } from "./widgets";
+import { button, choice, column, findText, type Live, label, replaceChildren, row, slider } from "./widgets";
 
 /** Among rigs, the lights that the case was made in. */
 const kOwnLight = "";
@@ -83,6 +85,8 @@ export interface PanelHost {
   place(): void;
   /** Turns the case so that a side of the patient (RAS) is looked at. */
   turnTo(side: Vector3): void;
+  /** That is led through, if one is: the panel is its alone then. */
+  readonly study: Study | null;
   readonly stage: Stage;
   readonly governor: Governor;
   readonly lamp: HeldLamp;
@@ -113,6 +117,9 @@ export class Panel {
   readonly #host: PanelHost;
   readonly #font = new SdfFont();
   readonly #root: Container;
+  readonly #own: Container; // all of it but a study's
+  readonly #studying = signal(false);
+  #study: StudyBoard | null = null;
   readonly #tab = signal<Tab>("cut");
   readonly #version = signal(0); // of what is shown
   readonly #message = signal("");
@@ -159,6 +166,9 @@ export class Panel {
       },
       bar,
       this.#header(),
+    );
+    this.#own = column(
+      { gap: 10, display: computed(() => (this.#studying.value ? "none" : "flex")) },
       choice<Tab>(kTabs, this.#tab, (tab) => this.show(tab)),
       ...this.#cut(),
       ...this.#faces(),
@@ -173,6 +183,7 @@ export class Panel {
         display: computed(() => (this.#message.value ? "flex" : "none")),
       }),
     );
+    this.#root.add(this.#own);
     // Lifted by what holds it: uikit clips pictures as if the root itself were not moved.
     this.crowd.parts.position.y = kTop;
     this.object.add(this.#board.add(this.crowd.parts.add(this.#root)));
@@ -213,14 +224,12 @@ export class Panel {
   /** Where this text is, of its own, a mark's or a letter, or the cube's side of this name, in the room; null: it is
    * not shown. */
   find(text: string): Vector3 | null {
-    let found: Vector3 | null = null;
-    this.#root.traverse((object) => {
-      if (object instanceof Text && object.isVisible.value && object.properties.value.text === text) {
-        object.updateWorldMatrix(true, false);
-        found = new Vector3().setFromMatrixPosition(object.matrixWorld);
-      }
-    });
-    return found ?? this.#marks.find(text) ?? this.#letters.find(text) ?? this.#cube.find(text);
+    return (
+      findText(this.#root, text) ??
+      this.#marks.find(text) ??
+      this.#letters.find(text) ??
+      this.#cube.find(text)
+    );
   }
 
   /** Something of the state is another. */
@@ -253,6 +262,7 @@ export class Panel {
       this.#stale = false;
       this.#refreshed = time;
       this.#showWindows();
+      this.#updateStudy();
       ++this.#version.value;
     }
     this.#move.update(time);
@@ -285,6 +295,16 @@ export class Panel {
   /** Of a point of the board. */
   #inRoom(point: Vector3): Vector3 {
     return point.applyQuaternion(this.#board.quaternion).add(this.#board.position);
+  }
+
+  #updateStudy(): void {
+    const { study } = this.#host;
+    if (study && !this.#study) {
+      this.#study = new StudyBoard(study, this.#actions, this.#font);
+      this.#root.add(this.#study.content);
+      this.#studying.value = true;
+    }
+    this.#study?.update();
   }
 
   #updateCrowd(): void {
@@ -701,14 +721,6 @@ function help(): Container {
       column({ gap: 1 }, label(what, { size: 15 }), label(does, { quiet: true, size: 15 })),
     ),
   );
-}
-
-function replaceChildren(parent: Container, children: Container[]): void {
-  for (const child of [...parent.children]) {
-    parent.remove(child);
-    (child as Container).dispose();
-  }
-  children.forEach((child) => parent.add(child));
 }
 
 /** What is given up for frames in time. */

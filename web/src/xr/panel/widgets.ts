@@ -34,11 +34,11 @@ export function column(properties: ContainerProperties, ...children: (Container 
 
 export function label(
   text: string | Live<string>,
-  properties: { quiet?: boolean; size?: number } = {},
+  properties: { quiet?: boolean; size?: number; color?: string } = {},
 ): Text {
   return new Text({
     text,
-    color: properties.quiet ? kQuiet : kText,
+    color: properties.color ?? (properties.quiet ? kQuiet : kText),
     fontSize: properties.size ?? kFontSize,
     flexShrink: 1,
   });
@@ -48,19 +48,23 @@ interface ButtonOptions {
   pressed?: Live<boolean>;
   enabled?: Live<boolean>;
   picture?: Texture;
+  /** px */
+  height?: number;
+  /** Of its text, px. */
+  size?: number;
 }
 
 /** Something to press: it ticks in the hand that does. */
 export function button(
   text: string | Live<string>,
   press: () => void,
-  { pressed, enabled, picture }: ButtonOptions = {},
+  { pressed, enabled, picture, height = kButtonHeight, size }: ButtonOptions = {},
 ): Container {
   const isEnabled = () => enabled?.value ?? true;
   const element = new Container({
     flexGrow: 1,
     flexBasis: 0,
-    minHeight: kButtonHeight,
+    minHeight: height,
     paddingX: 5,
     paddingY: 6,
     gap: 10,
@@ -89,7 +93,7 @@ export function button(
       }),
     );
   }
-  const caption = label(text);
+  const caption = label(text, { size });
   caption.setProperties({ pointerEvents: "none" }); // pressed at its text and let go beside it is pressed
   element.add(caption);
   return element;
@@ -164,4 +168,24 @@ export function slider(range: Live<Range>, set: (value: number) => void): Contai
       pointerEvents: "none",
     }),
   );
+}
+
+/** Where this text is shown in `root`, in the room; null: it is not. */
+export function findText(root: Container, text: string): Vector3 | null {
+  let found: Vector3 | null = null;
+  root.traverse((object) => {
+    if (object instanceof Text && object.isVisible.value && object.properties.value.text === text) {
+      object.updateWorldMatrix(true, false);
+      found = new Vector3().setFromMatrixPosition(object.matrixWorld);
+    }
+  });
+  return found;
+}
+
+export function replaceChildren(parent: Container, children: (Container | Text)[]): void {
+  for (const child of [...parent.children]) {
+    parent.remove(child);
+    (child as Container).dispose();
+  }
+  children.forEach((child) => parent.add(child));
 }

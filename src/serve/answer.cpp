@@ -1,0 +1,38 @@
+#include "serve/answer.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace clipgs {
+
+using boost::beast::http::field;
+using boost::beast::http::status;
+
+std::string_view header(const HttpRequest& request, field name) {
+  const auto text = request[name];
+  return {text.data(), text.size()};
+}
+
+ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner) {
+  return {bytes.size(),
+          [bytes, owner = std::move(owner)](std::uint64_t offset, std::span<std::uint8_t> out) {
+            const std::string_view rest = bytes.substr(std::min<size_t>(offset, bytes.size()));
+            const size_t size = std::min(rest.size(), out.size());
+            std::copy_n(rest.begin(), size, out.begin());
+            return size;
+          }};
+}
+
+void give_text(Answer& answer, status what, const char* type, std::string text) {
+  const auto owner = std::make_shared<const std::string>(std::move(text));
+  answer.head.result(what);
+  answer.head.set(field::content_type, type);
+  answer.head.set(field::cache_control, "no-store");
+  answer.body = source_of(*owner, owner);
+}
+
+void fail(Answer& answer, status what, const std::string& message) {
+  give_text(answer, what, "text/plain; charset=utf-8", message + "\n");
+}
+
+}  // namespace clipgs

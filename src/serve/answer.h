@@ -1,0 +1,40 @@
+#pragma once
+
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "asset/zip.h"
+
+namespace clipgs {
+
+using HttpRequest = boost::beast::http::request<boost::beast::http::string_body>;
+using HttpHead = boost::beast::http::response<boost::beast::http::empty_body>;
+
+/// What a request is answered.
+struct Answer {
+  HttpHead head;
+  ByteSource body;  ///< may be read from any thread
+  /// Before it is sent: who tries what is wrong again and again has time.
+  std::chrono::milliseconds delay{0};
+  /// The connection ends with it.
+  bool last = false;
+};
+
+/// Of a request; "" where it has none of that name.
+std::string_view header(const HttpRequest& request, boost::beast::http::field name);
+
+/// Bytes that live as long as the program, or as `owner`.
+ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr);
+
+/// Answers with a text of that MIME type, which no browser keeps.
+void give_text(Answer& answer, boost::beast::http::status status, const char* type,
+               std::string text);
+/// Answers with a line for a person.
+void fail(Answer& answer, boost::beast::http::status status, const std::string& message);
+
+}  // namespace clipgs

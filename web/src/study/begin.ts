@@ -1,0 +1,68 @@
+import type { App } from "../app";
+import { readSection } from "../model/values";
+import { CaseError } from "../sog/zip";
+import { StudyCard } from "../ui/study_card";
+import { offeredSurroundings } from "../xr/headset";
+import { fetchPlan } from "./journal";
+import { parsePlan, type Plan } from "./plan";
+import { Study } from "./study";
+
+/** So often it is looked whether the section is there, ms. */
+const kLookMs = 50;
+
+/** The plan that an address names, of those that the server has. Rejects with CaseError. */
+export async function loadPlan(name: string): Promise<Plan> {
+  return parsePlan(await fetchPlan(name), name);
+}
+
+/** Throws CaseError where a plan's targets are not in the case that is shown. */
+function requireTargets(plan: Plan, app: App): void {
+  const { section } = app.viewer;
+  if (!section) {
+    throw new CaseError(
+      `${plan.case}: has no section, so nothing can be marked in it; build it without --no-section`,
+    );
+  }
+  for (const { name, target } of [...plan.practice, ...plan.tasks]) {
+    if (target.points.some((point) => readSection(section, point) === null)) {
+      throw new CaseError(
+        `${plan.name}: the target of "${name}" is not in ${plan.case}; is it the plan's case?`,
+      );
+    }
+  }
+}
+
+/** Offers a text as a file to be saved. */
+function save(name: string, text: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: "application/jsonl" }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+/** Begins a study in an app that shows its case. Rejects with CaseError. */
+export async function beginStudy(plan: Plan, app: App): Promise<void> {
+  const { viewer, headset } = app;
+  while (viewer.openCase?.awaitsSection) {
+    await new Promise((resolve) => setTimeout(resolve, kLookMs));
+  }
+  requireTargets(plan, app);
+  const offered = (await offeredSurroundings()).includes("immersive-vr");
+  const study = new Study(plan, {
+    viewer,
+    actions: app.actions,
+    store: localStorage,
+    headset: {
+      offered,
+      get worn() {
+        return headset.worn;
+      },
+      enter: () => void app.enterHeadset("immersive-vr"),
+      leave: () => queueMicrotask(() => void headset.leave()), // not while a press there is still told of
+    },
+    displayHz: () => headset.frameRate,
+    save,
+  });
+  app.setStudy(study, new StudyCard(app.actions));
+}
