@@ -12,9 +12,8 @@ namespace {
 
 const std::vector<double> kScores = {62.5, 70, 85, 92.5, 55, 77.5, 80};
 
-// References: numpy.percentile; the interval by mpmath's incomplete beta function, for scipy's
-// quantile of t has eight digits.
-TEST(Descriptives, AreThoseOfNumpy) {
+// References: quantile and t.test of R 4.2.
+TEST(Descriptives, AreThoseOfR) {
   const Descriptives all = describe(kScores);
   EXPECT_EQ(all.n, 7);
   EXPECT_NEAR(all.mean, 74.64285714285714, 1e-12);

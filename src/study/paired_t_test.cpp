@@ -107,12 +107,15 @@ TEST(PairedT, EqualDifferencesHaveNoT) {
   EXPECT_THROW(paired_t(std::vector<double>{2, std::nan("")}), Error);
 }
 
-// References: G*Power 3.1 and R's pwr (34, 199, 15 for effects of .5, .2, .8 are in every table).
-TEST(SampleSize, IsThatOfGPower) {
+// References: power.t.test(type = "paired", strict = TRUE) of R 4.2, rounded up; the powers by
+// scipy's noncentral t.
+TEST(SampleSize, IsThatOfR) {
   EXPECT_EQ(paired_t_sample_size(0.2), 199U);
   EXPECT_EQ(paired_t_sample_size(0.5), 34U);
   EXPECT_EQ(paired_t_sample_size(-0.5), 34U);
   EXPECT_EQ(paired_t_sample_size(0.8), 15U);
+  EXPECT_EQ(paired_t_sample_size(0.945), 11U);
+  EXPECT_EQ(paired_t_sample_size(1.5), 6U);
   EXPECT_EQ(paired_t_sample_size(0.05), 3142U);
   EXPECT_NEAR(paired_t_power(0.5, 34, 0.05), 0.8077775012792737, 1e-9);
   EXPECT_NEAR(paired_t_power(0.5, 20, 0.05), 0.564504418439038, 1e-9);
