@@ -145,8 +145,8 @@ class TableScanner {
 
 bool has_columns(const TextRecord& header, std::span<const std::string_view> wanted) {
   return std::ranges::all_of(wanted, [&](std::string_view column) {
-    return std::ranges::any_of(header.cells,
-                               [&](const std::string& cell) { return lower_case(cell) == column; });
+    return std::ranges::any_of(
+        header.cells, [&](const std::string& cell) { return ascii_lower(cell) == column; });
   });
 }
 
@@ -209,7 +209,7 @@ std::string delimited_cell(std::string_view text, char separator) {
   return quoted + '"';
 }
 
-std::string lower_case(std::string_view text) {
+std::string ascii_lower(std::string_view text) {
   std::string result(text);
   for (char& c : result) {
     if (c >= 'A' && c <= 'Z') {

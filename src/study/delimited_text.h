@@ -33,7 +33,7 @@ DelimitedText read_delimited(std::string_view text, const std::string& name,
 std::string delimited_cell(std::string_view text, char separator);
 
 /// In ASCII; other letters stay.
-std::string lower_case(std::string_view text);
+std::string ascii_lower(std::string_view text);
 
 /// Whether the text is valid UTF-8 without control characters.
 bool is_plain_text(std::string_view text);

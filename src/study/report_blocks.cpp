@@ -44,7 +44,9 @@ std::string markdown_text(std::string_view text) {
 }
 
 std::string latex_text(std::string_view text) {
-  constexpr std::array<Replacement, 19> kReplacements{{{"d_z", "$d_z$"},
+  constexpr std::array<Replacement, 21> kReplacements{{{"d_z", "$d_z$"},
+                                                       {"--", "-{}-"},
+                                                       {"π", "$\\pi$"},
                                                        {"\\", "\\textbackslash{}"},
                                                        {"{", "\\{"},
                                                        {"}", "\\}"},

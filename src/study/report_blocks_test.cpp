@@ -33,6 +33,8 @@ TEST(ReportBlocks, LatexIsNoMarkupOfTheText) {
   const std::string text = format_report(two_blocks(), ReportFormat::kLatex);
   EXPECT_THAT(text, HasSubstr("\\item participant 3: a\\_b | 50 \\% \\& \\{x\\}\n"));
   EXPECT_THAT(text, HasSubstr("\\begin{tabular}{ll}\n  \\toprule\n  {}measure & $d_z$ \\\\\n"));
+  EXPECT_THAT(format_report({{"--effect \\x", {}, {}, {}}}, ReportFormat::kLatex),
+              HasSubstr("\\paragraph{-{}-effect \\textbackslash{}x}"));
   EXPECT_THAT(text, HasSubstr("$-$1 $\\pm$ 2 \\\\\n"));
   EXPECT_THAT(text, HasSubstr("\\bottomrule\n\\end{tabular}\n"));
 }

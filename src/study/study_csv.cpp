@@ -121,7 +121,7 @@ class StudyCsvReader {
     std::vector<std::string> names;
     for (const std::string& cell : table_.header.cells) {
       require_name(cell, line, "column's name");
-      const std::string lower = lower_case(cell);
+      const std::string lower = ascii_lower(cell);
       if (std::ranges::find(names, lower) != names.end()) {
         throw Error("{}: there are two columns \"{}\"; keep one", at(line), lower);
       }

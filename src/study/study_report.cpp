@@ -195,7 +195,7 @@ ReportBlock size_block(const StudyComparison& comparison) {
         "an observed effect is uncertain, see its interval: plan with one that matters (--effect)");
   }
   block.lines.emplace_back(
-      "Wilcoxon's by its asymptotic relative efficiency for normal differences, 3/pi");
+      "Wilcoxon's by its asymptotic relative efficiency for normal differences, 3/π");
   return block;
 }
 
