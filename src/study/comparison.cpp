@@ -191,7 +191,7 @@ StudyComparison compare_modes(const StudyTable& table, const ComparisonOptions& 
   }
   RowsOfParticipants rows(participant_order);
   for (const StudyRow& row : table.rows) {
-    const auto mode = std::ranges::find(result.modes, row.mode);
+    const auto* const mode = std::ranges::find(result.modes, row.mode);
     auto& both = rows.try_emplace(row.participant).first->second;
     if (mode != result.modes.end()) {
       both[static_cast<size_t>(mode - result.modes.begin())] = &row;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <utility>
 
 #include "core/error.h"
 
@@ -53,7 +54,7 @@ size_t utf8_length(std::string_view text) {
 /// Goes through a text and counts its lines.
 class TableScanner {
  public:
-  TableScanner(std::string_view text, const std::string& name) : rest_(text), name_(name) {
+  TableScanner(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
     if (rest_.starts_with(kByteOrderMark)) {
       rest_.remove_prefix(kByteOrderMark.size());
     }

@@ -173,7 +173,7 @@ std::string latex_block(const ReportBlock& block) {
 
 ReportFormat parse_report_format(const std::string& name) {
   constexpr std::array kNames{"text", "markdown", "latex"};
-  const auto found = std::ranges::find(kNames, name);
+  const auto* const found = std::ranges::find(kNames, name);
   if (found == kNames.end()) {
     throw Error("there is no format {}; choose text, markdown or latex", name);
   }

@@ -324,10 +324,11 @@ void draw_page(cairo_surface_t* surface, const StudyComparison& comparison, cons
   pen.text("a line joins a participant's values · box: quartiles, median · ◇ mean · ± SD",
            kMargin + 8, kMargin + 34, 11, Align::kLeft, room - 16);
   for (size_t i = 0; i < page.panels.size(); ++i) {
-    const auto column = static_cast<double>(i % page.columns);
-    const auto row = static_cast<double>(i / page.columns);
-    draw_panel(pen, comparison, *page.panels[i], kMargin + column * kPanelWidth,
-               kMargin + kHead + row * kPanelHeight);
+    const size_t column = i % page.columns;
+    const size_t row = i / page.columns;
+    draw_panel(pen, comparison, *page.panels[i],
+               kMargin + static_cast<double>(column) * kPanelWidth,
+               kMargin + kHead + static_cast<double>(row) * kPanelHeight);
   }
 }
 

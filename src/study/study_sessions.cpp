@@ -131,6 +131,7 @@ const StudySession& session_that_counts(const std::vector<const StudySession*>& 
   }
   if (std::ranges::count_if(sessions, &StudySession::ended) != 1) {
     std::vector<std::string> names;
+    names.reserve(sessions.size());
     for (const StudySession* session : sessions) {
       names.push_back(session->file.string());
     }

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "study/comparison.h"
+#include "study/session_log.h"
 #include "study/study_csv.h"
 #include "study/test_records.h"
 
@@ -108,6 +109,19 @@ TEST_F(StudySessionsTest, GiveARowForEachMode) {
   EXPECT_EQ(arbitrary.values.at("sus"), 92.5);
   EXPECT_EQ(arbitrary.values.at("head_mm"), 410.2);
   EXPECT_TRUE(table.remarks.empty());
+}
+
+TEST_F(StudySessionsTest, AreWhatTheServerRecords) {
+  SessionLog(folder_).append("p007-3f9c2a1b", test::study_lines());
+  const StudyTable table = read_study_sessions(folder_);
+  ASSERT_EQ(table.rows.size(), 1);
+  EXPECT_TRUE(table.remarks.empty());
+  const StudyRow& row = table.rows[0];
+  EXPECT_EQ(row.participant, "7");
+  EXPECT_EQ(row.values.at("sus"), 100);
+  EXPECT_EQ(row.values.at("efficiency"), 4);
+  EXPECT_EQ(row.values.at("seconds"), 31.25);
+  EXPECT_THAT(row.missing.at("angle_deg"), HasSubstr("not measured in"));
 }
 
 TEST_F(StudySessionsTest, AreComparedAndExported) {

@@ -62,7 +62,7 @@ std::vector<CsvColumns> csv_columns(const StudyTable& table) {
   std::vector<CsvColumns> result;
   for (const std::string& measure : table.measures) {
     CsvColumns columns{{}, measure, false};
-    const auto known = std::ranges::find(kAnswerColumns, measure, &AnswerColumns::measure);
+    const auto* const known = std::ranges::find(kAnswerColumns, measure, &AnswerColumns::measure);
     if (known != kAnswerColumns.end() && has_answers(table, measure)) {
       columns.answers = true;
       for (size_t i = 1; i <= known->count; ++i) {
@@ -94,7 +94,7 @@ std::string csv_cells(const StudyRow& row, const CsvColumns& columns) {
 }  // namespace
 
 MeasureTitle measure_title(const std::string& measure) {
-  const auto known = known_measure(measure);
+  const auto* const known = known_measure(measure);
   return known == kKnownMeasures.end() ? MeasureTitle{measure, ""}
                                        : MeasureTitle{known->title, known->unit};
 }
@@ -109,18 +109,6 @@ bool participant_order(const std::string& a, const std::string& b) {
     return std::tuple(name, name ? 0 : text.size(), text);
   };
   return key(a) < key(b);
-}
-
-void add_row(StudyTable& table, StudyRow row) {
-  StudyTable one;
-  for (const auto& [measure, value] : row.values) {
-    one.measures.push_back(measure);
-  }
-  for (const auto& [measure, why] : row.missing) {
-    one.measures.push_back(measure);
-  }
-  one.rows.push_back(std::move(row));
-  join(table, std::move(one));
 }
 
 void join(StudyTable& table, StudyTable other) {
@@ -153,6 +141,7 @@ std::string study_csv(const StudyTable& table) {
   }
   text += '\n';
   std::vector<const StudyRow*> rows;
+  rows.reserve(table.rows.size());
   for (const StudyRow& row : table.rows) {
     rows.push_back(&row);
   }

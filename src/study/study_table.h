@@ -28,9 +28,6 @@ struct StudyTable {
 /// have two rows of one mode.
 void join(StudyTable& table, StudyTable other);
 
-/// Adds a row and what it measures. Throws Error as join().
-void add_row(StudyTable& table, StudyRow row);
-
 /// A measure's name for people, and its unit ("" where there is none).
 struct MeasureTitle {
   std::string title;
