@@ -386,6 +386,7 @@ export class Study {
     this.#answers = [];
     this.#typed = "";
     this.#restarts = 0;
+    this.#around.viewer.setPins([]);
     const step = this.#steps[at]!;
     this.#restUntil = step.kind === "pause" ? performance.now() + 1000 * this.plan.pause : null;
     if (step.kind === "mode" || step.kind === "task") {

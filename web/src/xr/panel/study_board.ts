@@ -32,7 +32,7 @@ export class StudyBoard {
     const { remaining, entry, ...rest } = screen;
     this.#remaining.value = remaining === null ? "" : clock(remaining);
     ++this.#version.value;
-    const shown = JSON.stringify([rest, entry?.label]);
+    const shown = JSON.stringify([rest, entry?.label, remaining === null]);
     if (shown !== this.#shown) {
       this.#shown = shown;
       this.content.setProperties({ fontFamilies: this.#font.families(shown) });
@@ -47,7 +47,7 @@ export class StudyBoard {
   #parts(screen: Screen): (Container | Text)[] {
     return [
       label(screen.title, { size: 24 }),
-      label(this.#remaining, { quiet: true }),
+      ...(screen.remaining === null ? [] : [label(this.#remaining, { quiet: true })]),
       ...screen.text.map((text) => label(text, { size: 19 })),
       ...(screen.trouble ? [label(screen.trouble, { size: 19, color: "#ffb3a6" })] : []),
       ...(screen.question ? question(screen.question) : []),
