@@ -186,6 +186,18 @@ TEST(StudyComparison, EqualDifferencesHaveRanksAlone) {
   EXPECT_EQ(comparison.measures[0].p, 2.0 / 32);
 }
 
+TEST(StudyComparison, HugeEffectsAreReported) {
+  for (const double size : {1e3, 1e6, 1e11}) {
+    const StudyComparison comparison = compare_modes(pairs_of(
+        {{size, 0}, {size + 1, 0}, {size + 2, 0}, {size, 0.5}, {size + 1, 0.25}, {size - 1, 0}}));
+    const MeasureComparison& measure = comparison.measures[0];
+    ASSERT_TRUE(measure.t && measure.sizes) << size;
+    EXPECT_LT(measure.t->p, 1e-6);
+    EXPECT_EQ(measure.sizes->t, 2);
+    EXPECT_FALSE(report_of(comparison).empty());
+  }
+}
+
 TEST(StudyComparison, DecimalsTieWhereTheyDoOnPaper) {
   // 0.3 − 0.1 and 0.5 − 0.3 are no equal doubles, nor is 0.3 − 0.1 − 0.2 zero.
   const StudyComparison comparison =

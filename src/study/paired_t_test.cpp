@@ -148,6 +148,15 @@ TEST(SampleSize, WithoutAnEffectPowerIsAlpha) {
   EXPECT_TRUE(paired_t_sample_size(0.01));
 }
 
+TEST(SampleSize, HugeEffectsNeedTwoPairs) {
+  for (const double dz : {20.0, 50.0, 1e3, 1e9, -1e300}) {
+    EXPECT_EQ(paired_t_sample_size(dz), 2U) << dz;
+  }
+  EXPECT_LE(paired_t_sample_size(1e9, {0.999, 1e-6}).value(), 5U);
+  EXPECT_THROW(paired_t_sample_size(std::nan("")), Error);
+  EXPECT_THROW(paired_t_sample_size(1e308 * 10), Error);
+}
+
 TEST(SampleSize, GrowsWithThePowerAndFallsWithTheEffect) {
   EXPECT_LT(paired_t_sample_size(0.5, {0.8, 0.05}), paired_t_sample_size(0.5, {0.9, 0.05}));
   EXPECT_LT(paired_t_sample_size(0.5, {0.8, 0.05}), paired_t_sample_size(0.5, {0.8, 0.01}));

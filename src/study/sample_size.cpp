@@ -27,8 +27,11 @@ double paired_t_power(double dz, size_t n, double alpha) {
 
 std::optional<size_t> paired_t_sample_size(double dz, const PowerTarget& target) {
   require_valid(target);
-  const double effect = std::abs(dz);
-  if (!(effect >= kLeastEffect)) {
+  if (!std::isfinite(dz)) {
+    throw Error("an effect of {} cannot be planned for; give a d_z like 0.5", dz);
+  }
+  const double effect = std::min(std::abs(dz), kLargestEffect);
+  if (effect < kLeastEffect) {
     return std::nullopt;
   }
   size_t enough = 2;

@@ -7,6 +7,9 @@ namespace clipgs {
 
 /// The smallest effect a sample size is sought for; below it some 80 000 pairs do not do.
 inline constexpr double kLeastEffect = 0.01;
+/// Larger ones count as this one, for which next to no pairs do; further out the noncentral t
+/// cannot be computed.
+inline constexpr double kLargestEffect = 50;
 
 /// What a study is planned for.
 struct PowerTarget {
@@ -23,7 +26,7 @@ void require_valid(const PowerTarget& target);
 double paired_t_power(double dz, size_t n, double alpha);
 
 /// The fewest pairs with at least that power, 2 or more; empty for an effect smaller than
-/// kLeastEffect either way. Throws Error as require_valid().
+/// kLeastEffect either way. Throws Error as require_valid(), and for an effect that is not finite.
 std::optional<size_t> paired_t_sample_size(double dz, const PowerTarget& target = {});
 
 /// The same for Wilcoxon's signed-rank test: the t-test's over the test's asymptotic efficiency

@@ -127,6 +127,10 @@ class StudyCsvReader {
       }
       names.push_back(lower);
     }
+    if (std::ranges::find(names, "seq") != names.end() &&
+        std::ranges::find(names, "kind") != names.end()) {
+      throw Error("{}: is what one session recorded; give the folder of the sessions", at(line));
+    }
     TableLayout result;
     const auto take = [&](std::string_view name) {
       const auto found = std::ranges::find(names, name);

@@ -7,6 +7,8 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "study/records.h"
+#include "study/test_records.h"
 
 namespace clipgs {
 namespace {
@@ -92,6 +94,8 @@ TEST(StudyCsv, SaysWhatTheHeaderLacks) {
                 "both \"sus\" and the answers");
   expect_no_csv("participant,mode,tlx1,tlx2,tlx3,tlx4,tlx5,tlx6,tlx\n1,a,1,1,1,1,1,1,1\n",
                 "both \"tlx\" and the answers");
+  expect_no_csv(csv_header_of_records() + "\n" + csv_of_record(test::study_session()[0]) + "\n",
+                "t.csv:1: is what one session recorded");
   expect_no_csv("participant,mode,sus\n", "t.csv: has a header, but no rows");
 }
 
