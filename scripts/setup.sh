@@ -68,14 +68,14 @@ packages=(
   # libraries
   libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libspng-dev libarchive-dev libeigen3-dev
-  libboost-dev libssl-dev libqrencode-dev
+  libboost-dev libssl-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
   libgtest-dev libgmock-dev libbenchmark-dev libcpp-httplib-dev
   # the viewer's WebAssembly
   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32
 )
 # The browsers that the viewer is tested in, and what drives them and gives them a screen.
-browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri fonts-dejavu-core)
-checks=(clang-format-19 clang-tidy-19 libclang-rt-19-dev "${browsers[@]}")
+browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri)
+checks=(clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 "${browsers[@]}")
 if [ "$with_checks" -eq 1 ]; then
   packages+=("${checks[@]}")
 fi

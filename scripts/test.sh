@@ -84,7 +84,7 @@ for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGT
 done
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,serve}_test fuzz
+step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
 # Statistics over many samples, finite differences, whole scans and the same again at other thread counts take minutes
 # there, through code that other tests go through as well.
 step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits'
@@ -97,7 +97,7 @@ step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serv
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients'
 count_tests "tests tsan"
 # The other rooms are for scripts/tidy.sh by hand: together they take twice as long.
-step "tidy" bash scripts/tidy.sh core light splat section train bake measure
+step "tidy" bash scripts/tidy.sh core light splat section train bake measure study
 
 echo "test: release, address, undefined-behaviour and thread sanitizers, $((SECONDS / 60)) min"
 echo "100% tests passed, 0 tests failed out of $tests"

@@ -14,7 +14,7 @@ if ! command -v clang-tidy-19 >/dev/null; then
 fi
 rooms=("$@")
 if [ "${#rooms[@]}" -eq 0 ]; then
-  rooms=(core volume light cinema splat section train bake asset measure pipeline serve)
+  rooms=(core volume light cinema splat section train bake asset measure pipeline study serve)
 fi
 for room in "${rooms[@]}"; do
   objects="CMakeFiles/clipgs_$room.dir"

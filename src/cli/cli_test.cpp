@@ -41,7 +41,7 @@ TEST_F(CliTest, EveryCommandHasHelpWithAnExample) {
   const Finished top = run_clipgs({"--help"});
   EXPECT_EQ(top.status, 0);
   for (const char* command : {"bake", "build", "phantom", "info", "cinema", "dataset", "train",
-                              "pack", "unpack", "export", "render", "eval", "serve"}) {
+                              "pack", "unpack", "export", "render", "eval", "study", "serve"}) {
     EXPECT_THAT(top.out, HasSubstr(command));
     const Finished help = run_clipgs({command, "--help"});
     EXPECT_EQ(help.status, 0) << command;
