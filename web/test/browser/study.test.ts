@@ -288,8 +288,21 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await page.close();
   });
 
-  it("is analysed", () => {
-    const text = execFileSync(kProgram, ["study", folder], { encoding: "utf8" });
-    expect(text).toMatch(/sus/i);
+  it("is analysed from what it recorded", () => {
+    const file = join(session.folder, "figures.json");
+    const report = execFileSync(kProgram, ["study", folder, "--json", file], { encoding: "utf8" });
+    expect(report).toMatch(/p004-\w+\.jsonl: is not finished; participant 4 is left out/);
+    type Measure = { measure: string; n: number; first: { mean: number }; second: { mean: number } };
+    const { measures } = JSON.parse(readFileSync(file, "utf8")) as { measures: Measure[] };
+    const means = (name: string) => {
+      const { n, first, second } = measures.find(({ measure }) => measure === name)!;
+      return [n, first.mean, second.mean];
+    };
+    expect(means("sus")).toEqual([3, 50, 100]);
+    expect(means("efficiency")).toEqual([3, 3, 5]);
+    expect(means("regrasps")).toEqual([3, 0, 0]);
+    expect(measures.map(({ measure }) => measure)).toEqual(
+      expect.arrayContaining(["seconds", "travel_mm", "head_mm", "distance_mm", "frame_ms"]),
+    );
   });
 });
