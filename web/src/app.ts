@@ -306,6 +306,9 @@ export class App {
     this.#card = card;
     study.changed = () => (this.headset.worn ? this.headset.refresh() : this.#showCard(study, card));
     this.#root.classList.add("in-study");
+    for (const part of this.#root.querySelectorAll<HTMLElement>(".bar, .overlay")) {
+      part.inert = true; // neither the case nor a mark is to be changed
+    }
     this.#root.append(card.element);
     this.headset.framed = (time, head, forward) => {
       study.measures?.frames.count(time);

@@ -5,9 +5,11 @@ import type { Page } from "playwright-core";
 import { Quaternion, Vector3 } from "three";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
+import { missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { kProgram, missing } from "./program";
 import { Session } from "./session";
+import { waitFor } from "./tab";
 import { Wearer } from "./wearer";
 
 type Line = Record<string, unknown> & { seq: number; kind: string };
@@ -231,6 +233,9 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await card(page).getByText("Start").click();
     expect(await page.locator(".panel").isVisible()).toBe(false);
     expect(await page.evaluate(() => window.clipgs.pins.length)).toBe(1);
+    for (const part of [".case-button", ".pin button"]) {
+      expect(await page.locator(part).evaluate((element) => element.closest("[inert]") !== null)).toBe(true);
+    }
     const mode = () => page.evaluate(() => window.clipgs.state.mode);
     expect(await mode()).toBe("arbitrary");
     await page.locator("canvas").focus();
@@ -264,6 +269,41 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     expect(task["travel_mm"], "two steps of 0.1 mm, or to the next of them").toBeGreaterThan(0.1);
     expect(task["travel_mm"]).toBeLessThan(0.21);
     await page.close();
+  });
+
+  it.each(["firefox", "webkit"] as const)("is led through in %s", async (name) => {
+    const participant = { firefox: 5, webkit: 6 }[name];
+    const reason = missingFor(name);
+    if (reason) {
+      console.warn(`not tried in ${name}: ${reason}`);
+      return;
+    }
+    const browser = await startBrowser(name);
+    const { tab } = browser;
+    /** Where a button of this text is, when it can be pressed. */
+    const clickText = async (text: string) => {
+      const find = (wanted: string) => {
+        const all = [...document.querySelectorAll<HTMLButtonElement>(".study button")];
+        const box = all.find((one) => one.textContent === wanted && !one.disabled)?.getBoundingClientRect();
+        return box ? { x: box.x + box.width / 2, y: box.y + box.height / 2 } : null;
+      };
+      await waitFor(tab, find, text);
+      await tab.click((await tab.evaluate(find, text))!);
+    };
+    await tab.open(session.url);
+    await waitFor(tab, () => document.activeElement?.matches(".study input"), undefined);
+    await tab.press(String(participant));
+    await clickText("Begin at the desk");
+    await clickText("Go on");
+    await clickText("Go on");
+    await clickText("Start");
+    await tab.evaluate(() => document.querySelector<HTMLInputElement>(".study input[type=range]")!.focus());
+    await tab.press("\uE014"); // the arrow to the right
+    await clickText("Done");
+    await waitFor(tab, () => document.querySelector(".study h2")?.textContent === "Task 1 of 1", undefined);
+    await browser.close();
+    expect(recorded(participant).map(({ kind }) => kind)).toEqual(["session", "task"]);
+    expect(recorded(participant)[1]!["travel_mm"], "a state, or a step of the slider").toBeGreaterThan(0);
   });
 
   it("is refused in one line where the plan, its case or its targets are wrong", async () => {
