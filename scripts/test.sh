@@ -97,7 +97,7 @@ step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serv
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients'
 count_tests "tests tsan"
 # The other rooms are for scripts/tidy.sh by hand: together they take twice as long.
-step "tidy" bash scripts/tidy.sh core light splat section train bake measure study
+step "tidy" bash scripts/tidy.sh core light splat section train bake measure
 
 echo "test: release, address, undefined-behaviour and thread sanitizers, $((SECONDS / 60)) min"
 echo "100% tests passed, 0 tests failed out of $tests"

@@ -96,3 +96,8 @@ export function barLength(most: number): number {
 export function capital(word: string): string {
   return word[0]!.toUpperCase() + word.slice(1);
 }
+
+/** 95 s as "1:35". */
+export function clock(seconds: number): string {
+  return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
+}

@@ -39,8 +39,3 @@ export interface Button {
   enabled: boolean;
   press(): void;
 }
-
-/** 95 s as "1:35". */
-export function clock(seconds: number): string {
-  return `${Math.floor(seconds / 60)}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
-}

@@ -1,5 +1,6 @@
 import type { Actions } from "../actions";
-import { type Button, clock, type Entry, type Question, type Screen } from "../study/screen";
+import { clock } from "../model/values";
+import type { Button, Entry, Question, Screen } from "../study/screen";
 import { h } from "./dom";
 
 /** What a study shows, on the page. */

@@ -219,7 +219,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
   it("has colours as the system or the user wants them, and remembers the choice", async () => {
     const shown = (one: Page) => one.locator("main").evaluate((main) => main.classList.contains("light"));
     await page.emulateMedia({ colorScheme: "dark" });
-    expect(await shown(page)).toBe(false);
+    await expect.poll(() => shown(page)).toBe(false);
     await page.emulateMedia({ colorScheme: "light" });
     await expect.poll(() => shown(page)).toBe(true);
     await page.locator("canvas").focus();

@@ -140,8 +140,14 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
 
   async function openHere(): Promise<Page> {
     const page = await session.openInHeadset("", errors);
-    await page.evaluate(() => window.clipgs.ready);
+    await begun(page);
     return page;
+  }
+
+  /** Faces by the splats: frames come sooner, and no picture is looked at here. */
+  async function begun(page: Page): Promise<void> {
+    await page.evaluate(() => window.clipgs.ready);
+    await page.evaluate(() => window.clipgs.setSection("splats"));
   }
 
   it("leads three participants through both modes in the headset, whatever the power does meanwhile", async () => {
@@ -169,7 +175,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     // Then this machine's, before anything could be sent.
     await session.serveAgain();
     await page.reload();
-    await page.evaluate(() => window.clipgs.ready);
+    await begun(page);
     await begin(page, 2, "Begin in the headset");
     await two.stand();
     await two.answer("5", "1", "5");
@@ -178,7 +184,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await session.cutPower();
     await session.serveAgain();
     await page.reload();
-    await page.evaluate(() => window.clipgs.ready);
+    await begun(page);
     await begin(page, 2, "Begin in the headset");
     await two.stand();
     await two.goThrough("uniaxial");

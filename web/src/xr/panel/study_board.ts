@@ -3,7 +3,8 @@ import { computed, signal } from "@preact/signals-core";
 import type { Vector3 } from "three";
 
 import type { Actions } from "../../actions";
-import { clock, type Question, type Screen } from "../../study/screen";
+import { clock } from "../../model/values";
+import type { Question, Screen } from "../../study/screen";
 import type { Study } from "../../study/study";
 import type { SdfFont } from "./sdf_font";
 import { button, column, findText, label, replaceChildren, row, slider } from "./widgets";
