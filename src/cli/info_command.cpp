@@ -10,8 +10,8 @@
 #include "cli/info_kinds.h"
 #include "cli/volume_options.h"
 #include "train/model_file.h"
+#include "volume/identify.h"
 #include "volume/load.h"
-#include "volume/preset.h"
 
 namespace clipgs {
 namespace {
@@ -59,7 +59,10 @@ Json describe_volume(const InfoOptions& options) {
                       list_of(volume.direction[2])};
   json["modality"] = modality_name(volume.modality);
   json["values"] = {low, high};
-  json["auto_preset"] = choose_preset(volume).name;
+  const Identity identity = identify(volume);
+  json["looks_like"] = identity.what;
+  json["because"] = identity.reason;
+  json["auto_preset"] = identity.preset;
   if (!loaded.series.empty()) {
     json["series"] = describe_series(loaded.series);
   }
