@@ -339,7 +339,7 @@ export class Study {
     this.#journal = journal;
     if (resumed) {
       await journal.send();
-      this.#goTo(resumeAt(this.#steps, journal.entries.length - 1));
+      await this.#go(resumeAt(this.#steps, journal.entries.length - 1));
     } else {
       await journal.add({
         kind: "session",
@@ -372,12 +372,20 @@ export class Study {
   async #record(entry: Entry): Promise<void> {
     await this.#alone(async () => {
       await this.#journal!.add(entry);
-      this.#advance();
+      await this.#go(this.#at + 1);
     });
   }
 
   #advance(): void {
     this.#goTo(this.#at + 1);
+  }
+
+  /** Who is thanked has all recorded, the end as well. */
+  async #go(at: number): Promise<void> {
+    if (this.#steps[at]!.kind === "thanks") {
+      await this.#journal!.add({ kind: "end" });
+    }
+    this.#goTo(at);
   }
 
   #goTo(at: number): void {
@@ -393,9 +401,6 @@ export class Study {
       this.#prepare(step.kind === "mode" ? step.mode.mode : step.mode, null);
     }
     this.changed();
-    if (step.kind === "thanks" && this.#journal!.entries.at(-1)!.kind !== "end") {
-      void this.#journal!.add({ kind: "end" }).then(() => this.changed());
-    }
   }
 
   /** The plane, the view and the marks that a task begins with. */

@@ -220,7 +220,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     }
     expect(recorded(1).at(-2)).toMatchObject({ kind: "comment", text: 'It was, I think, "fine"' });
     await page.close();
-  });
+  }, 900_000);
 
   it("takes nobody twice, and says why a number is refused", async () => {
     const page = await openHere();
