@@ -252,7 +252,7 @@ std::string Site::answer_bytes(std::string_view bytes) {
   RequestParser parser;
   boost::system::error_code error;
   const size_t head_size = parser.put(boost::asio::buffer(bytes), error);
-  if (!error && wants_body(parser.get())) {
+  if (!error && wants_body(parser.get()) && !parser.is_done()) {
     parser.eager(true);
     parser.put(boost::asio::buffer(bytes.substr(head_size)), error);
     if (!error && !parser.is_done()) {

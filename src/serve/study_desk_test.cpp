@@ -92,6 +92,13 @@ TEST_F(StudyDeskTest, NoMoreIsTakenThanASessionMaySend) {
       << "goes on";
 }
 
+TEST_F(StudyDeskTest, ARequestWithoutABodyBringsNothing) {
+  Site site = open_site();
+  const std::string headers = " HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/jsonl\r\n";
+  EXPECT_THAT(site.answer_bytes("POST " + std::string(kSession) + headers + "\r\nabc"),
+              StartsWith("HTTP/1.1 422"));
+}
+
 TEST_F(StudyDeskTest, AFullDiskIsSaid) {
   Site site = open_site();
   // A file that cannot be appended to stands for it.
