@@ -5,8 +5,8 @@
 
 namespace clipgs {
 
-using boost::beast::http::field;
-using boost::beast::http::status;
+namespace http = boost::beast::http;
+using http::field;
 
 std::string_view header(const HttpRequest& request, field name) {
   const auto text = request[name];
@@ -23,16 +23,16 @@ ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner) 
           }};
 }
 
-void give_text(Answer& answer, status what, const char* type, std::string text) {
+void give_text(Answer& answer, http::status status, const char* type, std::string text) {
   const auto owner = std::make_shared<const std::string>(std::move(text));
-  answer.head.result(what);
+  answer.head.result(status);
   answer.head.set(field::content_type, type);
   answer.head.set(field::cache_control, "no-store");
   answer.body = source_of(*owner, owner);
 }
 
-void fail(Answer& answer, status what, const std::string& message) {
-  give_text(answer, what, "text/plain; charset=utf-8", message + "\n");
+void fail(Answer& answer, http::status status, const std::string& message) {
+  give_text(answer, status, "text/plain; charset=utf-8", message + "\n");
 }
 
 }  // namespace clipgs

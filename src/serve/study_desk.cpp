@@ -20,7 +20,7 @@ constexpr std::string_view kSessions = "/api/study/sessions";
 constexpr std::string_view kParticipant = "?participant=";
 constexpr const char* kJson = "application/json";
 /// A type that pages elsewhere cannot send without asking first, which this server never answers.
-constexpr std::string_view kRecords = "application/jsonl";
+constexpr const char* kRecords = "application/jsonl";
 constexpr std::uintmax_t kMostPlan = std::uintmax_t{1} << 20;
 
 bool is_from_here(const HttpRequest& request) {
@@ -60,7 +60,7 @@ void StudyDesk::answer(const HttpRequest& request, std::string_view path, std::s
     } else if (posts) {
       take_records(request, session, answer);
     } else {
-      give_text(answer, status::ok, kRecords.data(), log_.read(session));
+      give_text(answer, status::ok, kRecords, log_.read(session));
     }
   } catch (const RefusedRecord& refused) {
     fail(answer, status::unprocessable_entity, refused.what());

@@ -155,8 +155,8 @@ const std::vector<std::string>& columns() {
 }
 
 void check_answers(const json& record, const std::string& name) {
-  const auto form = std::ranges::find(kQuestionnaires, record["questionnaire"].get<std::string>(),
-                                      &Questionnaire::name);
+  const auto* const form = std::ranges::find(
+      kQuestionnaires, record["questionnaire"].get<std::string>(), &Questionnaire::name);
   const json& answers = record["answers"];
   if (answers.size() != form->count || !std::ranges::all_of(answers, [&](const json& answer) {
         return is_integer_in(answer, form->low, form->high);
@@ -209,7 +209,7 @@ StudyRecord parse_record(std::string_view line, const std::string& name) {
   const json given = json::parse(line, nullptr, false);
   if (!given.is_object() || !given.contains("seq") || !given.contains("kind") ||
       !is_integer_in(given["seq"], 0, kMostCount) || !given["kind"].is_string()) {
-    refuse(name, "this is no record: a line of JSON with \"seq\" and \"kind\" was expected");
+    refuse(name, R"(this is no record: a line of JSON with "seq" and "kind" was expected)");
   }
   const std::string kind_name = given["kind"];
   const auto kind = std::ranges::find(kinds(), kind_name,
