@@ -13,6 +13,15 @@ std::string_view header(const HttpRequest& request, field name) {
   return {text.data(), text.size()};
 }
 
+std::string_view target_of(const HttpRequest& request) {
+  return {request.target().data(), request.target().size()};
+}
+
+std::string_view query_of(const HttpRequest& request) {
+  const std::string_view target = target_of(request);
+  return target.substr(std::min(target.find('?'), target.size()));
+}
+
 ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner) {
   return {bytes.size(),
           [bytes, owner = std::move(owner)](std::uint64_t offset, std::span<std::uint8_t> out) {

@@ -28,6 +28,10 @@ struct Answer {
 /// Of a request; "" where it has none of that name.
 std::string_view header(const HttpRequest& request, boost::beast::http::field name);
 
+/// The address that is asked for, and of it the query, "?..." or "".
+std::string_view target_of(const HttpRequest& request);
+std::string_view query_of(const HttpRequest& request);
+
 /// Bytes that live as long as the program, or as `owner`.
 ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr);
 

@@ -175,8 +175,8 @@ Answer Site::answer(const HttpRequest& request, const std::string& client) {
   Answer answer;
   answer.head.version(request.version());
   set_common_headers(answer.head);
-  const std::string_view target(request.target().data(), request.target().size());
-  const std::string_view query = target.substr(std::min(target.find('?'), target.size()));
+  const std::string_view target = target_of(request);
+  const std::string_view query = query_of(request);
   const std::optional<std::string> path =
       percent_decode(target.substr(0, target.size() - query.size()));
   try {
@@ -289,9 +289,7 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
   }
   if (is_secret(plain_token(page), plain_token(options_.token))) {
     answer.head.result(status::found);
-    const std::string_view target(request.target().data(), request.target().size());
-    const std::string_view query = target.substr(std::min(target.find('?'), target.size()));
-    answer.head.set(field::location, "/" + std::string(query));
+    answer.head.set(field::location, "/" + std::string(query_of(request)));
     answer.head.set(field::cache_control, "no-store");
     // Lax, so that a link to a view can be followed from another site: nothing is changed by GET,
     // and what other sites embed or fetch still comes without the cookie.

@@ -38,9 +38,7 @@ bool StudyDesk::is_asked(std::string_view path) {
 }
 
 bool StudyDesk::brings_records(const HttpRequest& request) {
-  const auto target = request.target();
-  return request.method() == http::verb::post &&
-         std::string_view(target.data(), target.size()).starts_with(kSessions);
+  return request.method() == http::verb::post && target_of(request).starts_with(kSessions);
 }
 
 void StudyDesk::answer(const HttpRequest& request, std::string_view path, std::string_view query,

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <initializer_list>
-#include <span>
 #include <vector>
+
+#include "study/delimited_text.h"
 
 namespace clipgs {
 
@@ -166,20 +165,6 @@ void check_answers(const json& record, const std::string& name) {
   }
 }
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) {
-    return text;
-  }
-  std::string result = "\"";
-  for (const char c : text) {
-    result += c;
-    if (c == '"') {
-      result += c;
-    }
-  }
-  return result + '"';
-}
-
 std::string cell(const json& value) {
   if (value.is_array()) {
     std::string list;
@@ -189,7 +174,9 @@ std::string cell(const json& value) {
     }
     return list;
   }
-  return value.is_null() ? "" : quoted(value.is_string() ? value.get<std::string>() : value.dump());
+  return value.is_null()
+             ? ""
+             : delimited_cell(value.is_string() ? value.get<std::string>() : value.dump(), ',');
 }
 
 }  // namespace

@@ -55,8 +55,6 @@ class Appended {
   Appended(const Appended&) = delete;
   Appended& operator=(const Appended&) = delete;
 
-  size_t size() const { return static_cast<size_t>(size_); }
-
   void cut_off(size_t size) {
     size_ = static_cast<off_t>(size);
     if (::ftruncate(fd_, size_) != 0 || ::fsync(fd_) != 0) {

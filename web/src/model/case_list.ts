@@ -17,6 +17,8 @@ export function caseFile(name: string): string {
   return `cases/${encodeURIComponent(name)}.sog`;
 }
 
+export const kNoAnswer = "the server does not answer; is clipgs serve still running?";
+
 /** Asks the server what cases there are. Throws CaseError, with the server's own words where it says why. */
 export async function fetchCases(): Promise<CaseSummary[]> {
   let refusal: string | undefined;
@@ -30,7 +32,7 @@ export async function fetchCases(): Promise<CaseSummary[]> {
     }
     index = (await response.json()) as typeof index;
   } catch {
-    throw new CaseError(refusal || "the server does not answer; is clipgs serve still running?");
+    throw new CaseError(refusal || kNoAnswer);
   }
   return index.cases.map((one) => ({
     name: one.name ?? "",

@@ -1,3 +1,4 @@
+import { kNoAnswer } from "../model/case_list";
 import { CaseError } from "../sog/zip";
 import type { Plan } from "./plan";
 
@@ -77,7 +78,7 @@ export class Journal {
 
   /** All of it, a line a record. */
   get text(): string {
-    return this.#lines.map((line) => `${line}\n`).join("");
+    return textOf(this.#lines);
   }
 
   /** Records something; resolves when it is on the server's disk, however long that takes. */
@@ -111,10 +112,7 @@ export class Journal {
 
   /** Returns what is wrong, or null. */
   async #post(): Promise<string | null> {
-    const body = this.#lines
-      .slice(this.#sent)
-      .map((line) => `${line}\n`)
-      .join("");
+    const body = textOf(this.#lines.slice(this.#sent));
     const headers = { "Content-Type": "application/jsonl" };
     try {
       const { signal } = this.#ended;
@@ -140,7 +138,9 @@ export class Journal {
   }
 }
 
-const kNoAnswer = "the server does not answer; is clipgs serve still running?";
+function textOf(lines: readonly string[]): string {
+  return lines.map((line) => `${line}\n`).join("");
+}
 
 function linesOf(text: string): string[] {
   return text.split("\n").filter((line) => line !== "");

@@ -1,13 +1,12 @@
 import { Container, Text } from "@pmndrs/uikit";
 import { computed, signal } from "@preact/signals-core";
-import type { Vector3 } from "three";
 
 import type { Actions } from "../../actions";
 import { clock } from "../../model/values";
 import type { Question, Screen } from "../../study/screen";
 import type { Study } from "../../study/study";
 import type { SdfFont } from "./sdf_font";
-import { button, column, findText, label, replaceChildren, row, slider } from "./widgets";
+import { button, column, label, replaceChildren, row, slider } from "./widgets";
 
 const kAnswersInRow = 7;
 
@@ -39,10 +38,6 @@ export class StudyBoard {
       this.content.setProperties({ fontFamilies: this.#font.families(shown) });
       replaceChildren(this.content, this.#parts(screen));
     }
-  }
-
-  find(text: string): Vector3 | null {
-    return findText(this.content, text);
   }
 
   #parts(screen: Screen): (Container | Text)[] {
