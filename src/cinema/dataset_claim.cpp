@@ -10,7 +10,7 @@ namespace {
 
 // Raised whenever the same input gives other pictures, or other points, so that old ones are not
 // taken for new.
-constexpr int kPicturesRevision = 7;
+constexpr int kPicturesRevision = 8;
 constexpr int kPointsRevision = 2;
 
 // Structured bindings name every member of what is hashed: whoever adds one finds that nothing
@@ -33,10 +33,10 @@ std::string digest_of_values(const VoxelValues& values) {
 }
 
 std::string digest_of_voxels(const Volume& volume) {
-  [[maybe_unused]] const auto& [dims, spacing, direction, origin, modality, values, rgb, labels,
-                                label_numbers] = volume;
+  [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, values, rgb,
+                                labels, label_numbers] = volume;
   Digest digest;
-  digest.add(dims).add(spacing).add(origin).add(modality);
+  digest.add(dims).add(spacing).add(origin).add(upsampling).add(modality);
   for (int k = 0; k < 3; ++k) {
     digest.add(direction[k]);
   }
@@ -104,7 +104,7 @@ Claim claim_of_look(const Volume& volume, const Preset& preset) {
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options) {
   const auto& [size, train_frames, test_frames, validation_frames, train_spp, test_noise_db,
                test_masked_noise_db, test_spp, max_bounces, seed_points, seed, axis, one_sided,
-               choose_views, denoise] = options;
+               choose_views, upsample, denoise] = options;
   const Claim look = claim_of_look(volume, preset);
   DatasetClaims claims{claim_of_step("pictures", kPicturesRevision),
                        claim_of_step("points", kPointsRevision)};
@@ -121,6 +121,7 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
                           {"seed", seed},
                           {"axis", json_vector(axis)},
                           {"side_of_axis_planes", one_sided ? "one" : "any"},
+                          {"voxels", upsample ? "upsampled" : "as scanned"},
                           {"choice_of_views", choose_views ? "need" : "spiral"},
                           {"denoising", denoise}});
   claims.points.update(look);

@@ -17,6 +17,7 @@
 #include "core/file.h"
 #include "core/parallel.h"
 #include "volume/phantom.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
@@ -332,8 +333,9 @@ TEST(Dataset, ComesBackFromDisk) {
   EXPECT_EQ(dataset.preset, "ball");
   EXPECT_NEAR(dataset.sphere.radius, 12, 1.5);
   EXPECT_FLOAT_EQ(dataset.voxel_mm, 1);
+  const Volume traced = upsample(f.volume, f.preset.transfer);
   const std::vector<Frame> planned = plan_frames(
-      CinemaScene(f.volume, f.preset), visible_matter(f.volume, f.preset.transfer), f.options);
+      CinemaScene(traced, f.preset), visible_matter(f.volume, f.preset.transfer), f.options);
   for (size_t i = 0; i < planned.size(); ++i) {
     const Frame& frame = dataset.frames[i];
     EXPECT_EQ(frame.file, planned[i].file);

@@ -16,6 +16,7 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
@@ -199,7 +200,8 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
     sweep_leftovers(folder / name);
   }
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
-  const Maker maker(volume, preset, folder, options, matter);
+  const Volume traced = options.upsample ? upsample(volume, preset.transfer) : volume;
+  const Maker maker(traced, preset, folder, options, matter);
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);
 

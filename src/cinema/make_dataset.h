@@ -28,6 +28,7 @@ struct DatasetOptions {
   bool one_sided = false;    ///< axis planes keep what is below them, along the axis, as a neural
                              ///< uniaxial model needs them; else the side that suits the view
   bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
+  bool upsample = true;      ///< pictures of finer voxels than were scanned (volume/upsample.h)
   bool denoise = false;      ///< training pictures only: what is measured by is never filtered
 };
 

@@ -20,7 +20,7 @@ ReferenceTracer::ReferenceTracer(const Volume& volume, const Preset& preset, con
       max_bounces_(max_bounces),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       spacing_(volume.spacing),
-      voxel_(std::cbrt(spacing_.x * spacing_.y * spacing_.z)),
+      voxel_(mean_spacing(volume.scanned_spacing())),
       last_(volume.dims - 1),
       majorant_(preset.transfer.max_extinction(std::numeric_limits<float>::lowest(),
                                                std::numeric_limits<float>::max())) {

@@ -53,7 +53,7 @@ class ReferenceTracer {
   int max_bounces_;
   Lights lights_;
   DVec3 spacing_;
-  double voxel_;  // side of a cube as large as a voxel, mm
+  double voxel_;  // side of a cube as large as a scanned voxel, mm
   DVec3 last_;    // voxel index of the far corner
   double majorant_;
   std::vector<Plane> planes_;  // in the grid frame: normal·(voxel·spacing) >= offset is kept

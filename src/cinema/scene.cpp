@@ -5,6 +5,7 @@
 
 #include "cinema/matter_colors.h"
 #include "core/image.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
@@ -47,6 +48,13 @@ std::uint64_t tracing_memory(const VolumeSize& size) {
          (size.rgb ? kColours * size.voxels() : 0) + kPictures;
 }
 
+std::uint64_t picture_memory(const VolumeSize& size, bool upsample) {
+  const VolumeSize fine = upsampled(size);
+  return !upsample || fine.dims == size.dims
+             ? tracing_memory(size)
+             : std::max(upsampling_memory(size), fine.loaded() + tracing_memory(fine));
+}
+
 CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
     : volume_(&volume),
       preset_(preset),
@@ -55,7 +63,7 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
       majorants_(grid_, preset.transfer, volume.spacing, labels_.get(), preset.gradient_opacity),
       lights_(preset.rig, glm::transpose(volume.direction), Vec3(volume.dims - 1) * volume.spacing),
       inverse_spacing_(1.0f / volume.spacing),
-      lift_(mean_spacing(volume.spacing) * inverse_spacing_),
+      lift_(mean_spacing(volume.scanned_spacing()) * inverse_spacing_),
       gradient_scale_(grid_.step() / volume.spacing),
       tables_(std::make_unique<MaterialTables>()),
       photo_(matter_colors(volume, preset.transfer)) {

@@ -25,6 +25,10 @@ struct MaterialTables {
 /// Bytes of memory that a CinemaScene of such a volume takes beside it, and pictures of it.
 std::uint64_t tracing_memory(const VolumeSize& size);
 
+/// Bytes of memory that pictures of such a volume take beside it: those of its finer voxels
+/// (volume/upsample.h), or of it as it is.
+std::uint64_t picture_memory(const VolumeSize& size, bool upsample);
+
 /// A volume made ready for path tracing under a preset, with its labels if it has any. Tracing
 /// works in *voxel space* (continuous voxel index) for positions and in the *grid frame* (the
 /// volume's axes, unit length = mm) for directions, normals and lights.
@@ -40,8 +44,8 @@ class CinemaScene {
   Vec3 voxel_direction(const Vec3& direction) const { return direction * inverse_spacing_; }
 
   const Vec3& inverse_spacing() const { return inverse_spacing_; }
-  /// How far above a surface light leaves it, a mean voxel, in voxel space: a factor of the unit
-  /// normal in the grid frame.
+  /// How far above a surface light leaves it, a mean voxel of the scan, in voxel space: a factor of
+  /// the unit normal in the grid frame.
   const Vec3& lift() const { return lift_; }
 
   /// Mean extinction at a voxel position, 1/mm: that of the value, thinned by labels and where the

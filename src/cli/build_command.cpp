@@ -104,6 +104,7 @@ BuildOptions build_options(const BuildArguments& arguments) {
   options.pictures.train_spp = quality.train_spp;
   options.pictures.seed = arguments.seed;
   options.pictures.denoise = arguments.denoise;
+  options.pictures.upsample = !arguments.look.as_scanned;
   options.section = arguments.section;
   options.training.budget = options.training.start = quality.budget;
   options.training.steps = quality.steps;
@@ -162,8 +163,8 @@ void add_build_command(CLI::App& app) {
   add_section_options(*command, arguments->section);
   add_section_coding(*command, arguments->section);
   add_volume_options(*command, arguments->loading);
-  arguments->loading.work = [&section = arguments->section](const VolumeSize& size) {
-    return dataset_memory(size, section);
+  arguments->loading.work = [&arguments = *arguments](const VolumeSize& size) {
+    return dataset_memory(size, arguments.section, !arguments.look.as_scanned);
   };
   Overrides& overrides = arguments->overrides;
   command->add_option("--size", overrides.size, "Side of the pictures, px")

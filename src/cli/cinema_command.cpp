@@ -17,6 +17,7 @@
 #include "cli/view_options.h"
 #include "cli/volume_options.h"
 #include "core/file.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
@@ -59,10 +60,13 @@ void run_cinema(const CinemaArguments& arguments) {
   }
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
-  const Volume volume = load_volume(arguments.volume, arguments.load);
+  Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
   warn_if_plane_misses(cut, matter.bounds);
+  if (!arguments.look.as_scanned) {
+    volume = upsample(std::move(volume), preset.transfer);
+  }
   const CinemaScene scene(volume, preset);
   PictureOptions options = arguments.picture;
   options.features = arguments.denoise;
@@ -170,6 +174,9 @@ void add_cinema_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_volume_options(*command, arguments->load);
+  arguments->load.work = [&look = arguments->look](const VolumeSize& size) {
+    return picture_memory(size, !look.as_scanned);
+  };
   command->callback([arguments] { run_cinema(*arguments); });
 }
 

@@ -46,6 +46,7 @@ void run_dataset(const DatasetArguments& arguments) {
                                                                : (options.test_frames + 1) / 2;
   options.choose_views =
       arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
+  options.upsample = !arguments.look.as_scanned;
   const FolderLock lock(arguments.folder);
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
@@ -142,8 +143,8 @@ void add_dataset_command(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
-  arguments->load.work = [&section = arguments->section](const VolumeSize& size) {
-    return dataset_memory(size, section);
+  arguments->load.work = [&arguments = *arguments](const VolumeSize& size) {
+    return dataset_memory(size, arguments.section, !arguments.look.as_scanned);
   };
   command->callback([arguments] {
     leave_section_to_splats(arguments->load, arguments->section);

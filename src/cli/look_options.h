@@ -17,6 +17,7 @@ struct LookArguments {
   std::string rig;               ///< empty: the preset's own
   std::string exposure;          ///< a factor or "auto"; empty: the preset's own
   std::string gradient_opacity;  ///< empty: the preset's own
+  bool as_scanned = false;       ///< no upsampling
   LabelArguments labels;
 };
 
@@ -38,6 +39,8 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       "FROM,TO[,FLOOR]: matter keeps the share FLOOR (default 0) of its extinction where values "
       "change by FROM or less per mm (HU for CT), all of it from TO on: boundaries stay, even "
       "interiors become transparent (default: the preset's own)");
+  command.add_flag("--as-scanned", look.as_scanned,
+                   "Trace the voxels as they are, not finer ones in which surfaces are smooth");
 }
 
 /// The preset under these lights, with the looks of the volume's labels, ready to use on `volume`.

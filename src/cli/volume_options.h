@@ -10,7 +10,7 @@ namespace clipgs {
 /// Adds --series, --frame, --gaps, --hu and --keep-table, which every command that reads a volume
 /// understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
-  options.work = tracing_memory;
+  options.work = [](const VolumeSize& size) { return picture_memory(size, true); };
   command.add_option("--series", options.series,
                      "DICOM series or phase, by its number in the list of clipgs info, or by UID "
                      "(default: the largest; of phases alike in size the first)");

@@ -23,10 +23,10 @@ fs::path section_file(const Dataset& dataset) { return dataset.folder / "section
 
 }  // namespace
 
-std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice) {
+std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice, bool upsample) {
   const std::uint64_t section =
       choice.none || volume.labels ? 0 : section_memory(volume, {choice.size});
-  return std::max(tracing_memory(volume), section);
+  return std::max(picture_memory(volume, upsample), section);
 }
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {

@@ -22,7 +22,7 @@ struct SectionChoice {
 void require_look_for_section(const Preset& preset, const SectionChoice& choice);
 
 /// Bytes of memory that a dataset and its section take beside a volume, the one after the other.
-std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice);
+std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice, bool upsample);
 
 /// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them,
 /// unless it is there already. `choice.none`: removes the one that is there.

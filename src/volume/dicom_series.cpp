@@ -296,7 +296,9 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
     throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
   }
   if (check) {
-    check({image.dims, bytes_of_a_value(whole.slices, plan)});
+    check({.dims = image.dims,
+           .stored_bytes = bytes_of_a_value(whole.slices, plan),
+           .spacing = Vec3(image.spacing)});
   }
   const auto voxels = static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z;
   if (plan.resampled()) {

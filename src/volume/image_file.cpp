@@ -115,7 +115,10 @@ Opened open_image(const fs::path& path) {
 }
 
 VolumeSize volume_size(const ImageHeader& header) {
-  return {header.dims, static_cast<int>(size_of(header.type)), header.channels > 1};
+  return {.dims = header.dims,
+          .stored_bytes = static_cast<int>(size_of(header.type)),
+          .rgb = header.channels > 1,
+          .spacing = Vec3(header.spacing)};
 }
 
 }  // namespace

@@ -29,10 +29,11 @@ inline float mean_spacing(const Vec3& spacing) {
 ///   rgb     [nz, ny, nx, 3] u8  sRGB, only for photographs; empty otherwise
 ///   labels  [nz, ny, nx] u8     index into label_numbers; empty without a segmentation
 struct Volume {
-  IVec3 dims{0};      ///< voxels along the three index axes
-  Vec3 spacing{1};    ///< mm between voxel centres
-  Mat3 direction{1};  ///< columns: unit RAS directions of the index axes (a rotation)
-  Vec3 origin{0};     ///< RAS mm of the centre of voxel (0, 0, 0)
+  IVec3 dims{0};        ///< voxels along the three index axes
+  Vec3 spacing{1};      ///< mm between voxel centres
+  Mat3 direction{1};    ///< columns: unit RAS directions of the index axes (a rotation)
+  Vec3 origin{0};       ///< RAS mm of the centre of voxel (0, 0, 0)
+  IVec3 upsampling{1};  ///< voxels in place of one that was scanned, along each axis (upsample())
   Modality modality = Modality::kUnknown;
   VoxelValues values;
   std::vector<std::uint8_t> rgb;
@@ -43,6 +44,8 @@ struct Volume {
   size_t offset(int x, int y, int z) const {
     return (static_cast<size_t>(z) * dims.y + y) * dims.x + x;
   }
+  /// mm between the centres of voxels that were scanned: how fine the volume tells things apart.
+  Vec3 scanned_spacing() const { return spacing * Vec3(upsampling); }
   float at(int x, int y, int z) const { return values[offset(x, y, z)]; }
 
   /// World (RAS mm) ↔ continuous voxel index; integer indices are voxel centres.
