@@ -124,18 +124,22 @@ Cut parse_cut(const CutArguments& arguments) {
   return Cut(result);
 }
 
-Window parse_window(const std::string& text) {
-  struct NamedWindow {
-    const char* name;
-    Window window;
-  };
-  constexpr std::array kWindows = {
-      NamedWindow{"soft-tissue", {40, 400}}, NamedWindow{"bone", {400, 1800}},
-      NamedWindow{"lung", {-600, 1500}}, NamedWindow{"brain", {40, 80}}};
-  for (const NamedWindow& known : kWindows) {
-    if (text == known.name) {
-      return known.window;
+Window parse_window(const std::string& text, const Section& section) {
+  const std::vector<NamedWindow> known = windows_of(section);
+  if (text.empty()) {
+    return known.empty() ? Window() : known.front().window;
+  }
+  const auto named = std::ranges::find(known, text, &NamedWindow::name);
+  if (named != known.end()) {
+    return named->window;
+  }
+  if (text.find_first_not_of("+-.,0123456789eE") != std::string::npos) {
+    std::string names;
+    for (const NamedWindow& one : known) {
+      names += fmt::format("{}, ", one.name);
     }
+    throw Error("--window {}: no window of a case of {}; give {}CENTER,WIDTH", text,
+                modality_name(section.modality), names);
   }
   const std::vector<float> n = parse_numbers(text, 2, 2, "--window");
   if (!(n[1] > 0)) {

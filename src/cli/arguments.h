@@ -7,6 +7,7 @@
 #include "core/camera.h"
 #include "core/cut.h"
 #include "section/faces.h"
+#include "section/windows.h"
 #include "volume/gradient_opacity.h"
 
 namespace clipgs {
@@ -31,9 +32,10 @@ struct CutArguments {
 /// What all of them keep; n is normalised, c scaled alike, a thickness is mm.
 Cut parse_cut(const CutArguments& arguments);
 
-/// Grey values shown from black to white: "center,width" or the name of a usual window (HU):
-/// soft-tissue, bone, lung, brain.
-Window parse_window(const std::string& text);
+/// Grey values shown from black to white: "center,width", or the name of a window that such
+/// sections are usually seen through (windows_of()); empty: the first of those. Throws Error that
+/// lists the names for another.
+Window parse_window(const std::string& text, const Section& section);
 
 /// Checks that a file's name ends in one of these: what a command writes does not depend on the
 /// name, so a name that promises something else is refused.

@@ -334,6 +334,9 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
                         "0,1,0,0"})
                 .status,
             0);
+  expect_failure({"render", at("case.sog"), "-o", at("x.png"), "--grey", "1", "--window", "auto"},
+                 "no window of a case of CT; give soft-tissue, bone, lung, brain, CENTER,WIDTH",
+                 at("x.png"));
   const Image whole = read_png(at("whole.png"));
   EXPECT_GT(*std::max_element(whole.data.begin(), whole.data.end()), 0.5f);
   EXPECT_NE(whole.data, read_png(at("cut.png")).data);

@@ -28,7 +28,7 @@ struct RenderArguments {
   std::string clip = "exact";
   std::string section;
   float grey = 0;
-  std::string window = "soft-tissue";
+  std::string window;  ///< empty: the first that the case is usually seen through
   std::string openings = "cinematic";
   bool annotate = false;
   std::vector<std::string> pins;
@@ -98,8 +98,8 @@ void run_render(const RenderArguments& arguments) {
   Cut cut = parse_cut(arguments.cut);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
-  options.style = {arguments.grey, parse_window(arguments.window),
-                   parse_grey_openings(arguments.openings)};
+  options.style.grey = arguments.grey;
+  options.style.openings = parse_grey_openings(arguments.openings);
   options.reference = arguments.reference;
   std::vector<Vec3> pins;
   for (const std::string& text : arguments.pins) {
@@ -114,6 +114,9 @@ void run_render(const RenderArguments& arguments) {
     relight(contents, lights_of(arguments, contents));
   }
   prepare_openings(contents);
+  if (contents.section) {
+    options.style.window = parse_window(arguments.window, *contents.section);
+  }
   options.faces = face_source(arguments, contents);
   if (options.clip == ClipOperator::kLayers && !contents.model && contents.scene.layers.empty()) {
     throw Error("{}: has no layers to clip by; clipgs bake makes them of a neural model",
@@ -189,12 +192,11 @@ void add_render_command(CLI::App& app) {
                    "Faces as grey values, from 0 (cinematic) to 1 (as radiologists read them)")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command
-      ->add_option(
-          "--window", arguments->window,
-          "Grey values from black to white: center,width in HU, or soft-tissue, bone, lung "
-          "or brain")
-      ->capture_default_str();
+  command->add_option(
+      "--window", arguments->window,
+      "Grey values from black to white: CENTER,WIDTH, or of a CT soft-tissue (the default), "
+      "bone, lung or brain, of others but photographs auto (the default: the 1st to the 99th "
+      "percentile of what is not air) or full");
   command
       ->add_option("--openings", arguments->openings,
                    "What grey shows in gaps that the window has black: cinematic or neutral walls, "
@@ -215,6 +217,7 @@ void add_render_command(CLI::App& app) {
       "Example: clipgs render case.sog -o cut.png --view 30,20 --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o ct.png --view 0,80 --plane 0,0,-1,-40 --grey 1 --window "
       "bone --annotate\n"
+      "         clipgs render mr.sog -o mr.png --grey 1 --window auto --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o state.png --view 30,20 --state 120 --clip layers\n"
       "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40");
   command->callback([arguments] { run_render(*arguments); });

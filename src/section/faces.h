@@ -6,14 +6,9 @@
 #include "core/cut.h"
 #include "core/image.h"
 #include "section/section.h"
+#include "volume/window.h"
 
 namespace clipgs {
-
-/// Values that are shown from black to white, value units (HU for CT).
-struct Window {
-  float center = 40;
-  float width = 400;
-};
 
 /// How a face looks: 0 cinematic … 1 grey, as radiologists read it: values through the window,
 /// unlit (photographs: their own colours).
