@@ -28,9 +28,6 @@ constexpr const char* kImageFile = "section.webp";
 constexpr const char* kSectionMetaFile = "section.json";
 constexpr const char* kChecksum = "checksum";
 
-constexpr std::array kModalities = {Modality::kUnknown, Modality::kCt, Modality::kMr,
-                                    Modality::kPhoto};
-
 /// How slices lie in the image: row by row, each padded to whole blocks by its last voxels.
 struct Mosaic {
   int tile_width;

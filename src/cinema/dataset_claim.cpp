@@ -34,7 +34,7 @@ std::string digest_of_values(const VoxelValues& values) {
 
 std::string digest_of_voxels(const Volume& volume) {
   [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, values, rgb,
-                                labels, label_numbers] = volume;
+                                labels, label_numbers, hints] = volume;
   Digest digest;
   digest.add(dims).add(spacing).add(origin).add(upsampling).add(modality);
   for (int k = 0; k < 3; ++k) {

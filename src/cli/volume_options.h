@@ -7,8 +7,8 @@
 
 namespace clipgs {
 
-/// Adds --series, --frame, --gaps, --hu and --keep-table, which every command that reads a volume
-/// understands. `options` must outlive the parsing.
+/// Adds --series, --frame, --gaps, --hu, --modality and --keep-table, which every command that
+/// reads a volume understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   options.work = [](const VolumeSize& size) { return picture_memory(size, true); };
   command.add_option("--series", options.series,
@@ -35,6 +35,15 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
       ->type_name("SCALE,OFFSET")
       ->delimiter(',')
       ->expected(2);
+  command
+      .add_option_function<std::string>(
+          "--modality",
+          [&options](const std::string& word) {
+            options.modality = modality_of_word(word).value_or(Modality::kUnknown);
+          },
+          "What made the pictures, instead of what is guessed: ct, mr, pet, us (ultrasound) or "
+          "photo, e.g. --modality mr")
+      ->check(CLI::IsMember({"ct", "mr", "pet", "us", "photo"}));
   command.add_flag("--keep-table", options.keep_table,
                    "Leave the scanner's table and cushions in a CT's pictures");
 }

@@ -30,7 +30,7 @@ TEST(Windows, OfACtAreInHu) {
 }
 
 TEST(Windows, OfOthersFollowTheValues) {
-  for (const Modality modality : {Modality::kMr, Modality::kUnknown}) {
+  for (const Modality modality : {Modality::kMr, Modality::kPet, Modality::kUnknown}) {
     const std::vector<NamedWindow> windows = windows_of(of_all_codes(modality));
     ASSERT_EQ(windows.size(), 2U);
     EXPECT_EQ(windows[0].name, std::string("auto"));

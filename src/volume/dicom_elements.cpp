@@ -44,7 +44,10 @@ bool is_wanted(std::uint32_t which) {
     case DicomTag::kImageType:
     case DicomTag::kAcquisitionTime:
     case DicomTag::kModality:
+    case DicomTag::kSeriesDescription:
     case DicomTag::kFrameType:
+    case DicomTag::kContrastAgent:
+    case DicomTag::kBodyPart:
     case DicomTag::kEchoTime:
     case DicomTag::kSpacingBetweenSlices:
     case DicomTag::kTriggerTime:

@@ -17,7 +17,10 @@ enum class DicomTag : std::uint32_t {
   kImageType = 0x00080008,
   kAcquisitionTime = 0x00080032,
   kModality = 0x00080060,
+  kSeriesDescription = 0x0008103e,  ///< matched against words (Hints), never kept
   kFrameType = 0x00089007,
+  kContrastAgent = 0x00180010,  ///< only whether there is one is kept
+  kBodyPart = 0x00180015,       ///< matched against words (Hints), never kept
   kEchoTime = 0x00180081,
   kSpacingBetweenSlices = 0x00180088,
   kTriggerTime = 0x00181060,

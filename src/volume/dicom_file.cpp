@@ -102,6 +102,15 @@ DicomMarks marks_of(const DicomElements& elements, size_t frame) {
   return marks;
 }
 
+Hints hints_of(const DicomElements& elements, size_t frame) {
+  Hints hints;
+  hints.learn_modality(elements.text(DicomTag::kModality));
+  hints.learn_words(elements.text(DicomTag::kBodyPart, frame));
+  hints.learn_words(elements.text(DicomTag::kSeriesDescription));
+  hints.learn_agent(elements.text(DicomTag::kContrastAgent, frame));
+  return hints;
+}
+
 /// Where the frame lies, as far as the file says so in full.
 void place(const DicomElements& elements, DicomHeader& header) {
   std::array<double, 3> position{};
@@ -137,6 +146,7 @@ DicomHeader header_of(const DicomElements& elements, const DicomSource& source, 
   header.columns = whole(DicomTag::kColumns, 0);
   header.rows = whole(DicomTag::kRows, 0);
   header.marks = marks_of(elements, at);
+  header.hints = hints_of(elements, at);
   header.transfer_syntax = printable(elements.text(DicomTag::kTransferSyntax));
   header.photometric = printable(elements.text(DicomTag::kPhotometric));
   header.samples = whole(DicomTag::kSamples, 1);

@@ -7,6 +7,7 @@
 
 #include "volume/dicom_elements.h"
 #include "volume/dicom_source.h"
+#include "volume/hints.h"
 
 namespace clipgs {
 
@@ -39,6 +40,7 @@ struct DicomHeader {
   glm::dvec3 column{0, 1, 0};      ///< LPS direction along a column
   glm::dvec2 pixel_spacing{1, 1};  ///< mm between columns, between rows
   DicomMarks marks;
+  Hints hints;
   std::string transfer_syntax;  ///< UID
   std::string photometric;      ///< "MONOCHROME2", "RGB", ...
   int samples = 1;              ///< numbers a pixel

@@ -292,6 +292,7 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
                    : IVec3(first.columns, first.rows, static_cast<int>(whole.slices.size()));
   image.spacing = grid.spacing;
   image.origin = plan.resampled() ? grid.origin : first.position;
+  image.hints = first.hints;
   if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
     throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
   }

@@ -125,6 +125,43 @@ TEST(Dicom, ManyMissingSlicesAreAnError) {
               HasSubstr("2 of 12 slices missing, the first after slice 6"));
 }
 
+TEST(Dicom, ModalityIsThatOfTheHeaderAndNothingElse) {
+  const TestFolder folder;
+  for (const auto& [term, modality] :
+       {std::pair{"CT", Modality::kCt}, std::pair{"MR", Modality::kMr},
+        std::pair{"PT", Modality::kPet}, std::pair{"US", Modality::kUltrasound}}) {
+    FixtureSlice slice;
+    slice.modality = term;
+    write_series(folder / term, even_table(5, 2), slice);
+    LoadOptions options;
+    EXPECT_EQ(load_volume(folder / term, options).modality, modality);
+    options.modality = modality;
+    EXPECT_EQ(load_volume(folder / term, options).modality, modality);
+    options.modality = modality == Modality::kMr ? Modality::kPet : Modality::kMr;
+    EXPECT_THAT(error_of([&] { load_volume(folder / term, options); }),
+                HasSubstr(std::string("its header says ") + modality_name(modality)));
+  }
+}
+
+TEST(Dicom, HintsAreMatchedAndNoTextIsKept) {
+  const TestFolder folder;
+  FixtureSlice slice;
+  slice.texts = {{0x0008, 0x103e, "CTA 0.75 Miller"},
+                 {0x0018, 0x0010, "Iohexol for Miller"},
+                 {0x0018, 0x0015, "HEADNECK"}};
+  write_series(folder / "a", even_table(5, 2), slice);
+  const Hints hints = load_volume(folder / "a").hints;
+  EXPECT_EQ(hints.modality, Modality::kCt);
+  EXPECT_EQ(hints.region, BodyRegion::kHead);
+  EXPECT_TRUE(hints.angiography);
+  EXPECT_TRUE(hints.contrast);
+  EXPECT_FALSE(hints.shown);
+  write_series(folder / "b", even_table(5, 2), FixtureSlice());
+  const Hints none = load_volume(folder / "b").hints;
+  EXPECT_EQ(none.region, BodyRegion::kUnknown);
+  EXPECT_FALSE(none.angiography || none.contrast);
+}
+
 TEST(Dicom, LargestSeriesIsTakenAndTheOthersListed) {
   const TestFolder folder;
   write_series(folder.path(), even_table(5, 2), FixtureSlice(), "a");

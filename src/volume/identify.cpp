@@ -121,7 +121,7 @@ const std::array kTable = {
         [](const ValueFacts& facts) {
           return fmt::format("only {:.1f} % of it is no background", 100 * facts.foreground);
         }},
-    Row{"MR", "mr", [](const Volume& v, const ValueFacts&) { return is_unknown(v); },
+    Row{"MR", "mr", [](const Volume&, const ValueFacts&) { return true; },
         [](const ValueFacts& facts) {
           return fmt::format(
               "its values are spread as MR's are: no tenth of their range holds more "

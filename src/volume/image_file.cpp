@@ -140,7 +140,9 @@ StoredImage read_image_file(const fs::path& path, int frame, const SizeCheck& ch
   if (check) {
     check(volume_size(opened.header));
   }
-  return read_voxels(opened.header, opened.path, std::max(0, frame - 1));
+  StoredImage image = read_voxels(opened.header, opened.path, std::max(0, frame - 1));
+  image.hints = opened.header.hints;
+  return image;
 }
 
 }  // namespace clipgs

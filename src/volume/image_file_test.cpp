@@ -4,6 +4,7 @@
 #include <cstring>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <zlib.h>
 
 #include "core/error.h"
@@ -524,6 +525,55 @@ TEST(ImageFile, ASpacingOfZeroIsSaid) {
           voxels);
   EXPECT_EQ(read_image_file(folder / "v.nrrd").spacing, glm::dvec3(2, 2, 1));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("spacings[2] is 0"));
+}
+
+TEST(ImageFile, HeadersHintAtWhatTheyShow) {
+  const TestFolder folder;
+  const auto nrrd = [&](const std::string& keys) {
+    write_plainly(
+        folder / "v.nrrd",
+        joined(text_bytes(kNrrdFields + ("encoding: raw\n" + keys + "\n")), Bytes(kVoxelBytes)));
+    return read_image_file(folder / "v.nrrd").hints;
+  };
+  EXPECT_EQ(nrrd("").modality, Modality::kUnknown);
+  EXPECT_EQ(nrrd("Modality:=MR\n").modality, Modality::kMr);
+  const Hints converted = nrrd(
+      "DICOM_0008_0060_Modality:=CT\n0018|0015:=CHEST\n"
+      "DICOM_0008_103E_SeriesDescription:=CTA\n0018|0010:=Iohexol\n");
+  EXPECT_EQ(converted.modality, Modality::kCt);
+  EXPECT_EQ(converted.region, BodyRegion::kChest);
+  EXPECT_TRUE(converted.angiography);
+  EXPECT_TRUE(converted.contrast);
+
+  const auto meta = [&](const std::string& field) {
+    write_plainly(
+        folder / "v.mha",
+        joined(text_bytes(kMetaFields + field + "ElementDataFile = LOCAL\n"), Bytes(kVoxelBytes)));
+    return read_image_file(folder / "v.mha").hints.modality;
+  };
+  EXPECT_EQ(meta(""), Modality::kUnknown);
+  EXPECT_EQ(meta("Modality = MET_MOD_PET\n"), Modality::kPet);
+
+  save_volume(folder / "v.nii", small_volume());
+  Bytes nifti = read_file(folder / "v.nii");
+  const auto read_nifti = [&] {
+    write_plainly(folder / "v.nii", nifti);
+    return read_image_file(folder / "v.nii").hints;
+  };
+  EXPECT_EQ(read_nifti().modality, Modality::kUnknown);
+  EXPECT_FALSE(read_nifti().shown);
+  const std::string words = "TE=2.9;tof brain";
+  std::ranges::copy(words, nifti.begin() + 148);
+  const float shown[2] = {700, 100};  // cal_max, cal_min
+  std::memcpy(&nifti[124], shown, sizeof(shown));
+  const Hints hints = read_nifti();
+  EXPECT_EQ(hints.modality, Modality::kMr);
+  EXPECT_EQ(hints.region, BodyRegion::kHead);
+  EXPECT_TRUE(hints.angiography);
+  EXPECT_EQ(hints.shown, Vec2(100, 700));
+  const float nonsense[2] = {std::numeric_limits<float>::quiet_NaN(), 100};
+  std::memcpy(&nifti[124], nonsense, sizeof(nonsense));
+  EXPECT_FALSE(read_nifti().shown);
 }
 
 }  // namespace

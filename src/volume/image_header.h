@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/hints.h"
 #include "volume/scalar_type.h"
 
 namespace clipgs {
@@ -40,6 +41,7 @@ struct ImageHeader {
   glm::dmat3 direction{1};  ///< columns: unit LPS directions of the index axes; may mirror
   glm::dvec3 origin{0};     ///< LPS mm of the centre of voxel (0, 0, 0)
   VoxelSource source;
+  Hints hints;
   std::vector<std::string> warnings;  ///< what had to be assumed, one line each
 
   std::uint64_t frame_bytes() const {

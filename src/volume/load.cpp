@@ -84,18 +84,57 @@ void warn_of_table(const Volume& volume, const std::string& where) {
   }
 }
 
+/// Throws Error where the user says of the image what cannot be.
+void require_possible(const StoredImage& stored, const LoadOptions& options,
+                      const std::string& where) {
+  const Modality said = options.modality;
+  if (said == Modality::kUnknown) {
+    return;
+  }
+  if (!stored.rgb.empty() && said != Modality::kPhoto) {
+    throw Error("{}: has colours, as photographs do; leave --modality out", where);
+  }
+  if (stored.rgb.empty() && said == Modality::kPhoto) {
+    throw Error("{}: has one value a voxel, photographs have colours; give another --modality",
+                where);
+  }
+  if (options.hu && said != Modality::kCt) {
+    throw Error("{}: --hu makes it CT, --modality does not; leave one of them out", where);
+  }
+  if (stored.eight_bit && said == Modality::kCt && !options.hu) {
+    throw Error(
+        "{}: 8-bit values are no HU; with --modality ct give --hu SCALE,OFFSET (HU = SCALE * "
+        "stored + OFFSET)",
+        where);
+  }
+}
+
+/// What the user says, or else the header. Of CT, 8 bits hold no HU.
+Modality said_modality(const StoredImage& stored, const LoadOptions& options) {
+  if (options.hu) {
+    return Modality::kCt;
+  }
+  if (options.modality != Modality::kUnknown) {
+    return options.modality;
+  }
+  const Modality header = stored.hints.modality;
+  return header == Modality::kCt && stored.eight_bit ? Modality::kUnknown : header;
+}
+
 /// Everything between an image as stored and a volume that can be trusted.
-Volume make_volume(StoredImage stored, Modality modality, const LoadOptions& options,
-                   const std::string& where) {
+Volume make_volume(StoredImage stored, const LoadOptions& options, const std::string& where) {
+  require_possible(stored, options, where);
+  const Modality modality = said_modality(stored, options);
+  const Hints hints = stored.hints;
   const bool eight_bit = stored.eight_bit;
   Volume volume = oriented(std::move(stored), where);
   volume.modality = modality;
+  volume.hints = hints;
   if (!volume.rgb.empty()) {
     fill_luminance(volume);
   } else if (options.hu) {
     const Rescale hu = *options.hu;
     volume.values.transform([hu](float value) { return value * hu.scale + hu.offset; });
-    volume.modality = Modality::kCt;
   } else if (eight_bit) {
     warn(fmt::format("{}: 8-bit values taken as stored; if this is CT give --hu 16,-1024", where));
   }
@@ -132,10 +171,6 @@ SizeCheck size_check(const LoadOptions& options, const std::string& where) {
   };
 }
 
-Modality dicom_modality(const std::string& text) {
-  return text == "CT" ? Modality::kCt : text == "MR" ? Modality::kMr : Modality::kUnknown;
-}
-
 std::vector<SeriesInfo> choices_of(const DicomStudy& study, size_t chosen) {
   std::vector<SeriesInfo> list;
   for (size_t i = 0; i < study.stacks.size(); ++i) {
@@ -151,11 +186,16 @@ std::vector<SeriesInfo> choices_of(const DicomStudy& study, size_t chosen) {
 LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
   const size_t chosen = choose_stack(study, options.series);
   const DicomStack& stack = study.stacks[chosen];
-  const Modality modality = dicom_modality(stack.modality);
+  const Modality modality = stack.slices.front().hints.modality;
+  if (options.modality != Modality::kUnknown && modality != Modality::kUnknown &&
+      options.modality != modality) {
+    throw Error("{}: its header says {}; leave --modality out, or choose another --series",
+                study.where, modality_name(modality));
+  }
   const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
   return {make_volume(
               read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)),
-              modality, options, study.where),
+              options, study.where),
           choices_of(study, chosen)};
 }
 
@@ -171,9 +211,9 @@ LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
     }
     return load_dicom(open_study(path), options);
   }
-  return {make_volume(read_image_file(path, options.frame, size_check(options, where)),
-                      Modality::kUnknown, options, where),
-          {}};
+  return {
+      make_volume(read_image_file(path, options.frame, size_check(options, where)), options, where),
+      {}};
 }
 
 }  // namespace

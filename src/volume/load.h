@@ -7,16 +7,11 @@
 #include <vector>
 
 #include "volume/gaps.h"
+#include "volume/rescale.h"
 #include "volume/volume.h"
 #include "volume/volume_size.h"
 
 namespace clipgs {
-
-/// How stored values become HU: HU = scale·stored + offset.
-struct Rescale {
-  float scale = 1;
-  float offset = 0;
-};
 
 struct LoadOptions {
   /// DICOM series UID or 1-based number in the list of series and phases; empty: that of the file
@@ -25,8 +20,11 @@ struct LoadOptions {
   int frame = 0;                   ///< volume of a 4D file, from 1; 0: the file must hold one
   Gaps gaps = Gaps::kInterpolate;  ///< what to do where a few slices of a series are missing
   std::optional<Rescale> hu;       ///< --hu scale,offset; empty: values as stored
-  bool keep_table = false;         ///< leave what a CT shows beside the patient
-  std::filesystem::path labels;    ///< segmentation of the volume (add_labels()); empty: none
+  /// --modality: instead of what is guessed, and of what headers say that are no DICOM. Unknown: go
+  /// by those.
+  Modality modality = Modality::kUnknown;
+  bool keep_table = false;       ///< leave what a CT shows beside the patient
+  std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
   /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
   /// more than there is, an Error says so before any voxel is read. Empty: nothing is checked.
   std::function<std::uint64_t(const VolumeSize&)> work;
@@ -54,7 +52,8 @@ struct LoadedVolume {
 /// and uneven slice spacing to a regular grid (with a warning that says what was done). Throws
 /// Error for anything it cannot make sense of: truncated or corrupt files, no image in a folder,
 /// missing slices (more than a few, see Gaps), zero-size, NaN or constant data. Colour volumes
-/// become photographs. Several series or phases are listed in a warning. CT is cut off at −1024
+/// become photographs. A modality that contradicts the values (LoadOptions::modality) or a DICOM
+/// header is an Error. Several series or phases are listed in a warning. CT is cut off at −1024
 /// HU: scanners mark pixels outside their field with less. Table and cushions are taken off a CT
 /// (isolate_body()), with a warning that says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});

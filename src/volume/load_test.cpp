@@ -140,6 +140,62 @@ TEST(Load, EightBitIsTakenAsStoredUnlessToldOtherwise) {
   }
 }
 
+TEST(Load, ModalityOverrulesTheGuess) {
+  const TestFolder folder;
+  save_volume(folder / "v.nrrd", varied_volume());
+  EXPECT_EQ(load_volume(folder / "v.nrrd").modality, Modality::kCt);
+  LoadOptions options;
+  for (const Modality modality :
+       {Modality::kCt, Modality::kMr, Modality::kPet, Modality::kUltrasound}) {
+    options.modality = modality;
+    EXPECT_EQ(load_volume(folder / "v.nrrd", options).modality, modality);
+  }
+  write_nrrd(folder / "mr.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\nmodality:=MR\n",
+             counting_bytes(60));
+  EXPECT_EQ(load_volume(folder / "mr.nrrd", options).modality, Modality::kUltrasound);
+}
+
+TEST(Load, ModalityMakesCtOfWhatWasNoneWithAllThatFollows) {
+  const TestFolder folder;
+  Volume volume = make_ball(64, 20, 1040, 0);
+  volume.spacing = Vec3(3);
+  volume.values.transform([](float value) { return value - 2000; });
+  volume.values.unpack()[0] = 40000;  // beyond what the guess takes for CT
+  save_volume(folder / "v.nrrd", volume);
+  EXPECT_EQ(load_volume(folder / "v.nrrd").values.range().min, -2000);
+  LoadOptions options;
+  options.modality = Modality::kCt;
+  EXPECT_EQ(load_volume(folder / "v.nrrd", options).values.range().min, -1024);
+}
+
+TEST(Load, ModalityThatCannotBeIsRefused) {
+  const TestFolder folder;
+  write_nrrd(folder / "v.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\n", counting_bytes(60));
+  write_nrrd(folder / "rgb.nrrd",
+             "type: uchar\ndimension: 4\nsizes: 3 4 3 2\nkinds: RGB-color domain domain domain\n"
+             "space directions: none (1,0,0) (0,1,0) (0,0,1)\n",
+             counting_bytes(72));
+  const auto error = [&](const char* file, Modality modality, std::optional<Rescale> hu = {}) {
+    LoadOptions options;
+    options.modality = modality;
+    options.hu = hu;
+    return error_of([&] { load_volume(folder / file, options); });
+  };
+  EXPECT_THAT(error("v.nrrd", Modality::kPhoto), HasSubstr("one value a voxel"));
+  EXPECT_THAT(error("v.nrrd", Modality::kCt), HasSubstr("give --hu SCALE,OFFSET"));
+  EXPECT_EQ(error("v.nrrd", Modality::kCt, Rescale{16, -1024}), "");
+  EXPECT_THAT(error("v.nrrd", Modality::kMr, Rescale{16, -1024}), HasSubstr("leave one of them"));
+  EXPECT_THAT(error("rgb.nrrd", Modality::kMr), HasSubstr("rgb.nrrd: has colours"));
+  EXPECT_EQ(error("rgb.nrrd", Modality::kPhoto), "");
+}
+
+TEST(Load, HeadersThatSayCtOfEightBitsAreNotBelieved) {
+  const TestFolder folder;
+  write_nrrd(folder / "v.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\nmodality:=CT\n",
+             counting_bytes(60));
+  EXPECT_EQ(load_volume(folder / "v.nrrd").modality, Modality::kUnknown);
+}
+
 TEST(Load, RgbBecomesPhotographs) {
   const TestFolder folder;
   write_nrrd(folder / "v.nrrd",

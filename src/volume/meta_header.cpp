@@ -273,6 +273,9 @@ ImageHeader parse_meta_header(std::span<const std::uint8_t> bytes, const std::st
   set_rescale(fields, image, where);
   set_sizes(image, finite_numbers(*sizes, axes, "DimSize", where), "DimSize", where);
   place(fields, axes, image, where);
+  if (const std::string* modality = fields.find({"Modality"})) {
+    image.hints.learn_modality(*modality);
+  }
   return image;
 }
 

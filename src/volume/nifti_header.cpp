@@ -31,6 +31,9 @@ struct Fields {
   glm::dvec3 quaternion{0};  // b, c, d
   glm::dvec3 qoffset{0};
   std::array<glm::dvec4, 3> srow{};
+  std::string_view description;
+  std::string_view intent;
+  glm::dvec2 shown{0};  // cal_min, cal_max
   std::string_view magic;
   size_t least_voxel_offset = 0;
   bool big_endian = false;
@@ -49,6 +52,9 @@ class Bytes {
       std::ranges::reverse(ordered);
     }
     return std::bit_cast<T>(ordered);
+  }
+  std::string_view text(size_t at, size_t length) const {
+    return {reinterpret_cast<const char*>(&bytes_[at]), length};
   }
   template <typename T, size_t kCount>
   void get_all(size_t at, std::array<double, kCount>& to) const {
@@ -91,6 +97,9 @@ Fields read_version_1(const Bytes& bytes) {
   fields.slope = bytes.get<float>(112);
   fields.intercept = bytes.get<float>(116);
   fields.units = bytes.get<std::uint8_t>(123);
+  fields.shown = {bytes.get<float>(128), bytes.get<float>(124)};
+  fields.description = bytes.text(148, 80);
+  fields.intent = bytes.text(328, 16);
   fields.qform_code = bytes.get<std::int16_t>(252);
   fields.sform_code = bytes.get<std::int16_t>(254);
   read_placement<float>(bytes, 256, 268, 280, fields);
@@ -107,6 +116,9 @@ Fields read_version_2(const Bytes& bytes) {
   fields.voxel_offset = static_cast<double>(bytes.get<std::int64_t>(168));
   fields.slope = bytes.get<double>(176);
   fields.intercept = bytes.get<double>(184);
+  fields.shown = {bytes.get<double>(200), bytes.get<double>(192)};
+  fields.description = bytes.text(240, 80);
+  fields.intent = bytes.text(508, 16);
   fields.qform_code = bytes.get<std::int32_t>(344);
   fields.sform_code = bytes.get<std::int32_t>(348);
   read_placement<double>(bytes, 352, 376, 400, fields);
@@ -432,6 +444,21 @@ void place(const Fields& fields, ImageHeader& image, const std::string& where) {
   set_geometry(image, steps, form.origin * lps * unit, names, where);
 }
 
+/// Of texts without a fixed meaning. The values to be shown are 0 where the header gives none.
+Hints hints_of(const Fields& fields) {
+  constexpr double kFarthest = 1e9;
+  Hints hints;
+  for (const std::string_view text : {fields.description, fields.intent}) {
+    hints.learn_modality(text);
+    hints.learn_words(text);
+  }
+  const glm::dvec2& shown = fields.shown;
+  if (shown.x < shown.y && shown.x > -kFarthest && shown.y < kFarthest) {
+    hints.shown = Vec2(shown);
+  }
+  return hints;
+}
+
 }  // namespace
 
 NiftiHeader parse_nifti_header(std::span<const std::uint8_t> bytes, const std::string& where) {
@@ -443,6 +470,7 @@ NiftiHeader parse_nifti_header(std::span<const std::uint8_t> bytes, const std::s
   set_voxel_offset(fields, header.detached, header.image, where);
   set_dims(fields, header.image, where);
   place(fields, header.image, where);
+  header.image.hints = hints_of(fields);
   return header;
 }
 

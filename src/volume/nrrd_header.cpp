@@ -19,6 +19,7 @@ constexpr std::int64_t kMostBytes = std::int64_t{1} << 40;
 struct Fields {
   std::map<std::string, std::string> by_name;
   std::vector<std::string> listed_files;
+  Hints hints;
   size_t length = 0;  // of the header, with the empty line at its end
 
   const std::string* find(const std::string& name) const {
@@ -43,6 +44,24 @@ bool is_list(const Fields& fields) {
   return file != nullptr && (*file == "LIST" || file->starts_with("LIST "));
 }
 
+/// A key of somebody's own, as viewers and converters of DICOM write them ("modality",
+/// "DICOM_0008_0060_Modality", "0018|0015").
+void learn_key(std::string_view line, size_t colon, Hints& hints) {
+  std::string key = lower_case(trimmed(line.substr(0, colon)));
+  std::ranges::replace(key, '|', '_');
+  const std::string_view value = line.substr(colon + 2);
+  const auto is = [&](std::string_view name, std::string_view tag) {
+    return key == name || key.find(tag) != std::string::npos;
+  };
+  if (is("modality", "0008_0060")) {
+    hints.learn_modality(value);
+  } else if (is("bodypartexamined", "0018_0015") || is("seriesdescription", "0008_103e")) {
+    hints.learn_words(value);
+  } else if (is("contrastbolusagent", "0018_0010")) {
+    hints.learn_agent(value);
+  }
+}
+
 /// One line; false at the empty line that ends the header.
 bool take_line(std::string_view line, Fields& fields, const std::string& where) {
   if (is_list(fields)) {
@@ -62,7 +81,8 @@ bool take_line(std::string_view line, Fields& fields, const std::string& where) 
     throw Error("{}: corrupt: the header's line \"{}\" is no field", where, printable(line));
   }
   if (line.substr(colon).starts_with(":=")) {
-    return true;  // a key of somebody's own
+    learn_key(line, colon, fields.hints);
+    return true;
   }
   const std::string name = field_name(line.substr(0, colon));
   if (!fields.by_name.emplace(name, trimmed(line.substr(colon + 1))).second) {
@@ -418,6 +438,7 @@ ImageHeader parse_nrrd_header(std::span<const std::uint8_t> bytes, const std::st
   set_channels(image, axes.first == 0 ? 1 : sizes[0], where);
   set_sizes(image, std::span(sizes).subspan(axes.first), "sizes", where);
   place(fields, directions, axes, image, where);
+  image.hints = fields.hints;
   return image;
 }
 

@@ -196,11 +196,11 @@ class Reader {
 };
 
 Modality parse_modality(const std::string& text, const std::string& where) {
-  if (text == "ct") return Modality::kCt;
-  if (text == "mr") return Modality::kMr;
-  if (text == "photo") return Modality::kPhoto;
-  if (text == "any") return Modality::kUnknown;
-  throw Error("{}: modality \"{}\" is none of ct, mr, photo, any", where, text);
+  const std::optional<Modality> known = text == "any" ? Modality::kUnknown : modality_of_word(text);
+  if (!known) {
+    throw Error("{}: modality \"{}\" is none of {}, any", where, text, modality_words());
+  }
+  return *known;
 }
 
 ValueUnits parse_units(const std::string& text, const std::string& where) {

@@ -121,7 +121,8 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
               HasSubstr("points[1].color is 2, at most 1"));
   EXPECT_THAT(parse_error(with("[0, 2, 0]", "[0, 0, 0]")),
               HasSubstr("lights.keys[0].direction must not be zero"));
-  EXPECT_THAT(parse_error(with("\"ct\"", "\"pet\"")), HasSubstr("modality"));
+  EXPECT_THAT(parse_error(with("\"ct\"", "\"xray\"")),
+              HasSubstr("modality \"xray\" is none of ct, mr, photo, pet, us, any"));
   EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
   EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
   EXPECT_THAT(parse_error(with("\"phase\": -0.2", "\"phase\": -1")),

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/hints.h"
 #include "volume/voxel_values.h"
 
 namespace clipgs {
@@ -18,6 +19,7 @@ struct StoredImage {
   bool eight_bit = false;         ///< stored as 8-bit integers
   VoxelValues values;             ///< scalar images: rescaled by the file's slope and intercept
   std::vector<std::uint8_t> rgb;  ///< colour images, 3 a voxel; values is then empty
+  Hints hints;                    ///< what the header says of it
 };
 
 /// Larger volumes are refused before anything is allocated; see require_supported().

@@ -27,18 +27,4 @@ Box Volume::bounds() const {
   return box;
 }
 
-const char* modality_name(Modality modality) {
-  switch (modality) {
-    case Modality::kCt:
-      return "CT";
-    case Modality::kMr:
-      return "MR";
-    case Modality::kPhoto:
-      return "photographs";
-    case Modality::kUnknown:
-      break;
-  }
-  return "unknown";
-}
-
 }  // namespace clipgs

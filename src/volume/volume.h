@@ -3,16 +3,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/geometry.h"
+#include "volume/hints.h"
+#include "volume/modality.h"
 #include "volume/voxel_values.h"
 
 namespace clipgs {
-
-enum class Modality { kUnknown, kCt, kMr, kPhoto };
-const char* modality_name(Modality modality);  ///< "CT", "MR", "photographs", "unknown"
 
 /// Side of a cube as large as a voxel, mm: the length of "a voxel" where no axis is meant, so that
 /// the same matter looks the same on cubes and on thick slices.
@@ -39,6 +37,7 @@ struct Volume {
   std::vector<std::uint8_t> rgb;
   std::vector<std::uint8_t> labels;
   std::vector<int> label_numbers;  ///< as the segmentation's file has them; the first is 0
+  Hints hints;                     ///< what the file's header says, beside the modality
 
   size_t voxels() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
   size_t offset(int x, int y, int z) const {

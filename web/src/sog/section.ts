@@ -15,7 +15,7 @@ export const kErrorBands = 16;
 const kMaxExtinction = 1e6;
 const kMaxReflectance = 100;
 
-export const kModalities = ["CT", "MR", "photographs", "unknown"] as const;
+export const kModalities = ["CT", "MR", "photographs", "PET", "ultrasound", "unknown"] as const;
 export type Modality = (typeof kModalities)[number];
 
 /** Linear RGB. The sky's colour runs linearly along S; keys are discs of an angular radius (radians). */

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "core/geometry.h"
+#include "volume/modality.h"
+
+namespace clipgs {
+
+enum class BodyRegion { kUnknown, kHead, kTeeth, kChest, kAbdomen, kTrunk, kLimb, kWhole };
+
+/// What the header of a volume's file says of it. Words of the header are matched against fixed
+/// lists (hints.cpp) and never kept: no text of a file, and nothing that tells who the patient is.
+struct Hints {
+  Modality modality = Modality::kUnknown;
+  BodyRegion region = BodyRegion::kUnknown;
+  bool angiography = false;
+  bool contrast = false;      ///< an agent was given
+  std::optional<Vec2> shown;  ///< values that the header wants black and white, the first smaller
+
+  /// What words say of the modality: "CT", "MET_MOD_MR", "PT"; "TE=2.9" as converters to NIfTI
+  /// write it for MR alone. What is known already stays.
+  void learn_modality(std::string_view text);
+  /// What words of a description say of the region and of angiography: "CTA neck", "TOF", "CBCT".
+  void learn_words(std::string_view text);
+  /// Whether the name of a contrast agent is one: there, and not "none".
+  void learn_agent(std::string_view text);
+};
+
+}  // namespace clipgs
