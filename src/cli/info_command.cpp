@@ -63,6 +63,13 @@ Json describe_volume(const InfoOptions& options) {
   json["looks_like"] = identity.what;
   json["because"] = identity.reason;
   json["auto_preset"] = identity.preset;
+  for (const SuggestedWindow& window : identity.windows) {
+    json["windows"].push_back(
+        {{"name", window.name}, {"center", window.window.center}, {"width", window.window.width}});
+  }
+  if (!identity.doubt.empty()) {
+    json["doubt"] = identity.doubt;
+  }
   if (!loaded.series.empty()) {
     json["series"] = describe_series(loaded.series);
   }
@@ -133,7 +140,9 @@ void run_info(const InfoOptions& options) {
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand("info", "Say what a file or folder is");
-  command->footer("Example: clipgs info ct-folder/ --json");
+  command->footer(
+      "Example: clipgs info ct-folder/ --json\n"
+      "         clipgs info signal.nrrd --modality mr");
   command
       ->add_option("FILE", options->path,
                    "Volume (DICOM folder, file or .zip, NIfTI, NRRD, MetaImage), dataset folder, "

@@ -1,19 +1,34 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "volume/rescale.h"
 #include "volume/volume.h"
+#include "volume/window.h"
 
 namespace clipgs {
 
+struct SuggestedWindow {
+  std::string name;  ///< one of kCtWindows, "auto", or "header": what the file's header suggests
+  Window window;
+};
+
 /// What a volume shows, as far as its colours, its header and its values tell.
 struct Identity {
-  std::string what;    ///< for people, e.g. "CT angiography"
-  std::string reason;  ///< why that is thought, in a line
-  std::string preset;  ///< the built-in preset that suits it
+  std::string what;                      ///< for people, e.g. "CT angiography"
+  std::string reason;                    ///< why that is thought, in a line
+  std::string preset;                    ///< the built-in preset that suits it
+  std::vector<SuggestedWindow> windows;  ///< the first suits best; none of photographs
+  std::string doubt;  ///< of the orientation, in a line; empty if it is plausible or not known
 };
 
 /// The first row of the table in identify.cpp (docs/presets.md) that fits.
 Identity identify(const Volume& volume);
+
+/// What would make HU of a volume of unknown kind whose values gather as CT's do; nothing for
+/// others, and for micro-CT, which has no use for HU.
+std::optional<Rescale> likely_rescale(const Volume& volume);
 
 }  // namespace clipgs

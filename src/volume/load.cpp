@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "volume/dicom_study.h"
+#include "volume/identify.h"
 #include "volume/image_file.h"
 #include "volume/isolate_body.h"
 #include "volume/orient.h"
@@ -75,6 +76,16 @@ void take_table_off(Volume& volume, const std::string& where) {
   }
 }
 
+/// HU of another scale look like CT, but no preset of CT fits them.
+void warn_of_units(const Volume& volume, const std::string& where) {
+  const std::optional<Rescale> hu = likely_rescale(volume);
+  if (hu) {
+    warn(fmt::format(
+        "{}: its values gather as CT's do, but are no HU; if this is CT give --hu {:.3g},{:.0f}",
+        where, hu->scale, hu->offset));
+  }
+}
+
 void warn_of_table(const Volume& volume, const std::string& where) {
   if (shows_table(volume)) {
     warn(fmt::format(
@@ -126,7 +137,6 @@ Volume make_volume(StoredImage stored, const LoadOptions& options, const std::st
   require_possible(stored, options, where);
   const Modality modality = said_modality(stored, options);
   const Hints hints = stored.hints;
-  const bool eight_bit = stored.eight_bit;
   Volume volume = oriented(std::move(stored), where);
   volume.modality = modality;
   volume.hints = hints;
@@ -135,13 +145,12 @@ Volume make_volume(StoredImage stored, const LoadOptions& options, const std::st
   } else if (options.hu) {
     const Rescale hu = *options.hu;
     volume.values.transform([hu](float value) { return value * hu.scale + hu.offset; });
-  } else if (eight_bit) {
-    warn(fmt::format("{}: 8-bit values taken as stored; if this is CT give --hu 16,-1024", where));
   }
   const VoxelValues::Range range = checked_range(volume, where);
   if (volume.modality == Modality::kUnknown) {
     volume.modality = guess_modality(range.min, range.max);
   }
+  warn_of_units(volume, where);
   if (volume.modality == Modality::kCt) {
     clamp_outside_of_scan(volume);
     if (!options.keep_table) {

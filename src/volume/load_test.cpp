@@ -122,22 +122,38 @@ TEST(Load, NiftiSlopeAndInterceptAreHonoured) {
   EXPECT_NEAR(back.values[10], varied_volume().values[10] * 0.5f - 100, 1e-3f);
 }
 
+/// Of a body of 64 in air of 0, as of 8 bits that stand for HU.
+std::string body_bytes() { return std::string(20, 0) + std::string(39, 64) + '\xc8'; }
+
 TEST(Load, EightBitIsTakenAsStoredUnlessToldOtherwise) {
   const TestFolder folder;
-  write_nrrd(folder / "v.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\n", counting_bytes(60));
+  write_nrrd(folder / "v.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\n", body_bytes());
   testing::internal::CaptureStderr();
   const Volume stored = load_volume(folder / "v.nrrd");
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("--hu 16,-1024"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("if this is CT give --hu "));
   EXPECT_EQ(stored.modality, Modality::kUnknown);
   LoadOptions options;
   options.hu = Rescale{16, -1024};
   testing::internal::CaptureStderr();
   const Volume hu = load_volume(folder / "v.nrrd", options);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), Not(HasSubstr("--hu 16,-1024")));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), Not(HasSubstr("--hu")));
   EXPECT_EQ(hu.modality, Modality::kCt);
   for (size_t i = 0; i < hu.voxels(); ++i) {
     EXPECT_EQ(hu.values[i], stored.values[i] * 16 - 1024);
   }
+}
+
+TEST(Load, NoHuAreSuggestedForWhatIsNoCt) {
+  const TestFolder folder;
+  write_nrrd(folder / "v.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\n", counting_bytes(60));
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(load_volume(folder / "v.nrrd").modality, Modality::kUnknown);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), Not(HasSubstr("--hu")));
+  write_nrrd(folder / "mr.nrrd", "type: uchar\ndimension: 3\nsizes: 5 4 3\nmodality:=MR\n",
+             body_bytes());
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(load_volume(folder / "mr.nrrd").modality, Modality::kMr);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), Not(HasSubstr("--hu")));
 }
 
 TEST(Load, ModalityOverrulesTheGuess) {

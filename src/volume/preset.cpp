@@ -206,13 +206,15 @@ Modality parse_modality(const std::string& text, const std::string& where) {
 ValueUnits parse_units(const std::string& text, const std::string& where) {
   if (text == "hu" || text == "stored") return ValueUnits::kStored;
   if (text == "percentile") return ValueUnits::kPercentile;
-  throw Error("{}: units \"{}\" are none of hu, stored, percentile", where, text);
+  if (text == "percentile-of-all") return ValueUnits::kPercentileOfAll;
+  throw Error("{}: units \"{}\" are none of hu, stored, percentile, percentile-of-all", where,
+              text);
 }
 
 /// `phase`: of a point that has none of its own.
 TransferPoint parse_point(Reader reader, ValueUnits units, float phase) {
   TransferPoint point;
-  point.value = reader.number("value", units == ValueUnits::kPercentile ? kPercentile : kAny);
+  point.value = reader.number("value", units == ValueUnits::kStored ? kAny : kPercentile);
   point.material.albedo = reader.color("color");
   point.material.extinction = reader.number("extinction", kExtinction);
   point.material.specular = reader.number("specular", kShare, 0);
@@ -508,14 +510,15 @@ Preset load_preset(const std::string& name, const Volume& volume) {
 }
 
 void resolve_percentiles(Preset& preset, const Volume& volume) {
-  if (preset.units != ValueUnits::kPercentile) {
+  if (preset.units == ValueUnits::kStored) {
     return;
   }
   const Histogram h = histogram(volume);
   const float threshold = otsu_threshold(h);
   std::vector<TransferPoint> points = preset.transfer.points();
   for (TransferPoint& point : points) {
-    point.value = h.quantile(point.value / 100, threshold);
+    point.value =
+        h.quantile(point.value / 100, preset.units == ValueUnits::kPercentile ? threshold : h.min);
   }
   preset.transfer = TransferFunction(std::move(points));
   const float range = h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold);

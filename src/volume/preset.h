@@ -18,6 +18,7 @@ namespace clipgs {
 enum class ValueUnits {
   kStored,      ///< HU for CT, otherwise the volume's stored unit
   kPercentile,  ///< 0…100 of the volume's foreground; resolve_percentiles() turns them into values
+  kPercentileOfAll,  ///< the same of all its voxels: what is rare and bright keeps its place
 };
 
 /// Everything that says how a volume looks: one file of presets/ (docs/presets.md).
@@ -55,9 +56,9 @@ std::vector<std::string> preset_names();
 /// prefer the overload that takes the volume. Throws Error that lists the names.
 Preset load_preset(const std::string& name_or_path);
 
-/// Turns percentiles of the foreground (values above Otsu's threshold) into the volume's values,
-/// and surface_strength and gradient_opacity from "per p1–p99 range" into "per value unit". Other
-/// presets are left as they are.
+/// Turns percentiles of the foreground (values above Otsu's threshold), or of all voxels, into the
+/// volume's values, and surface_strength and gradient_opacity from "per p1–p99 range" into "per
+/// value unit". Other presets are left as they are.
 void resolve_percentiles(Preset& preset, const Volume& volume);
 
 /// The preset that suits the volume's modality and histogram, ready to use on it.

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/image.h"
+#include "core/random.h"
 #include "volume/phantom.h"
 #include "volume/test_folder.h"
 
@@ -284,6 +285,96 @@ TEST(Preset, GradientOpacityFollowsTheScanner) {
   EXPECT_FLOAT_EQ(preset.gradient_opacity->to, 4 * preset.gradient_opacity->from);
   EXPECT_EQ(preset.gradient_opacity->floor, 0.3f);
   EXPECT_NEAR(tenfold.gradient_opacity->to, 10 * preset.gradient_opacity->to, 0.5f);
+}
+
+/// Shares of voxels of one value each, the rest 0; noise of a twentieth.
+struct Share {
+  float share;
+  float value;
+};
+
+Volume shares_of(const std::vector<Share>& shares, Modality modality, float scale = 1) {
+  Volume volume = make_ball(40, 10, 1, 0);
+  volume.modality = modality;
+  Rng rng(1);
+  size_t i = 0;
+  const auto voxels = static_cast<float>(volume.voxels());
+  std::vector<float> values(volume.voxels(), 0);
+  for (const Share& one : shares) {
+    for (const size_t end = i + static_cast<size_t>(one.share * voxels); i < end; ++i) {
+      values[i] = scale * one.value * (1 + 0.05f * (rng.uniform() - 0.5f));
+    }
+  }
+  volume.values = std::move(values);
+  return volume;
+}
+
+float luminance(const Material& material) {
+  return glm::dot(material.albedo, Vec3(0.2126f, 0.7152f, 0.0722f));
+}
+
+TEST(Preset, PercentilesOfAllLeaveOutWhatIsCommon) {
+  const std::string text = with("\"hu\"", "\"percentile-of-all\"");
+  EXPECT_EQ(parse_preset(text, "small", "test").units, ValueUnits::kPercentileOfAll);
+  for (const float scale : {1.0f, 250.0f}) {
+    const Volume volume = shares_of({{0.3f, 1}, {0.01f, 8}}, Modality::kPet, scale);
+    Preset preset = load_preset("pet");
+    resolve_percentiles(preset, volume);
+    EXPECT_EQ(preset.units, ValueUnits::kStored);
+    EXPECT_LT(preset.transfer.points()[1].value, 1.1f * scale);  // the 80th percentile
+    EXPECT_NEAR(preset.transfer.points().back().value, 8 * scale, 0.3f * scale);
+  }
+}
+
+TEST(Preset, PetGlowsWhereUptakeIsHigh) {
+  // A body, the brain and liver, the heart, a tumour.
+  const Volume pet =
+      shares_of({{0.25f, 1}, {0.025f, 2}, {0.007f, 6}, {0.002f, 15}}, Modality::kPet);
+  const Preset preset = load_preset("auto", pet);
+  EXPECT_EQ(preset.name, "pet");
+  EXPECT_EQ(preset.transfer.at(0).extinction, 0);
+  EXPECT_GT(preset.transfer.at(1).extinction, 0);
+  EXPECT_LT(preset.transfer.at(1).extinction, 0.02f);  // 300 mm of body are seen through
+  EXPECT_GT(preset.transfer.at(15).extinction, 3);
+  float before = 0;
+  for (const float uptake : {1.0f, 2.0f, 6.0f, 15.0f}) {
+    const Material material = preset.transfer.at(uptake);
+    EXPECT_GT(luminance(material), before) << uptake;
+    EXPECT_GE(material.albedo.r, material.albedo.g);  // never blue or green
+    EXPECT_GE(material.albedo.g, material.albedo.b);
+    before = luminance(material);
+  }
+}
+
+TEST(Preset, MrAngiographiesShowVesselsOutOfTheDark) {
+  const std::vector<Share> head = {{0.3f, 60}, {0.05f, 100}, {0.006f, 250}};
+  const std::vector<Share> vessels = {{0.006f, 250}};  // all else cut away
+  for (const std::vector<Share>& shares : {head, vessels}) {
+    const Preset preset = load_preset("mra", shares_of(shares, Modality::kMr));
+    EXPECT_EQ(preset.transfer.at(0).extinction, 0);
+    if (shares.size() > 1) {
+      EXPECT_EQ(preset.transfer.at(60).extinction, 0);
+    }
+    const Material blood = preset.transfer.at(250);
+    EXPECT_GT(blood.extinction, 2);
+    EXPECT_GT(blood.albedo.r, 4 * blood.albedo.g);
+  }
+}
+
+TEST(Preset, UltrasoundIsEmptyWhereNothingEchoes) {
+  const Volume us = shares_of({{0.2f, 8}, {0.4f, 90}, {0.05f, 200}}, Modality::kUltrasound);
+  const Preset preset = load_preset("auto", us);
+  EXPECT_EQ(preset.name, "ultrasound");
+  EXPECT_EQ(preset.transfer.at(8).extinction, 0);  // fluid
+  EXPECT_GT(preset.transfer.at(90).extinction, 0.3f);
+  EXPECT_GT(luminance(preset.transfer.at(200)), luminance(preset.transfer.at(88)));
+}
+
+TEST(Preset, MicroCtShowsBoneAndNoFlesh) {
+  const Preset preset = load_preset(
+      "micro-ct", shares_of({{0.5f, 80}, {0.06f, 150}, {0.01f, 190}}, Modality::kUnknown));
+  EXPECT_EQ(preset.transfer.at(80).extinction, 0);
+  EXPECT_GT(preset.transfer.at(155).extinction, 20);  // opaque within a tenth of a millimetre
 }
 
 }  // namespace
