@@ -179,6 +179,41 @@ TEST_F(CliTest, UnknownPresetListsTheOnesThereAre) {
                  at("x.png"));
 }
 
+TEST_F(CliTest, PresetsOfAnotherModalityWarn) {
+  const auto said = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> command = {"cinema", phantom(), "-o",    at("x.png"),
+                                        "--size", "16",      "--spp", "1"};
+    command.insert(command.end(), options.begin(), options.end());
+    const Finished finished = run_clipgs(command);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return finished.err;
+  };
+  EXPECT_THAT(said({"--preset", "mr"}), HasSubstr("--preset mr is made for MR, and the volume is "
+                                                  "CT; --preset auto takes soft-tissue"));
+  EXPECT_THAT(said({"--preset", "soft-tissue", "--modality", "mr"}),
+              HasSubstr("made for CT, and the volume is MR; --preset auto takes mr"));
+  for (const char* const fits : {"auto", "bone", "generic"}) {
+    EXPECT_THAT(said({"--preset", fits}), testing::Not(HasSubstr("made for"))) << fits;
+  }
+}
+
+TEST_F(CliTest, ModalityIsWhatTheUserSays) {
+  const auto info = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> command = {"info", phantom(), "--json"};
+    command.insert(command.end(), options.begin(), options.end());
+    const Finished finished = run_clipgs(command);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return nlohmann::json::parse(finished.out);
+  };
+  EXPECT_EQ(info({})["modality"], "CT");
+  EXPECT_EQ(info({})["windows"][0]["name"], "soft-tissue");
+  EXPECT_EQ(info({"--modality", "pet"})["modality"], "PET");
+  EXPECT_EQ(info({"--modality", "pet"})["auto_preset"], "pet");
+  EXPECT_EQ(info({"--modality", "us"})["windows"][0]["name"], "auto");
+  expect_failure({"info", phantom(), "--modality", "photo"}, "one value a voxel");
+  EXPECT_EQ(run_clipgs({"info", phantom(), "--modality", "xray"}).status, 2);
+}
+
 TEST_F(CliTest, UnwritableOutputFailsBeforeAnyWork) {
   expect_failure({"build", phantom(), "-o", "/proc/case.sog"}, "/proc/case.sog");
   expect_failure({"cinema", phantom(), "-o", at("no/such/folder/x.png")}, "no/such/folder");
@@ -318,6 +353,25 @@ TEST_F(CliTest, GradientOpacityThinsPicturesButNotSections) {
                  "--no-section", at("thin"));
   expect_failure({"build", phantom(), "-o", at("thin.sog"), "--gradient-opacity", "0,100"},
                  "--no-section", at("thin.clipgs-work"));
+}
+
+TEST_F(CliTest, WindowsOfACaseAreThoseOfItsModality) {
+  std::vector<std::string> build = small_build("mr.sog");
+  build.insert(build.end(), {"--modality", "mr"});
+  ASSERT_EQ(run_clipgs(build).status, 0);
+  const auto render = [&](const std::vector<std::string>& window) {
+    std::vector<std::string> command = {"render", at("mr.sog"), "-o", at("x.png"), "--size",
+                                        "64",     "--grey",     "1",  "--plane",   "0,1,0,0"};
+    command.insert(command.end(), window.begin(), window.end());
+    const Finished finished = run_clipgs(command);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return read_png(at("x.png")).data;
+  };
+  EXPECT_EQ(render({}), render({"--window", "auto"}));
+  EXPECT_NE(render({}), render({"--window", "full"}));
+  expect_failure({"render", at("mr.sog"), "-o", at("y.png"), "--grey", "1", "--window", "lung"},
+                 "--window lung: no window of a case of MR; give auto, full, CENTER,WIDTH",
+                 at("y.png"));
 }
 
 TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {

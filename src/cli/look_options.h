@@ -1,12 +1,15 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <string>
 
 #include "cinema/exposure.h"
 #include "cinema/visible_matter.h"
 #include "cli/arguments.h"
 #include "cli/label_options.h"
+#include "core/error.h"
+#include "volume/identify.h"
 #include "volume/preset.h"
 
 namespace clipgs {
@@ -43,10 +46,22 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
                    "Trace the voxels as they are, not finer ones in which surfaces are smooth");
 }
 
+/// Whoever names a preset of another modality may mean it; it is said, for the looks of HU are
+/// seldom those of a signal.
+inline void warn_if_unfit(const Preset& preset, const Volume& volume) {
+  const bool known = preset.modality != Modality::kUnknown && volume.modality != Modality::kUnknown;
+  if (known && preset.modality != volume.modality) {
+    warn(fmt::format("--preset {} is made for {}, and the volume is {}; --preset auto takes {}",
+                     preset.name, modality_name(preset.modality), modality_name(volume.modality),
+                     identify(volume).preset));
+  }
+}
+
 /// The preset under these lights, with the looks of the volume's labels, ready to use on `volume`.
 /// Throws Error.
 inline Preset load_look(const LookArguments& look, const Volume& volume) {
   Preset preset = load_preset(look.preset, volume);
+  warn_if_unfit(preset, volume);
   if (!look.rig.empty()) {
     preset.rig = load_rig(look.rig);
   }
