@@ -171,11 +171,11 @@ sheets() {
   montage "${files[@]/%/.png}" -tile 7x -geometry +0+0 -background 'rgb(18,20,26)' "$folder/presets.png"
   convert "$folder/presets.png" -quality 80 "$out/presets.webp"
   local rig
-  for rig in studio theatre softbox rim dome ambient; do
+  for rig in studio portrait theatre softbox rim dome ambient; do
     shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset soft-tissue --rig "$rig" \
       --view 30,20 --plane 0,0,-1,-150
   done
-  convert "$folder"/rig-{studio,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
+  convert "$folder"/rig-{studio,portrait,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
 }
 
 # stills: shadows on a floor, a lens, skin of glass under a soft box.

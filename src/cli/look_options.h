@@ -29,10 +29,10 @@ struct LookArguments {
 inline void add_look_options(CLI::App& command, LookArguments& look) {
   command.add_option("--preset", look.preset, "Look: a preset's name, a JSON file, or auto")
       ->capture_default_str();
-  command.add_option(
-      "--rig", look.rig,
-      "Lights: studio, theatre, softbox, rim, dome, ambient, a JSON file, or a panorama (.hdr; "
-      "default: the preset's own)");
+  command.add_option("--rig", look.rig,
+                     "Lights: studio, portrait, theatre, softbox, rim, dome, ambient, a JSON file, "
+                     "or a panorama (.hdr; "
+                     "default: the preset's own)");
   command.add_option(
       "--exposure", look.exposure,
       "Brightness: a factor, or auto: what is bright is shown bright under any light "

@@ -322,6 +322,7 @@ std::vector<std::string> names_of(std::span<const BuiltInFile> files) {
   for (const BuiltInFile& file : files) {
     names.emplace_back(file.name);
   }
+  std::ranges::sort(names);  // files come sorted with their ending: "skin-and-bone" before "skin"
   return names;
 }
 

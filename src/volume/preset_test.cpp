@@ -82,8 +82,8 @@ TEST(Preset, ReadsGradientOpacity) {
 
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
   const std::vector<std::string> names = rig_names();
-  EXPECT_THAT(names,
-              testing::ElementsAre("ambient", "dome", "rim", "softbox", "studio", "theatre"));
+  EXPECT_THAT(names, testing::ElementsAre("ambient", "dome", "portrait", "rim", "softbox", "studio",
+                                          "theatre"));
   for (const std::string& name : names) {
     const LightRig rig = load_rig(name);
     // No side of a cut is black: the sky alone shows it.
@@ -216,8 +216,9 @@ TEST(Preset, PhotographsKeepTheirOwnColours) {
 TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {
   const std::vector<std::string> names = preset_names();
   EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
-  for (const char* name : {"bone", "generic", "lung", "mr", "muscle", "photo", "skin-and-bone",
-                           "soft-tissue", "vessels"}) {
+  for (const char* name : {"airways", "anatomy", "angiography", "bone", "brain", "generic", "lung",
+                           "mr", "muscle", "photo", "skeleton", "skin", "skin-and-bone",
+                           "soft-tissue", "surgery", "vessels", "x-ray"}) {
     EXPECT_THAT(names, testing::Contains(name));
   }
   for (const std::string& name : names) {
