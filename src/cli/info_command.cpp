@@ -45,6 +45,18 @@ Json describe_series(const std::vector<SeriesInfo>& choices) {
   return list;
 }
 
+Json describe_preparation(const std::vector<PreparationStep>& steps) {
+  Json list = Json::array();
+  for (const PreparationStep& step : steps) {
+    Json entry = {{"step", step.name}};
+    for (const auto& [figure, value] : step.figures) {
+      entry[figure] = value;
+    }
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
 Json describe_volume(const InfoOptions& options) {
   const LoadedVolume loaded = load_with_series(options.path, options.load);
   const Volume& volume = loaded.volume;
@@ -69,6 +81,9 @@ Json describe_volume(const InfoOptions& options) {
   }
   if (!identity.doubt.empty()) {
     json["doubt"] = identity.doubt;
+  }
+  if (!loaded.prepared.empty()) {
+    json["prepared"] = describe_preparation(loaded.prepared);
   }
   if (!loaded.series.empty()) {
     json["series"] = describe_series(loaded.series);

@@ -3,12 +3,32 @@
 #include <CLI/CLI.hpp>
 
 #include "cinema/scene.h"
+#include "cli/arguments.h"
 #include "volume/load.h"
 
 namespace clipgs {
 
-/// Adds --series, --frame, --gaps, --hu, --modality and --keep-table, which every command that
-/// reads a volume understands. `options` must outlive the parsing.
+/// --crop: "matter", or "r0,r1,a0,a1,s0,s1" in RAS mm.
+inline void parse_crop(const std::string& text, PrepareOptions& options) {
+  options.crop_to_matter = text == "matter";
+  options.crop.reset();
+  if (!options.crop_to_matter) {
+    const std::vector<float> n = parse_numbers(text, 6, 6, "--crop");
+    options.crop = Box{{n[0], n[2], n[4]}, {n[1], n[3], n[5]}};
+  }
+}
+
+/// Adds what makes a volume ready to be traced.
+inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--crop", [&options](const std::string& text) { parse_crop(text, options); },
+          "Leave a box of the volume, from and to mm R, A and S, or what lies around matter")
+      ->type_name("R0,R1,A0,A1,S0,S1|matter");
+}
+
+/// Adds --series, --frame, --gaps, --hu, --modality, --keep-table and what add_prepare_options()
+/// adds, which every command that reads a volume understands. `options` must outlive the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   options.work = [](const VolumeSize& size) { return picture_memory(size, true); };
   command.add_option("--series", options.series,
@@ -46,6 +66,7 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
       ->check(CLI::IsMember({"ct", "mr", "pet", "us", "photo"}));
   command.add_flag("--keep-table", options.keep_table,
                    "Leave the scanner's table and cushions in a CT's pictures");
+  add_prepare_options(command, options.prepare);
 }
 
 }  // namespace clipgs

@@ -53,13 +53,14 @@ void clamp_outside_of_scan(Volume& volume) {
   });
 }
 
-void take_table_off(Volume& volume, const std::string& where) {
+void take_table_off(Volume& volume, const std::string& where, std::vector<PreparationStep>& steps) {
   constexpr double kWorthSaying = 1;  // ml
   const Isolation isolation = isolate_body(volume);
   if (isolation.removed >= kWorthSaying) {
     warn(fmt::format(
         "{}: took {:.0f} ml of table, cushions and the like off (--keep-table leaves them)", where,
         isolation.removed));
+    steps.push_back({"table", {{"removed_ml", isolation.removed}}});
   }
   if (isolation.foreign >= kWorthSaying) {
     warn(
@@ -132,12 +133,13 @@ Modality said_modality(const StoredImage& stored, const LoadOptions& options) {
   return header == Modality::kCt && stored.eight_bit ? Modality::kUnknown : header;
 }
 
-/// Everything between an image as stored and a volume that can be trusted.
-Volume make_volume(StoredImage stored, const LoadOptions& options, const std::string& where) {
+/// Everything between an image as stored and a volume that can be trusted and traced.
+LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const std::string& where) {
   require_possible(stored, options, where);
   const Modality modality = said_modality(stored, options);
   const Hints hints = stored.hints;
-  Volume volume = oriented(std::move(stored), where);
+  LoadedVolume loaded;
+  Volume& volume = loaded.volume = oriented(std::move(stored), where);
   volume.modality = modality;
   volume.hints = hints;
   if (!volume.rgb.empty()) {
@@ -154,12 +156,13 @@ Volume make_volume(StoredImage stored, const LoadOptions& options, const std::st
   if (volume.modality == Modality::kCt) {
     clamp_outside_of_scan(volume);
     if (!options.keep_table) {
-      take_table_off(volume, where);
+      take_table_off(volume, where, loaded.prepared);
     }
   } else if (volume.modality == Modality::kUnknown && !options.keep_table) {
     warn_of_table(volume, where);
   }
-  return volume;
+  prepare(volume, options.prepare, where, loaded.prepared);
+  return loaded;
 }
 
 /// Of the volume itself; that of its labels is part of it.
@@ -202,10 +205,11 @@ LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
                 study.where, modality_name(modality));
   }
   const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
-  return {make_volume(
-              read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)),
-              options, study.where),
-          choices_of(study, chosen)};
+  LoadedVolume loaded = make_volume(
+      read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)),
+      options, study.where);
+  loaded.series = choices_of(study, chosen);
+  return loaded;
 }
 
 LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
@@ -220,9 +224,8 @@ LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
     }
     return load_dicom(open_study(path), options);
   }
-  return {
-      make_volume(read_image_file(path, options.frame, size_check(options, where)), options, where),
-      {}};
+  return make_volume(read_image_file(path, options.frame, size_check(options, where)), options,
+                     where);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volume/gaps.h"
+#include "volume/prepare.h"
 #include "volume/rescale.h"
 #include "volume/volume.h"
 #include "volume/volume_size.h"
@@ -24,6 +25,7 @@ struct LoadOptions {
   /// by those.
   Modality modality = Modality::kUnknown;
   bool keep_table = false;       ///< leave what a CT shows beside the patient
+  PrepareOptions prepare;        ///< what is done to the volume after that
   std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
   /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
   /// more than there is, an Error says so before any voxel is read. Empty: nothing is checked.
@@ -41,9 +43,10 @@ struct SeriesInfo {
   bool taken = false;    ///< it is the volume
 };
 
-/// A volume and what there was to choose from.
+/// A volume, what was done to it, and what there was to choose from.
 struct LoadedVolume {
   Volume volume;
+  std::vector<PreparationStep> prepared;  ///< in their order
   std::vector<SeriesInfo> series;  ///< of DICOM, in the order in which LoadOptions::series counts
 };
 
@@ -58,7 +61,7 @@ struct LoadedVolume {
 /// (isolate_body()), with a warning that says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
 
-/// load_volume() that tells what there was to choose from as well.
+/// load_volume() that tells what was done, and what there was to choose from, as well.
 LoadedVolume load_with_series(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Writes a scalar volume as NIfTI, NRRD or MetaImage by extension, atomically. Throws Error.

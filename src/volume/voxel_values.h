@@ -64,7 +64,7 @@ class VoxelValues {
   /// Sets the values of the voxels i where `where(i)`, which may run on many threads.
   template <typename Where>
   void set_where(float value, const Where& where);
-  /// Replaces what is stored, one element a voxel, by rearrange(it) of the same size.
+  /// Replaces what is stored, one element a voxel, by rearrange(it).
   template <typename Rearrange>
   void rearrange(const Rearrange& rearrange);
   /// As floats that can be changed one by one.

@@ -1,0 +1,57 @@
+#include "volume/prepare.h"
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "volume/crop.h"
+
+namespace clipgs {
+namespace {
+
+std::string size_text(const IVec3& dims) {
+  return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z);
+}
+
+PreparationStep crop_to(Volume& volume, const VoxelBox& box, const char* what,
+                        const std::string& where) {
+  const IVec3 before = volume.dims;
+  const Box bounds = volume.bounds();
+  const IVec3 dims = box.dims();
+  if (std::min({dims.x, dims.y, dims.z}) < 2) {
+    throw Error(
+        "{}: --crop leaves {} voxels, at least 2 along every axis are needed; the volume reaches "
+        "from {:.0f} to {:.0f} mm R, {:.0f} to {:.0f} A, {:.0f} to {:.0f} S",
+        where, size_text(dims), bounds.min.x, bounds.max.x, bounds.min.y, bounds.max.y,
+        bounds.min.z, bounds.max.z);
+  }
+  crop(volume, box);
+  const VoxelValues::Range range = volume.values.range();
+  if (range.min == range.max) {
+    throw Error("{}: --crop leaves nothing but the value {}; take a box that holds matter", where,
+                range.min);
+  }
+  warn(fmt::format("{}: cropped to {}, {} of {} voxels", where, what, size_text(volume.dims),
+                   size_text(before)));
+  const Box left = volume.bounds();
+  return {"crop",
+          {{"from_r_mm", left.min.x},
+           {"to_r_mm", left.max.x},
+           {"from_a_mm", left.min.y},
+           {"to_a_mm", left.max.y},
+           {"from_s_mm", left.min.z},
+           {"to_s_mm", left.max.z}}};
+}
+
+}  // namespace
+
+void prepare(Volume& volume, const PrepareOptions& options, const std::string& where,
+             std::vector<PreparationStep>& steps) {
+  if (options.crop) {
+    steps.push_back(crop_to(volume, voxels_within(volume, *options.crop), "a box", where));
+  }
+  if (options.crop_to_matter) {
+    steps.push_back(crop_to(volume, voxels_of_matter(volume), "what is matter", where));
+  }
+}
+
+}  // namespace clipgs

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// What is done to a volume between loading and tracing, where it is asked for.
+struct PrepareOptions {
+  std::optional<Box> crop;      ///< leave what lies in this box, RAS mm
+  bool crop_to_matter = false;  ///< leave what lies around matter (voxels_of_matter())
+};
+
+/// A step that was taken.
+struct PreparationStep {
+  std::string name;                                     ///< "crop", "table", ...
+  std::vector<std::pair<std::string, double>> figures;  ///< what it did, units in the names
+};
+
+/// Takes the steps in the order of PrepareOptions, and says what each did in one warning that
+/// begins with `where`. Adds what it did to `steps`. Throws Error where nothing would be left.
+void prepare(Volume& volume, const PrepareOptions& options, const std::string& where,
+             std::vector<PreparationStep>& steps);
+
+}  // namespace clipgs
