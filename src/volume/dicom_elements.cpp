@@ -75,6 +75,8 @@ bool is_wanted(std::uint32_t which) {
     case DicomTag::kBitsStored:
     case DicomTag::kHighBit:
     case DicomTag::kRepresentation:
+    case DicomTag::kPadding:
+    case DicomTag::kPaddingLimit:
     case DicomTag::kIntercept:
     case DicomTag::kSlope:
     case DicomTag::kFrameOffsets:

@@ -48,6 +48,8 @@ enum class DicomTag : std::uint32_t {
   kBitsStored = 0x00280101,
   kHighBit = 0x00280102,
   kRepresentation = 0x00280103,
+  kPadding = 0x00280120,
+  kPaddingLimit = 0x00280121,
   kIntercept = 0x00281052,
   kSlope = 0x00281053,
   kFrameOffsets = 0x3004000c,

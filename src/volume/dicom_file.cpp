@@ -129,6 +129,17 @@ void place(const DicomElements& elements, DicomHeader& header) {
   }
 }
 
+StoredRange padding_of(const DicomElements& elements, const DicomHeader& header) {
+  const std::optional<int> first = elements.unsigned_short(DicomTag::kPadding);
+  if (!first || header.bits_allocated > 16 || header.bits_stored < 1 || header.bits_stored > 16) {
+    return {};
+  }
+  const int last = elements.unsigned_short(DicomTag::kPaddingLimit).value_or(*first);
+  const double one = stored_number(header, static_cast<std::uint32_t>(*first));
+  const double other = stored_number(header, static_cast<std::uint32_t>(last));
+  return {std::min(one, other), std::max(one, other)};
+}
+
 DicomHeader header_of(const DicomElements& elements, const DicomSource& source, int frame) {
   const auto at = static_cast<size_t>(frame);
   const auto whole = [&](DicomTag tag, int otherwise) {
@@ -154,6 +165,7 @@ DicomHeader header_of(const DicomElements& elements, const DicomSource& source, 
   header.bits_stored = whole(DicomTag::kBitsStored, header.bits_allocated);
   header.is_signed = whole(DicomTag::kRepresentation, 0) == 1;
   header.high_bit = whole(DicomTag::kHighBit, header.bits_stored - 1);
+  header.padding = padding_of(elements, header);
   header.slope =
       require_double(elements, DicomTag::kSlope, at, 1, "a Rescale Slope that is no number");
   header.intercept = require_double(elements, DicomTag::kIntercept, at, 0,
@@ -232,6 +244,13 @@ void require_sane_pixels(const DicomElements& elements, const DicomHeader& heade
 }
 
 }  // namespace
+
+double stored_number(const DicomHeader& header, std::uint32_t bits) {
+  const auto unused = static_cast<unsigned>(32 - header.bits_stored);
+  bits <<= unused;
+  return header.is_signed ? static_cast<std::int32_t>(bits) >> unused
+                          : static_cast<double>(bits >> unused);
+}
 
 std::vector<DicomHeader> dicom_headers(const DicomElements& elements, const DicomSource& source) {
   if (!elements.has_pixels()) {

@@ -23,6 +23,14 @@ struct DicomMarks {
   std::string image_type{};            ///< "ORIGINAL\\PRIMARY\\M", ...
 };
 
+/// Stored values from the first to the last; none where nothing else is said.
+struct StoredRange {
+  double first = 1;
+  double last = 0;
+
+  bool holds(double value) const { return value >= first && value <= last; }
+};
+
 /// What is said of one DICOM image; nothing that tells who the patient is.
 struct DicomHeader {
   DicomSource source;
@@ -48,9 +56,14 @@ struct DicomHeader {
   int bits_stored = 16;
   int high_bit = 15;
   bool is_signed = false;
+  /// What means "no picture here" (PS3.3 C.7.5.1.1.2).
+  StoredRange padding;
   double slope = 1;  ///< value = slope * stored + intercept
   double intercept = 0;
 };
+
+/// A pixel's number of the stored bits of `bits`, the others of which mean nothing.
+double stored_number(const DicomHeader& header, std::uint32_t bits);
 
 /// The images of a file: one, or its frames, each with its place as its functional groups say, or
 /// as one distance or a list of distances between frames does. Of many frames without places only

@@ -85,6 +85,12 @@ gdcm::DataSet& begin_file(gdcm::Writer& writer, const FixtureSlice& slice,
   insert(data, {0x0028, 0x0101}, 16);  // bits stored
   insert(data, {0x0028, 0x0102}, 15);  // high bit
   insert(data, {0x0028, 0x0103}, 1);   // signed
+  if (slice.padding) {
+    insert_number(data, {0x0028, 0x0120}, gdcm::VR::SS, *slice.padding);
+  }
+  if (slice.padding_limit) {
+    insert_number(data, {0x0028, 0x0121}, gdcm::VR::SS, *slice.padding_limit);
+  }
   return data;
 }
 

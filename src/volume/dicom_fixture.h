@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,9 @@ struct FixtureSlice {
   glm::dvec2 pixel_spacing{1, 1};  ///< between columns, between rows
   double slope = 1;
   double intercept = -1024;
-  std::vector<std::int16_t> pixels;  ///< as stored, rows × columns
+  std::optional<std::int16_t> padding{};        ///< as stored
+  std::optional<std::int16_t> padding_limit{};  ///< the other end of a range of them
+  std::vector<std::int16_t> pixels;             ///< as stored, rows × columns
   struct Text {
     std::uint16_t group = 0;
     std::uint16_t element = 0;

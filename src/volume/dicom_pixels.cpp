@@ -7,11 +7,24 @@
 namespace clipgs {
 namespace {
 
-/// `bytes` hold whole integers of bits_allocated; the bits above bits_stored mean nothing.
+/// Whether what a header calls padding is none: a CT has tissue of these values, and would have
+/// holes.
+bool is_of_tissue(const DicomHeader& header, double stored) {
+  constexpr double kLeast = -900;  // HU
+  constexpr double kMost = 3000;
+  const double hu = header.slope * stored + header.intercept;
+  return header.modality == "CT" && hu > kLeast && hu < kMost;
+}
+
+/// `bytes` hold whole integers of bits_allocated; the bits above bits_stored mean nothing. Padding
+/// becomes `fill`.
 std::vector<float> convert_pixels(const DicomHeader& header, std::span<const std::uint8_t> bytes,
-                                  bool big_endian) {
+                                  bool big_endian, float fill) {
   const size_t width = static_cast<size_t>(header.bits_allocated) / 8;
-  const auto unused = static_cast<unsigned>(32 - header.bits_stored);
+  const StoredRange padding =
+      is_of_tissue(header, header.padding.first) || is_of_tissue(header, header.padding.last)
+          ? StoredRange()
+          : header.padding;
   std::vector<float> values(static_cast<size_t>(header.columns) * header.rows);
   for (size_t i = 0; i < values.size(); ++i) {
     std::uint32_t stored = 0;
@@ -19,10 +32,9 @@ std::vector<float> convert_pixels(const DicomHeader& header, std::span<const std
       stored |= std::uint32_t{bytes[i * width + byte]}
                 << (8U * static_cast<unsigned>(big_endian ? width - 1 - byte : byte));
     }
-    stored <<= unused;
-    const double value = header.is_signed ? static_cast<std::int32_t>(stored) >> unused
-                                          : static_cast<double>(stored >> unused);
-    values[i] = static_cast<float>(header.slope * value + header.intercept);
+    const double value = stored_number(header, stored);
+    values[i] =
+        padding.holds(value) ? fill : static_cast<float>(header.slope * value + header.intercept);
   }
   return values;
 }
@@ -56,7 +68,7 @@ struct DicomPixels::File {
   std::vector<DicomHeader> headers;
 };
 
-DicomPixels::DicomPixels() = default;
+DicomPixels::DicomPixels(float fill) : fill_(fill) {}
 DicomPixels::~DicomPixels() = default;
 
 std::vector<float> DicomPixels::read(const DicomHeader& known) {
@@ -74,13 +86,14 @@ std::vector<float> DicomPixels::read(const DicomHeader& known) {
   if (elements.encapsulated()) {
     const auto fragments = elements.fragments(frame, static_cast<size_t>(header.frames));
     const std::string pixels = decoder_.decode(header, fragments);
-    return convert_pixels(
-        header, {reinterpret_cast<const std::uint8_t*>(pixels.data()), pixels.size()}, false);
+    return convert_pixels(header,
+                          {reinterpret_cast<const std::uint8_t*>(pixels.data()), pixels.size()},
+                          false, fill_);
   }
   const size_t size =
       static_cast<size_t>(header.columns) * header.rows * (header.bits_allocated / 8);
   return convert_pixels(header, elements.pixels().subspan(frame * size, size),
-                        elements.big_endian());
+                        elements.big_endian(), fill_);
 }
 
 }  // namespace clipgs

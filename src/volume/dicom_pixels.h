@@ -12,7 +12,8 @@ namespace clipgs {
 /// of many frames is read once.
 class DicomPixels {
  public:
-  DicomPixels();
+  /// Pixels that their file calls padding become `fill`.
+  explicit DicomPixels(float fill);
   ~DicomPixels();
   DicomPixels(const DicomPixels&) = delete;
   DicomPixels& operator=(const DicomPixels&) = delete;
@@ -23,6 +24,7 @@ class DicomPixels {
 
  private:
   struct File;
+  float fill_;
   std::unique_ptr<File> file_;
   PixelDecoder decoder_;
 };

@@ -163,7 +163,7 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
                     std::vector<float>& values) {
   const std::vector<DicomHeader>& slices = stack.slices;
   const double start = along_normal(slices.front(), grid.normal);
-  DicomPixels pixels;
+  DicomPixels pixels(fill);
   const auto load = [&](size_t i) { return ShiftedSlice(slices[i], pixels.read(slices[i]), grid); };
   size_t below = 0;
   ShiftedSlice low = load(0);
@@ -196,10 +196,10 @@ void resample_stack(const DicomStack& stack, const ResampleGrid& grid, float fil
   }
 }
 
-VoxelValues read_regular(const DicomStack& stack, size_t voxels) {
+VoxelValues read_regular(const DicomStack& stack, float fill, size_t voxels) {
   Progress progress("reading", stack.slices.size());
   ValuePacker packer(voxels);
-  DicomPixels pixels;
+  DicomPixels pixels(fill);
   for (size_t i = 0; i < stack.slices.size(); ++i) {
     packer.append(pixels.read(stack.slices[i]));
     progress.update(i + 1);
@@ -308,7 +308,7 @@ StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std
     resample_stack(whole, grid, fill, values);
     image.values = std::move(values);
   } else {
-    image.values = read_regular(whole, voxels);
+    image.values = read_regular(whole, fill, voxels);
   }
   return image;
 }

@@ -32,7 +32,8 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
 
 /// Reads the stack's pixels onto a regular grid. Tilted and uneven stacks and those that lack a few
 /// slices (plan_stack()) are resampled linearly, `fill` outside every slice, with a warning that
-/// says what was done. `check` sees the size before the pixels are read. Throws Error.
+/// says what was done. `fill` is also what pixels become that their files call padding. `check`
+/// sees the size before the pixels are read. Throws Error.
 StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where,
                        const SizeCheck& check = {});
 

@@ -10,6 +10,7 @@
 #include "volume/image_file.h"
 #include "volume/isolate_body.h"
 #include "volume/orient.h"
+#include "volume/padding.h"
 #include "volume/segmentation.h"
 #include "volume/shows_table.h"
 
@@ -46,11 +47,22 @@ VoxelValues::Range checked_range(const Volume& volume, const std::string& where)
   return range;
 }
 
+void take_padding_off(Volume& volume, const std::string& where,
+                      std::vector<PreparationStep>& steps) {
+  if (const std::optional<Padding> padding = remove_padding(volume)) {
+    const double percent =
+        100 * static_cast<double>(padding->voxels) / static_cast<double>(volume.voxels());
+    warn(
+        fmt::format("{}: {:.1f} % of the voxels have the value {} outside the picture; they are "
+                    "taken for {}",
+                    where, percent, padding->value,
+                    volume.values.range().min <= kAirHu ? "air" : "background"));
+    steps.push_back({"padding", {{"value", padding->value}, {"percent", percent}}});
+  }
+}
+
 void clamp_outside_of_scan(Volume& volume) {
-  volume.values.transform([](float value) {
-    constexpr float kLowestHu = -1024;
-    return std::max(value, kLowestHu);
-  });
+  volume.values.transform([](float value) { return std::max(value, kAirHu); });
 }
 
 void take_table_off(Volume& volume, const std::string& where, std::vector<PreparationStep>& steps) {
@@ -148,7 +160,11 @@ LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const s
     const Rescale hu = *options.hu;
     volume.values.transform([hu](float value) { return value * hu.scale + hu.offset; });
   }
-  const VoxelValues::Range range = checked_range(volume, where);
+  VoxelValues::Range range = checked_range(volume, where);
+  if (volume.rgb.empty()) {
+    take_padding_off(volume, where, loaded.prepared);
+    range = checked_range(volume, where);
+  }
   if (volume.modality == Modality::kUnknown) {
     volume.modality = guess_modality(range.min, range.max);
   }
@@ -204,10 +220,11 @@ LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
     throw Error("{}: its header says {}; leave --modality out, or choose another --series",
                 study.where, modality_name(modality));
   }
-  const float fill = modality == Modality::kCt ? -1024.0f : 0.0f;
+  const bool ct = modality == Modality::kCt || options.modality == Modality::kCt;
+  const float fill = ct ? kAirHu : 0.0f;
   LoadedVolume loaded = make_volume(
-      read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)),
-      options, study.where);
+      read_stack(stack, fill, options.gaps, study.where, size_check(options, study.where)), options,
+      study.where);
   loaded.series = choices_of(study, chosen);
   return loaded;
 }
