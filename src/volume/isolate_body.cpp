@@ -15,17 +15,23 @@
 namespace clipgs {
 namespace {
 
-constexpr float kAir = -1024;          // HU
-constexpr float kThinnest = 6;         // mm, half of what a part of the body must be thick
-constexpr float kLeastPart = 0.01f;    // of the largest part: arms are, cables are not
-constexpr float kLeastMean = -700;     // HU of a part with its holes; hollow tables have less
-constexpr float kLeanest = -150;       // HU; fat lies between these two
-constexpr float kFattest = -20;        // HU
-constexpr double kLeastFat = 0.03;     // of a limb, which has a tenth at least; plastic has none
-constexpr float kLongestTrifle = 100;  // mm; no ear or nose is longer, a table is
-constexpr float kBone = 300;           // HU; attached to the body, of any length
-constexpr float kSkin = 2;             // voxels around the body that keep their values
-constexpr double kMostRemoved = 0.35;  // of all matter; more is no table
+constexpr float kAir = -1024;           // HU
+constexpr float kThinnest = 6;          // mm, half of what a part of the body must be thick
+constexpr float kLeastPart = 0.01f;     // of the largest part: arms are, cables are not
+constexpr float kLeastMean = -700;      // HU of a part with its holes; hollow tables have less
+constexpr float kLeanest = -150;        // HU; fat lies between these two
+constexpr float kFattest = -20;         // HU
+constexpr double kLeastFat = 0.03;      // of a limb, which has a tenth at least; plastic has none
+constexpr float kLongestTrifle = 100;   // mm; no ear or nose is longer, a table is
+constexpr float kBone = 300;            // HU; attached to the body, of any length
+constexpr float kThickestShell = 1.8f;  // mm, half of what a cover has; a thin chest has more
+constexpr float kDense = 250;           // HU; skin is softer, cables and head holders may not be
+constexpr float kSkinOverBone = 1.5f;   // mm; no bone lies so near to the air, but bare ones
+constexpr double kBare = 0.4;           // of the surface of a dense thing, of what lies outside
+constexpr float kBlur = 2;              // mm around a dense thing that are neither it nor air
+constexpr double kLeastDense = 0.1;     // ml; noise has less
+constexpr float kSkin = 2;              // voxels around the body that keep their values
+constexpr double kMostRemoved = 0.35;   // of all matter; more is no table
 
 /// A mask of the voxels i where decide(i).
 template <typename Decide>
@@ -210,6 +216,67 @@ void for_each_component(BitMask& mask, const Use& use) {
   }
 }
 
+BitMask opened(const Volume& volume, const BitMask& mask, float radius) {
+  return dilated(volume, eroded(volume, mask, radius), radius);
+}
+
+double voxel_ml(const Volume& volume) {
+  const Vec3& s = volume.spacing;
+  return double{s.x} * s.y * s.z / 1000;
+}
+
+/// Whether a voxel of the mask has a neighbour that is not, in its slice.
+bool is_rim(const Volume& volume, const BitMask& mask, size_t at) {
+  const IVec3 place = place_of(volume, at);
+  const auto width = static_cast<size_t>(volume.dims.x);
+  return (place.x > 0 && !mask[at - 1]) || (place.x < volume.dims.x - 1 && !mask[at + 1]) ||
+         (place.y > 0 && !mask[at - width]) || (place.y < volume.dims.y - 1 && !mask[at + width]);
+}
+
+/// Dense things that lie bare in the air around `filled`, as cables, tubes and the plates of head
+/// holders do, also where they touch the skin. Nothing if that is true of the largest of all: of
+/// bones without flesh.
+BitMask bare_things(const Volume& volume, const BitMask& filled) {
+  struct Thing {
+    size_t seed;
+    size_t size = 0;
+    bool bare = false;
+  };
+  const BitMask dense =
+      mask_where(volume, [&](size_t i) { return filled[i] && volume.values[i] > kDense; });
+  const BitMask near_air =
+      dilated(volume, mask_where(volume, [&](size_t i) { return !filled[i]; }), kSkinOverBone);
+  std::vector<Thing> things;
+  BitMask left = dense;
+  for_each_component(left, [&](size_t seed) {
+    Thing thing{seed};
+    size_t rim = 0;
+    size_t in_air = 0;
+    take_component(volume, seed, left, [&](size_t at) {
+      const bool outer = is_rim(volume, dense, at);
+      rim += outer ? 1 : 0;
+      in_air += outer && near_air[at] ? 1 : 0;
+      ++thing.size;
+    });
+    thing.bare = static_cast<double>(in_air) >= kBare * static_cast<double>(rim) && rim > 0;
+    if (static_cast<double>(thing.size) * voxel_ml(volume) >= kLeastDense) {
+      things.push_back(thing);
+    }
+  });
+  BitMask bare(dense.size());
+  const auto largest = std::ranges::max_element(things, {}, &Thing::size);
+  if (largest == things.end() || largest->bare) {
+    return bare;
+  }
+  left = dense;
+  for (const Thing& thing : things) {
+    if (thing.bare) {
+      take_component(volume, thing.seed, left, [&](size_t at) { bare.set(at); });
+    }
+  }
+  return bare;
+}
+
 struct Cores {
   BitMask body;
   size_t foreign = 0;  ///< voxels of it that hold no fat
@@ -285,6 +352,24 @@ void add_trifles(const Volume& volume, const BitMask& matter, BitMask& body) {
   });
 }
 
+/// Takes off what is kept around the body those parts of the matter beside it that lie mostly
+/// farther away: of a shell that touches the skin. What lies within all of it is skin.
+void drop_ends_of_others(const Volume& volume, const BitMask& beside, BitMask& kept) {
+  BitMask left = beside;
+  BitMask to_drop = beside;
+  for_each_component(left, [&](size_t seed) {
+    size_t size = 0;
+    size_t near = 0;
+    take_component(volume, seed, left, [&](size_t at) {
+      ++size;
+      near += kept[at] ? 1 : 0;
+    });
+    if (near > 0 && 2 * near < size) {
+      take_component(volume, seed, to_drop, [&](size_t at) { kept.clear(at); });
+    }
+  });
+}
+
 }  // namespace
 
 Isolation isolate_body(Volume& volume) {
@@ -293,14 +378,25 @@ Isolation isolate_body(Volume& volume) {
   }
   const BitMask matter =
       mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
-  const BitMask filled = with_holes_filled(volume, matter);
+  const BitMask bare = bare_things(volume, with_holes_filled(volume, matter));
+  const BitMask clothed = without(matter, bare);
+  // What a shell encloses with the body is not of the body.
+  BitMask filled = with_holes_filled(volume, opened(volume, clothed, kThickestShell));
   const Vec3& s = volume.spacing;
   // Where slices are thick, rather some of the table than none of an ear that touches it.
   const float voxel = std::max({s.x, s.y, s.z});
   const Cores cores = body_cores(volume, eroded(volume, filled, kThinnest));
+  filled.combine(clothed, [](std::uint64_t x, std::uint64_t y) { return x | y; });
   BitMask body = both(dilated(volume, cores.body, kThinnest + 1.5f * voxel), filled);
   add_trifles(volume, filled, body);
-  const BitMask kept = dilated(volume, body, kSkin * voxel);
+  BitMask kept = dilated(volume, body, kSkin * voxel);
+  drop_ends_of_others(volume, without(filled, body), kept);
+  if (bare.next(0) < bare.size()) {
+    // With what is blurred around them, but for the skin below.
+    const float blur = std::max(kBlur, 1.01f * std::min({s.x, s.y, s.z}));
+    kept =
+        without(kept, without(dilated(volume, bare, blur), dilated(volume, cores.body, kThinnest)));
+  }
 
   const auto all = static_cast<double>(matter.count());
   const auto removed = static_cast<double>(without(matter, kept).count());
@@ -308,7 +404,7 @@ Isolation isolate_body(Volume& volume) {
     return {.unsure = true};
   }
   volume.values.set_where(kAir, [&](size_t i) { return !kept[i]; });
-  const double ml = double{s.x} * s.y * s.z / 1000;
+  const double ml = voxel_ml(volume);
   return {removed * ml, static_cast<double>(cores.foreign) * ml};
 }
 

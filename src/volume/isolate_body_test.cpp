@@ -19,10 +19,11 @@ struct Thing {
 };
 
 /// Later things lie over earlier ones.
-Volume scan(const std::vector<Thing>& things) {
+Volume scan(const std::vector<Thing>& things, IVec3 dims = {120, 90, 40},
+            Vec3 spacing = {2, 2, 3}) {
   Volume volume;
-  volume.dims = {120, 90, 40};
-  volume.spacing = {2, 2, 3};
+  volume.dims = dims;
+  volume.spacing = spacing;
   volume.modality = Modality::kCt;
   std::vector<float> values(volume.voxels(), kAir);
   for (int z = 0; z < volume.dims.z; ++z) {
@@ -138,6 +139,70 @@ TEST(IsolateBody, LeavesWhatItCannotTellFromABody) {
   without_air.values.transform([](float value) { return std::max(value, 0.0f); });
   unchanged(without_air);
   unchanged(scan(table()));
+}
+
+Volume fine_scan(const std::vector<Thing>& things) {
+  return scan(things, {160, 180, 30}, {1, 1, 2});
+}
+
+/// Skin, skull and brain; a nose.
+std::vector<Thing> head() {
+  return {{tube({0, 0}, {60, 50}), 40},
+          {tube({0, 0}, {52, 42}), 900},
+          {tube({0, 0}, {44, 34}), 40},
+          {box({-8, 48, -8}, {8, 66, 8}), 30}};
+}
+
+TEST(IsolateBody, TakesAThinShellOffThatTouchesTheHeadAndEnclosesAir) {
+  // A U as wide as the head, of plastic as light as fat, open in front.
+  const auto shell = [](const Vec3& p) {
+    const bool within = glm::length(Vec2(p) / Vec2(63, 80)) < 1;
+    return p.y < 0 && within && glm::length(Vec2(p) / Vec2(60, 77)) >= 1;
+  };
+  Volume scanned = fine_scan(both({{shell, -100}}, head()));
+  const Volume before = scanned;
+  const Volume expected = fine_scan(head());
+  const Isolation isolation = isolate_body(scanned);
+  int touching = 0;
+  for (size_t i = 0; i < scanned.voxels(); ++i) {
+    if (expected.values[i] > kLeastMatter) {
+      ASSERT_EQ(scanned.values[i], before.values[i]) << i;
+    } else {
+      touching += scanned.values[i] > kLeastMatter ? 1 : 0;
+    }
+  }
+  const double left_ml = touching * 2.0 / 1000;
+  EXPECT_GT(isolation.removed, 30);
+  EXPECT_LT(left_ml, 0.2 * isolation.removed);  // where it touches
+}
+
+TEST(IsolateBody, TakesACableOffTheSkinAndAPlateOffTheEar) {
+  const std::vector<Thing> things = {{tube({15, 51}, {3, 3}), 400},
+                                     {box({66, -50, -40}, {70, 20, 40}), 600},
+                                     {box({58, -6, -12}, {66, 6, 12}), 20}};
+  Volume scanned = fine_scan(both(things, head()));
+  const Volume before = scanned;
+  const Volume expected = fine_scan(both({things.back()}, head()));
+  isolate_body(scanned);
+  int bitten = 0;
+  for (size_t i = 0; i < scanned.voxels(); ++i) {
+    ASSERT_TRUE(scanned.values[i] <= kLeastMatter || expected.values[i] > kLeastMatter) << i;
+    bitten += scanned.values[i] <= kLeastMatter && expected.values[i] > kLeastMatter ? 1 : 0;
+  }
+  // Of the ear what is blurred with the plate, 2 mm.
+  EXPECT_LE(bitten * 2.0 / 1000, 2.5 * 12 * 24 / 1000);
+}
+
+TEST(IsolateBody, LeavesBonesWithoutFleshWhole) {
+  const std::vector<Thing> bones = {{tube({0, 0}, {60, 50}), 900},
+                                    {tube({0, 0}, {45, 35}), kAir},
+                                    {tube({0, 55.5f}, {4, 4}), 700}};
+  Volume scanned = fine_scan(bones);
+  const Volume before = scanned;
+  isolate_body(scanned);
+  for (size_t i = 0; i < scanned.voxels(); ++i) {
+    ASSERT_TRUE(scanned.values[i] == before.values[i] || before.values[i] == kAir) << i;
+  }
 }
 
 /// As a file that does not say what its values mean.
