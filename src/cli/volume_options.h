@@ -25,6 +25,8 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
           "--crop", [&options](const std::string& text) { parse_crop(text, options); },
           "Leave a box of the volume, from and to mm R, A and S, or what lies around matter")
       ->type_name("R0,R1,A0,A1,S0,S1|matter");
+  command.add_flag("--bias", options.bias,
+                   "Even out how the signal of MR falls off with the distance from its coils");
 }
 
 /// Adds --series, --frame, --gaps, --hu, --modality, --keep-table and what add_prepare_options()

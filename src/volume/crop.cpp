@@ -25,17 +25,7 @@ float least_matter(const Volume& volume) {
   if (volume.modality == Modality::kCt) {
     return kLeastMatter;
   }
-  const Histogram values = histogram(volume);
-  const float threshold = otsu_threshold(values);
-  double sum = 0;
-  double count = 0;
-  for (int bin = 0; bin < Histogram::kBins; ++bin) {
-    const float value = values.min + (static_cast<float>(bin) + 0.5f) * values.bin_width();
-    const auto weight = value < threshold ? static_cast<double>(values.counts[bin]) : 0.0;
-    sum += weight * value;
-    count += weight;
-  }
-  return 0.5f * (threshold + static_cast<float>(sum / std::max(count, 1.0)));
+  return least_signal(histogram(volume));
 }
 
 /// `items` of `stride` a voxel.

@@ -79,4 +79,17 @@ float otsu_threshold(const Histogram& h) {
   return h.min + (static_cast<float>(best_bin) + 1) * h.bin_width();
 }
 
+float least_signal(const Histogram& h) {
+  const float threshold = otsu_threshold(h);
+  double sum = 0;
+  double count = 0;
+  for (int bin = 0; bin < Histogram::kBins; ++bin) {
+    const float value = h.min + (static_cast<float>(bin) + 0.5f) * h.bin_width();
+    const auto weight = value < threshold ? static_cast<double>(h.counts[bin]) : 0.0;
+    sum += weight * value;
+    count += weight;
+  }
+  return 0.5f * (threshold + static_cast<float>(sum / std::max(count, 1.0)));
+}
+
 }  // namespace clipgs

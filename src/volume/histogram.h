@@ -28,4 +28,8 @@ Histogram histogram(const Volume& volume);
 /// foreground of a scan.
 float otsu_threshold(const Histogram& histogram);
 
+/// The middle between Otsu's threshold and the mean of what is below it: background is below, dim
+/// parts of the foreground are not.
+float least_signal(const Histogram& histogram);
+
 }  // namespace clipgs

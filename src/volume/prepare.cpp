@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "volume/bias_field.h"
 #include "volume/crop.h"
 
 namespace clipgs {
@@ -42,6 +43,17 @@ PreparationStep crop_to(Volume& volume, const VoxelBox& box, const char* what,
            {"to_s_mm", left.max.z}}};
 }
 
+PreparationStep even_out_bias(Volume& volume, const std::string& where) {
+  if (volume.modality != Modality::kMr && volume.modality != Modality::kUnknown) {
+    throw Error("{}: --bias is for MR, not for {}; leave it out", where,
+                modality_name(volume.modality));
+  }
+  const BiasField field = correct_bias(volume, where);
+  warn(fmt::format("{}: evened out a field of {:.2f} to {:.2f} (bias of the coils)", where,
+                   field.least, field.most));
+  return {"bias", {{"least", field.least}, {"most", field.most}}};
+}
+
 }  // namespace
 
 void prepare(Volume& volume, const PrepareOptions& options, const std::string& where,
@@ -51,6 +63,9 @@ void prepare(Volume& volume, const PrepareOptions& options, const std::string& w
   }
   if (options.crop_to_matter) {
     steps.push_back(crop_to(volume, voxels_of_matter(volume), "what is matter", where));
+  }
+  if (options.bias) {
+    steps.push_back(even_out_bias(volume, where));
   }
 }
 

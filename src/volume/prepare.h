@@ -13,6 +13,7 @@ namespace clipgs {
 struct PrepareOptions {
   std::optional<Box> crop;      ///< leave what lies in this box, RAS mm
   bool crop_to_matter = false;  ///< leave what lies around matter (voxels_of_matter())
+  bool bias = false;            ///< even out what the coils of an MR scanner did
 };
 
 /// A step that was taken.
