@@ -18,6 +18,12 @@ inline void parse_crop(const std::string& text, PrepareOptions& options) {
   }
 }
 
+/// --denoise-volume: "auto", or a standard deviation in value units.
+inline void parse_noise(const std::string& text, PrepareOptions& options) {
+  options.noise =
+      text == "auto" ? 0 : parse_numbers(text, 1, 1, "--denoise-volume", {1e-3f, 1e9f})[0];
+}
+
 /// Adds what makes a volume ready to be traced.
 inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
   command
@@ -27,6 +33,11 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
       ->type_name("R0,R1,A0,A1,S0,S1|matter");
   command.add_flag("--bias", options.bias,
                    "Even out how the signal of MR falls off with the distance from its coils");
+  command
+      .add_option_function<std::string>(
+          "--denoise-volume", [&options](const std::string& text) { parse_noise(text, options); },
+          "Average noise of this standard deviation (HU of CT) out of the values, not across edges")
+      ->type_name("SIGMA|auto");
 }
 
 /// Adds --series, --frame, --gaps, --hu, --modality, --keep-table and what add_prepare_options()

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "volume/histogram.h"
-#include "volume/isolate_body.h"
+#include "volume/matter.h"
 
 namespace clipgs {
 namespace {
@@ -19,13 +18,6 @@ VoxelBox within_volume(const Volume& volume, const Vec3& low, const Vec3& high) 
   // Compared as floats: what a user asks for may lie beyond what an int holds.
   return {IVec3(glm::clamp(glm::ceil(low), Vec3(0), Vec3(volume.dims))),
           IVec3(glm::clamp(glm::floor(high), Vec3(-1), Vec3(volume.dims - 1)))};
-}
-
-float least_matter(const Volume& volume) {
-  if (volume.modality == Modality::kCt) {
-    return kLeastMatter;
-  }
-  return least_signal(histogram(volume));
 }
 
 /// `items` of `stride` a voxel.

@@ -16,10 +16,9 @@ struct VoxelBox {
 /// own box around it.
 VoxelBox voxels_within(const Volume& volume, const Box& mm);
 
-/// The voxels around all that is neither air nor background, with a margin of 5 mm: of CT what is
-/// above kLeastMatter, of anything else above the middle between Otsu's threshold (Otsu 1979) and
-/// the mean of what is below it, so that dim parts stay. A voxel counts whose six neighbours are
-/// matter as well: noise does not. Empty where nothing is.
+/// The voxels around all that is neither air nor background (least_matter()), with a margin of
+/// 5 mm. A voxel counts whose six neighbours are matter as well: noise does not. Empty where
+/// nothing is.
 VoxelBox voxels_of_matter(const Volume& volume);
 
 /// Leaves what lies in the box, which must hold at least two voxels along every axis and lie in

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "volume/bias_field.h"
 #include "volume/crop.h"
+#include "volume/denoise_values.h"
 
 namespace clipgs {
 namespace {
@@ -54,6 +55,20 @@ PreparationStep even_out_bias(Volume& volume, const std::string& where) {
   return {"bias", {{"least", field.least}, {"most", field.most}}};
 }
 
+PreparationStep average_noise(Volume& volume, float noise, const std::string& where) {
+  if (!volume.rgb.empty()) {
+    throw Error("{}: --denoise-volume is for values, and these are photographs; leave it out",
+                where);
+  }
+  const float sigma = noise > 0 ? noise : estimate_noise(volume);
+  if (sigma > 0) {
+    denoise_values(volume, sigma);
+  }
+  warn(fmt::format("{}: averaged noise of {:.3g}{} away", where, sigma,
+                   volume.modality == Modality::kCt ? " HU" : ""));
+  return {"denoise", {{"sigma", sigma}}};
+}
+
 }  // namespace
 
 void prepare(Volume& volume, const PrepareOptions& options, const std::string& where,
@@ -66,6 +81,9 @@ void prepare(Volume& volume, const PrepareOptions& options, const std::string& w
   }
   if (options.bias) {
     steps.push_back(even_out_bias(volume, where));
+  }
+  if (options.noise) {
+    steps.push_back(average_noise(volume, *options.noise, where));
   }
 }
 
