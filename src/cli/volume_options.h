@@ -5,6 +5,7 @@
 #include "cinema/scene.h"
 #include "cli/arguments.h"
 #include "volume/load.h"
+#include "volume/metal.h"
 
 namespace clipgs {
 
@@ -16,6 +17,12 @@ inline void parse_crop(const std::string& text, PrepareOptions& options) {
     const std::vector<float> n = parse_numbers(text, 6, 6, "--crop");
     options.crop = Box{{n[0], n[2], n[4]}, {n[1], n[3], n[5]}};
   }
+}
+
+/// --soften-metal: "auto", or HU.
+inline void parse_metal(const std::string& text, PrepareOptions& options) {
+  options.metal =
+      text == "auto" ? kMetal : parse_numbers(text, 1, 1, "--soften-metal", {500, 1e5f})[0];
 }
 
 /// --denoise-volume: "auto", or a standard deviation in value units.
@@ -31,6 +38,12 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
           "--crop", [&options](const std::string& text) { parse_crop(text, options); },
           "Leave a box of the volume, from and to mm R, A and S, or what lies around matter")
       ->type_name("R0,R1,A0,A1,S0,S1|matter");
+  command
+      .add_option_function<std::string>(
+          "--soften-metal", [&options](const std::string& text) { parse_metal(text, options); },
+          "Soften the streaks of metal, of this many HU or more, in a CT's axial slices (auto: "
+          "2500)")
+      ->type_name("HU|auto");
   command.add_flag("--bias", options.bias,
                    "Even out how the signal of MR falls off with the distance from its coils");
   command

@@ -6,6 +6,7 @@
 #include "volume/bias_field.h"
 #include "volume/crop.h"
 #include "volume/denoise_values.h"
+#include "volume/metal.h"
 
 namespace clipgs {
 namespace {
@@ -55,6 +56,20 @@ PreparationStep even_out_bias(Volume& volume, const std::string& where) {
   return {"bias", {{"least", field.least}, {"most", field.most}}};
 }
 
+PreparationStep soften_streaks(Volume& volume, float least, const std::string& where) {
+  if (volume.modality != Modality::kCt) {
+    throw Error(
+        "{}: --soften-metal is for CT; if this is CT give --modality ct, or --hu SCALE,OFFSET",
+        where);
+  }
+  const MetalSoftening done = soften_metal(volume, least);
+  warn(fmt::format(
+      "{}: softened the streaks of {:.3g} ml of metal ({:.0f} HU or more) in {} slices; "
+      "pictures look better for it, the data are not",
+      where, done.metal_ml, least, done.slices));
+  return {"metal", {{"least_hu", least}, {"metal_ml", done.metal_ml}, {"slices", done.slices}}};
+}
+
 PreparationStep average_noise(Volume& volume, float noise, const std::string& where) {
   if (!volume.rgb.empty()) {
     throw Error("{}: --denoise-volume is for values, and these are photographs; leave it out",
@@ -78,6 +93,9 @@ void prepare(Volume& volume, const PrepareOptions& options, const std::string& w
   }
   if (options.crop_to_matter) {
     steps.push_back(crop_to(volume, voxels_of_matter(volume), "what is matter", where));
+  }
+  if (options.metal) {
+    steps.push_back(soften_streaks(volume, *options.metal, where));
   }
   if (options.bias) {
     steps.push_back(even_out_bias(volume, where));

@@ -13,6 +13,7 @@ namespace clipgs {
 struct PrepareOptions {
   std::optional<Box> crop;      ///< leave what lies in this box, RAS mm
   bool crop_to_matter = false;  ///< leave what lies around matter (voxels_of_matter())
+  std::optional<float> metal;   ///< soften the streaks of what is as dense as this, HU
   bool bias = false;            ///< even out what the coils of an MR scanner did
   /// Standard deviation of noise that is averaged away, value units; 0: what is estimated.
   std::optional<float> noise;
