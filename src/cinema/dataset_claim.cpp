@@ -33,12 +33,15 @@ std::string digest_of_values(const VoxelValues& values) {
 }
 
 std::string digest_of_voxels(const Volume& volume) {
-  [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, values, rgb,
-                                labels, label_numbers, hints] = volume;
+  [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, values,
+                                scanned, rgb, labels, label_numbers, hints] = volume;
   Digest digest;
   digest.add(dims).add(spacing).add(origin).add(upsampling).add(modality);
   for (int k = 0; k < 3; ++k) {
     digest.add(direction[k]);
+  }
+  if (!scanned.empty()) {
+    digest.add(digest_of_values(scanned));
   }
   return digest.add(digest_of_values(values)).add(rgb).hex();
 }

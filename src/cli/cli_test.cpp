@@ -104,6 +104,26 @@ TEST_F(CliTest, FrameChoosesAVolumeOfAFileInTime) {
   EXPECT_EQ(largest("2"), 99);
 }
 
+TEST_F(CliTest, InfoListsWhatWasDoneToAVolume) {
+  const Finished info = run_clipgs({"info", phantom(), "--json", "--crop", "-40,40,-40,40,-60,60",
+                                    "--denoise-volume", "auto", "--soften-metal", "auto"});
+  ASSERT_EQ(info.status, 0) << info.err;
+  EXPECT_THAT(info.err, HasSubstr("cropped to a box"));
+  const nlohmann::json done = nlohmann::json::parse(info.out).at("prepared");
+  ASSERT_EQ(done.size(), 3);
+  EXPECT_EQ(done[0].at("step"), "crop");
+  EXPECT_NEAR(done[0].at("to_s_mm").get<float>(), 60, 10);
+  EXPECT_EQ(done[1].at("step"), "metal");
+  EXPECT_EQ(done[2].at("step"), "denoise");
+  EXPECT_GT(done[2].at("sigma").get<float>(), 0);
+  EXPECT_FALSE(
+      nlohmann::json::parse(run_clipgs({"info", phantom(), "--json"}).out).contains("prepared"));
+  expect_failure({"info", phantom(), "--crop", "900,999,0,1,0,1"}, "--crop leaves 0 x");
+  expect_failure({"info", phantom(), "--bias"}, "--bias is for MR");
+  EXPECT_EQ(run_clipgs({"info", phantom(), "--crop", "body"}).status, 2);
+  EXPECT_EQ(run_clipgs({"info", phantom(), "--denoise-volume", "-3"}).status, 2);
+}
+
 TEST_F(CliTest, InfoListsTheSeriesAndPhasesOfAFolder) {
   FixtureSlice slice;
   for (const int phase : {1, 2}) {

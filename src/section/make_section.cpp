@@ -172,7 +172,7 @@ ErrorBands reading_errors(const Section& section, const Volume& volume, const Gr
         const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
         if (section.code(index) >= Section::kFirstInside) {
           const float value = section.value(section.sample(index));
-          errors.add(section.curve.code(value), value - volume.at(x, y, z));
+          errors.add(section.curve.code(value), value - volume.readings()[volume.offset(x, y, z)]);
         }
       }
     }
@@ -196,7 +196,7 @@ ErrorBands resizing_errors(const Section& fine, const Section& coarse) {
 }
 
 void fill_scalar(Section& section, const Volume& volume, const Preset& preset, const Grid& grid) {
-  const Field field = resample_volume(volume, grid, [&](size_t i) { return volume.values[i]; });
+  const Field field = resample_volume(volume, grid, [&](size_t i) { return volume.readings()[i]; });
   const std::vector<std::uint8_t> air =
       outside(field, [&](float value) { return may_be_air(value, volume, preset.transfer); });
   std::vector<float> inside;

@@ -133,7 +133,8 @@ struct SectionOptions {
   int size = 384;  ///< voxels along each side, at most; never finer than the volume
 };
 
-/// The part of `volume` that `preset` shows, resampled; air around the body is left out.
+/// The part of `volume` that `preset` shows, resampled, with the values that are read of it
+/// (Volume::readings()); air around the body is left out.
 /// Reflectances start as the preset's albedo; fit_reflectance() makes them right. Throws Error if
 /// nothing is visible or the size is out of range.
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);

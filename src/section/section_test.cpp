@@ -114,6 +114,26 @@ TEST(Section, KeepsWhatThePresetHides) {
   EXPECT_NEAR(section.value(section.sample(hidden)), volume.at(20, 20, 30), 4);
 }
 
+TEST(Section, TellsTheValuesAsScannedWhereThePicturesHaveOthers) {
+  Volume volume = make_body(40);
+  volume.scanned = volume.values;
+  volume.values.transform([](float value) { return value > 0 ? 90.0f : value; });
+  const Section section = make_section(volume, tissue(), {64});
+  double squares = 0;
+  int count = 0;
+  for (int z = 8; z < 12; ++z) {
+    for (int x = 16; x < 24; ++x) {
+      const auto reading = section.read(volume.world_from_index(Vec3(x, 20, z)));
+      ASSERT_TRUE(reading);
+      const double error = reading->value - volume.scanned[volume.offset(x, 20, z)];
+      squares += error * error;
+      ++count;
+    }
+  }
+  EXPECT_LT(std::sqrt(squares / count), 1);
+  EXPECT_GT(volume.at(20, 20, 8) - volume.scanned[volume.offset(20, 20, 8)], 10);
+}
+
 TEST(Section, ResizedCoversTheSameBoxAndSaysWhatIsLost) {
   const Volume volume = make_body(60);
   const Section fine = make_section(volume, tissue(), {64});

@@ -88,7 +88,11 @@ VoxelBox voxels_of_matter(const Volume& volume) {
 }
 
 void crop(Volume& volume, const VoxelBox& box) {
-  volume.values.rearrange([&](const auto& items) { return part_of(items, volume, box); });
+  const auto part = [&](const auto& items) { return part_of(items, volume, box); };
+  volume.values.rearrange(part);
+  if (!volume.scanned.empty()) {
+    volume.scanned.rearrange(part);
+  }
   if (!volume.rgb.empty()) {
     volume.rgb = part_of(volume.rgb, volume, box, 3);
   }

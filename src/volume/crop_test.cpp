@@ -27,6 +27,7 @@ Volume numbered() {
     volume.rgb.insert(volume.rgb.end(), 3, static_cast<std::uint8_t>(i % 251));
     volume.labels.push_back(static_cast<std::uint8_t>(i % 7));
   }
+  volume.scanned = values;
   volume.values = std::move(values);
   return volume;
 }
@@ -46,6 +47,7 @@ TEST(Crop, LeavesEveryVoxelWhereItIs) {
           const size_t from = whole.offset(x + 1, y + 2, z + 3);
           const size_t at = part.offset(x, y, z);
           ASSERT_EQ(part.values[at], whole.values[from]);
+          ASSERT_EQ(part.scanned[at], whole.scanned[from]);
           ASSERT_EQ(part.rgb[3 * at + 2], whole.rgb[3 * from + 2]);
           ASSERT_EQ(part.labels[at], whole.labels[from]);
           EXPECT_LT(glm::length(part.world_from_index({x, y, z}) -

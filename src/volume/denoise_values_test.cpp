@@ -1,13 +1,17 @@
 #include "volume/denoise_values.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <vector>
 
 #include "core/parallel.h"
 #include "core/random.h"
+#include "volume/load.h"
 #include "volume/phantom.h"
+#include "volume/test_folder.h"
 
 namespace clipgs {
 namespace {
@@ -66,6 +70,27 @@ TEST(DenoiseValues, LeavesLessThanHalfOfTheNoiseInsideAndLessAtEdges) {
     EXPECT_LT(after.edges, before.edges) << sigma;
     EXPECT_TRUE(volume.values.packed());
   }
+}
+
+TEST(DenoiseValues, WhatIsReadStaysAsScanned) {
+  const TestFolder folder;
+  Volume noisy = with_noise(make_phantom(48), 20);
+  noisy.values.transform([](float value) { return std::max(value, -1024.0f); });
+  save_volume(folder / "v.nrrd", noisy);
+  LoadOptions options;
+  options.keep_table = true;
+  EXPECT_TRUE(load_volume(folder / "v.nrrd", options).scanned.empty());
+  options.prepare.noise = 0;
+  testing::internal::CaptureStderr();
+  const LoadedVolume loaded = load_with_series(folder / "v.nrrd", options);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("averaged noise of 2"));
+  Volume expected = noisy;
+  denoise_values(expected, estimate_noise(noisy));
+  EXPECT_EQ(loaded.volume.values, expected.values);
+  EXPECT_EQ(loaded.volume.readings(), noisy.values);
+  ASSERT_EQ(loaded.prepared.size(), 1);
+  EXPECT_EQ(loaded.prepared[0].name, "denoise");
+  EXPECT_NEAR(loaded.prepared[0].figures[0].second, 20, 4);
 }
 
 TEST(DenoiseValues, DoesNotDependOnThreads) {

@@ -189,6 +189,7 @@ SizeCheck size_check(const LoadOptions& options, const std::string& where) {
       return;
     }
     size.labels = !options.labels.empty();
+    size.scanned = options.prepare.keeps_scanned();
     const std::string lack = lack_of_memory(size, options.work(size), available_memory());
     if (!lack.empty() && !options.warn_of_size) {
       throw Error("{}: {}", where, lack);

@@ -56,12 +56,19 @@ PreparationStep even_out_bias(Volume& volume, const std::string& where) {
   return {"bias", {{"least", field.least}, {"most", field.most}}};
 }
 
+void keep_scanned(Volume& volume) {
+  if (volume.scanned.empty()) {
+    volume.scanned = volume.values;
+  }
+}
+
 PreparationStep soften_streaks(Volume& volume, float least, const std::string& where) {
   if (volume.modality != Modality::kCt) {
     throw Error(
         "{}: --soften-metal is for CT; if this is CT give --modality ct, or --hu SCALE,OFFSET",
         where);
   }
+  keep_scanned(volume);
   const MetalSoftening done = soften_metal(volume, least);
   warn(fmt::format(
       "{}: softened the streaks of {:.3g} ml of metal ({:.0f} HU or more) in {} slices; "
@@ -75,6 +82,7 @@ PreparationStep average_noise(Volume& volume, float noise, const std::string& wh
     throw Error("{}: --denoise-volume is for values, and these are photographs; leave it out",
                 where);
   }
+  keep_scanned(volume);
   const float sigma = noise > 0 ? noise : estimate_noise(volume);
   if (sigma > 0) {
     denoise_values(volume, sigma);

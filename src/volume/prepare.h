@@ -17,6 +17,9 @@ struct PrepareOptions {
   bool bias = false;            ///< even out what the coils of an MR scanner did
   /// Standard deviation of noise that is averaged away, value units; 0: what is estimated.
   std::optional<float> noise;
+
+  /// Whether the values before are kept for reading (Volume::scanned).
+  bool keeps_scanned() const { return metal || noise; }
 };
 
 /// A step that was taken.
@@ -25,6 +28,9 @@ struct PreparationStep {
   std::vector<std::pair<std::string, double>> figures;  ///< what it did, units in the names
 };
 
+/// Metal and noise are taken out of the values that are traced; what is read of them (HU under a
+/// pin, grey faces) stays as it was before. MR's signal has no unit: it is read as evened out.
+///
 /// Takes the steps in the order of PrepareOptions, and says what each did in one warning that
 /// begins with `where`. Adds what it did to `steps`. Throws Error where nothing would be left.
 void prepare(Volume& volume, const PrepareOptions& options, const std::string& where,

@@ -508,6 +508,7 @@ VolumeSize upsampled(VolumeSize size) {
   const IVec3 factors = upsampling_factors(size);
   size.dims = (size.dims - 1) * factors + 1;
   size.spacing /= Vec3(factors);
+  size.scanned = false;
   return size;
 }
 
@@ -528,6 +529,7 @@ Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& tra
   if (least < 1) {
     throw Error("voxels can be made finer by whole factors from 1, not by {}", least);
   }
+  volume.scanned = {};
   if (most == 1) {
     return volume;
   }

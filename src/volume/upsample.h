@@ -29,6 +29,7 @@ std::uint64_t upsampling_memory(const VolumeSize& size);
 /// values flow along their level sets by mean curvature (Osher and Sethian 1988, as Whitaker 2000
 /// smooths binary volumes), and the mean over every scanned voxel, which is what the scanner
 /// measured, is given back now and then. No value leaves the range of the scanned ones around it.
+/// Volume::scanned, which is read and not drawn, is left out.
 /// The bytes are the same at any thread count. Throws Error where a factor is below 1.
 Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& transfer);
 

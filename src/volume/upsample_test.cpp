@@ -449,6 +449,21 @@ TEST(Upsample, FactorsSuitTheScan) {
   EXPECT_EQ(factors({122, 101, 112}, Vec3(3), true), IVec3(1)) << "photographs";
 }
 
+TEST(Upsample, LeavesOutWhatIsReadAndNotDrawn) {
+  Volume volume = small_ball();
+  volume.scanned = volume.values;
+  volume.values.transform([](float value) { return 0.5f * value; });
+  for (const int factor : {1, 2}) {
+    const Volume fine = upsample(volume, IVec3(factor), skin());
+    EXPECT_TRUE(fine.scanned.empty()) << factor;
+    EXPECT_EQ(fine.readings(), fine.values) << factor;
+  }
+  VolumeSize size{.dims = {122, 101, 112}, .spacing = Vec3(3)};
+  const std::uint64_t drawn = upsampled(size).loaded();
+  size.scanned = true;
+  EXPECT_EQ(upsampled(size).loaded(), drawn);
+}
+
 TEST(Upsample, RefusesFactorsBelowOne) {
   EXPECT_THROW(upsample(small_ball(), {1, 0, 1}, skin()), Error);
 }

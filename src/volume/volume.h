@@ -24,6 +24,8 @@ inline float mean_spacing(const Vec3& spacing) {
 ///   values  [nz, ny, nx]        HU for CT, stored units otherwise (luminance 0…255 of
 ///   photographs);
 ///                               floats that are kept in 16 bits where they are few enough
+///   scanned [nz, ny, nx]        values as they were read, where noise or streaks were taken out of
+///                               `values` for the pictures' sake (prepare()); empty otherwise
 ///   rgb     [nz, ny, nx, 3] u8  sRGB, only for photographs; empty otherwise
 ///   labels  [nz, ny, nx] u8     index into label_numbers; empty without a segmentation
 struct Volume {
@@ -34,6 +36,7 @@ struct Volume {
   IVec3 upsampling{1};  ///< voxels in place of one that was scanned, along each axis (upsample())
   Modality modality = Modality::kUnknown;
   VoxelValues values;
+  VoxelValues scanned;
   std::vector<std::uint8_t> rgb;
   std::vector<std::uint8_t> labels;
   std::vector<int> label_numbers;  ///< as the segmentation's file has them; the first is 0
@@ -46,6 +49,9 @@ struct Volume {
   /// mm between the centres of voxels that were scanned: how fine the volume tells things apart.
   Vec3 scanned_spacing() const { return spacing * Vec3(upsampling); }
   float at(int x, int y, int z) const { return values[offset(x, y, z)]; }
+
+  /// What a person reads as the value of a voxel.
+  const VoxelValues& readings() const { return scanned.empty() ? values : scanned; }
 
   /// World (RAS mm) ↔ continuous voxel index; integer indices are voxel centres.
   Vec3 world_from_index(const Vec3& index) const { return origin + direction * (index * spacing); }

@@ -24,15 +24,17 @@ std::uint64_t VolumeSize::padded_voxels() const {
 }
 
 std::uint64_t VolumeSize::loaded() const {
-  return voxels() * (value_bytes(*this) + (labels ? 1 : 0));
+  return voxels() * (value_bytes(*this) + (labels ? 1 : 0) + (scanned ? value_bytes(*this) : 0));
 }
 
 std::uint64_t VolumeSize::loading() const {
   const std::uint64_t alone = value_bytes(*this);
   // Before and after axes are flipped; the luminance of colours is found later.
-  const std::uint64_t reordering = rgb ? alone : 2 * alone;
+  // While values are made of those that are kept, there are both, and those that they become.
+  const std::uint64_t reordering = rgb ? alone : scanned ? 3 * alone : 2 * alone;
   constexpr std::uint64_t kLabels = 4;  // their codes, before and after as well
-  return voxels() * (labels ? std::max(reordering, alone + kLabels) : reordering);
+  return voxels() *
+         (labels ? std::max(reordering, (scanned ? 2 : 1) * alone + kLabels) : reordering);
 }
 
 void require_supported(const VolumeSize& size, const std::string& where) {

@@ -14,6 +14,7 @@ struct VolumeSize {
   int stored_bytes = 2;  ///< of a stored value
   bool rgb = false;      ///< a photograph
   bool labels = false;   ///< a segmentation is loaded with it
+  bool scanned = false;  ///< its values are kept as they were before noise was taken out
   Vec3 spacing{1};       ///< mm between voxel centres
 
   std::uint64_t voxels() const { return static_cast<std::uint64_t>(dims.x) * dims.y * dims.z; }

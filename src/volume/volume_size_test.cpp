@@ -22,6 +22,10 @@ TEST(VolumeSize, StoredIn16BitsTakesTwoBytesAVoxel) {
   EXPECT_EQ((VolumeSize{IVec3(1024), 2, false, true}.loaded()), 3 * kGiB);
   EXPECT_EQ((VolumeSize{IVec3(1024), 1, true}.loaded()), 7 * kGiB);
   EXPECT_EQ((VolumeSize{IVec3(1024), 2}.loading()), 4 * kGiB);
+  EXPECT_EQ((VolumeSize{IVec3(1024), 2, false, false, true}.loaded()), 4 * kGiB);
+  EXPECT_EQ((VolumeSize{IVec3(1024), 2, false, false, true}.loading()), 6 * kGiB);
+  EXPECT_EQ((VolumeSize{IVec3(1024), 2, false, true}.loading()), 6 * kGiB);
+  EXPECT_EQ((VolumeSize{IVec3(1024), 2, false, true, true}.loading()), 8 * kGiB);
 }
 
 TEST(VolumeSize, UpTo4GiVoxelsWithTheBorderAreSupported) {
