@@ -49,7 +49,7 @@ std::uint64_t tracing_memory(const VolumeSize& size) {
 }
 
 std::uint64_t picture_memory(const VolumeSize& size, bool upsample) {
-  const VolumeSize fine = upsampled(size);
+  const VolumeSize fine = most_upsampled(size);
   return !upsample || fine.dims == size.dims
              ? tracing_memory(size)
              : std::max(upsampling_memory(size), fine.loaded() + tracing_memory(fine));

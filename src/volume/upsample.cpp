@@ -10,442 +10,12 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "volume/crop.h"
+#include "volume/fine_grid.h"
+#include "volume/surface_flow.h"
 
 namespace clipgs {
 namespace {
-
-// Chosen on a sphere, a torus and a face of known shape (docs/notes/surfaces.md).
-constexpr int kRounds = 8;           // the means are put right before each
-constexpr int kSteps = 10;           // of the flow, a round
-constexpr int kSoftening = 3;        // steps of heat in the end, by a voxel or so
-constexpr float kStep = 0.16f;       // of the squared finest spacing; 1/6 is the limit of heat
-constexpr float kEvenRange = 6;      // noise levels: among 27 values of even matter the range is 4
-constexpr float kSurfaceRange = 12;  // noise levels: from here on all flows
-constexpr float kFaithful = 0.25f;   // of the range around a voxel: its mean may be off by so much
-constexpr float kFalse = 0.4f;       // from here on it is as if nothing had flowed
-constexpr int kBlock = 8;            // voxels along each side of what flows together
-
-/// Of scanned voxels.
-using Field = std::vector<float>;
-
-/// Where a fine voxel lies among the scanned ones along an axis.
-struct Between {
-  int low;
-  int high;
-  float t;  // from low to high
-};
-
-/// Weights of the four scanned voxels around a fine one along an axis (Catmull and Rom 1974).
-struct Cubic {
-  Cubic(const Between& at, int count)
-      : places{std::max(at.low - 1, 0), at.low, at.high, std::min(at.high + 1, count - 1)},
-        weights{0.5f * at.t * (at.t * (2 - at.t) - 1), 0.5f * (at.t * at.t * (3 * at.t - 5) + 2),
-                0.5f * at.t * (at.t * (4 - 3 * at.t) + 1), 0.5f * at.t * at.t * (at.t - 1)} {}
-
-  std::array<int, 4> places;
-  std::array<float, 4> weights;
-};
-
-/// The scanned grid and the fine one.
-struct Grids {
-  Grids(const Volume& volume, const IVec3& given)
-      : coarse(volume.dims),
-        factors(given),
-        fine((volume.dims - 1) * given + 1),
-        spacing(volume.spacing / Vec3(given)) {
-    for (int k = 0; k < 3; ++k) {
-      for (int i = 0; i < fine[k]; ++i) {
-        const int low = std::min(i / factors[k], coarse[k] - 1);
-        between[k].push_back({low, std::min(low + 1, coarse[k] - 1),
-                              static_cast<float>(i % factors[k]) / static_cast<float>(factors[k])});
-        cubic[k].emplace_back(between[k].back(), coarse[k]);
-      }
-    }
-  }
-
-  size_t coarse_at(int x, int y, int z) const {
-    return (static_cast<size_t>(z) * coarse.y + y) * coarse.x + x;
-  }
-  size_t fine_at(int x, int y, int z) const {
-    return (static_cast<size_t>(z) * fine.y + y) * fine.x + x;
-  }
-  size_t coarse_count() const { return coarse_at(0, 0, coarse.z); }
-  size_t fine_count() const { return fine_at(0, 0, fine.z); }
-
-  /// Trilinear value of a field of scanned voxels at a fine voxel.
-  float interpolate(const Field& field, int x, int y, int z) const {
-    const auto [x0, x1, tx] = between[0][static_cast<size_t>(x)];
-    const auto [y0, y1, ty] = between[1][static_cast<size_t>(y)];
-    const auto [z0, z1, tz] = between[2][static_cast<size_t>(z)];
-    const auto row = [&, x0 = x0, x1 = x1, tx = tx](int at_y, int at_z) {
-      const float* const values = &field[coarse_at(0, at_y, at_z)];
-      return values[x0] + tx * (values[x1] - values[x0]);
-    };
-    const float near = row(y0, z0) + ty * (row(y1, z0) - row(y0, z0));
-    const float far = row(y0, z1) + ty * (row(y1, z1) - row(y0, z1));
-    return near + tz * (far - near);
-  }
-
-  /// The same by Catmull-Rom splines, whose slopes have no steps.
-  float interpolate_smoothly(const Field& field, int x, int y, int z) const {
-    const Cubic& along_x = cubic[0][static_cast<size_t>(x)];
-    const Cubic& along_y = cubic[1][static_cast<size_t>(y)];
-    const Cubic& along_z = cubic[2][static_cast<size_t>(z)];
-    float sum = 0;
-    for (size_t k = 0; k < 4; ++k) {
-      for (size_t j = 0; j < 4; ++j) {
-        const float* const row = &field[coarse_at(0, along_y.places[j], along_z.places[k])];
-        float of_row = 0;
-        for (size_t i = 0; i < 4; ++i) {
-          of_row += along_x.weights[i] * row[along_x.places[i]];
-        }
-        sum += along_y.weights[j] * along_z.weights[k] * of_row;
-      }
-    }
-    return sum;
-  }
-
-  IVec3 coarse;
-  IVec3 factors;
-  IVec3 fine;
-  Vec3 spacing;  // mm, of fine voxels
-  std::array<std::vector<Between>, 3> between;
-  std::array<std::vector<Cubic>, 3> cubic;
-};
-
-/// Calls body(x, y, z) for every voxel of a grid, slices in parallel.
-template <typename Body>
-void for_each_voxel(const IVec3& dims, const Body& body) {
-  parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t z, size_t) {
-    for (int y = 0; y < dims.y; ++y) {
-      for (int x = 0; x < dims.x; ++x) {
-        body(x, y, static_cast<int>(z));
-      }
-    }
-  });
-}
-
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
-/// Standard deviation of the noise: of second differences along rows, by the lower quartile, which
-/// edges do not move. Where all is the least value there is padding, not a scan.
-float noise_level(const Volume& volume) {
-  constexpr size_t kSamples = size_t{1} << 20;
-  constexpr float kQuartileOfNormal = 0.3186f;  // of its absolute value
-  const float padding = volume.values.range().min;
-  std::vector<float> differences;
-  for (size_t i = 1; i + 1 < volume.voxels(); i += volume.voxels() / kSamples + 1) {
-    const std::array<float, 3> v = {volume.values[i - 1], volume.values[i], volume.values[i + 1]};
-    if (*std::ranges::max_element(v) > padding) {
-      differences.push_back(std::abs(v[0] - 2 * v[1] + v[2]));
-    }
-  }
-  if (differences.empty()) {
-    return 0;
-  }
-  const auto quartile = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 4);
-  std::ranges::nth_element(differences, quartile);
-  return *quartile / (kQuartileOfNormal * std::sqrt(6.0f));
-}
-
-/// The least (or largest) of the 27 voxels around each.
-template <typename Choose>
-Field among_neighbours(Field field, const Grids& grids, const Choose& choose) {
-  for (int axis = 0; axis < 3; ++axis) {
-    Field result(field.size());
-    IVec3 step(0);
-    step[axis] = 1;
-    for_each_voxel(grids.coarse, [&](int x, int y, int z) {
-      const IVec3 at(x, y, z);
-      const IVec3 before = glm::max(at - step, IVec3(0));
-      const IVec3 after = glm::min(at + step, grids.coarse - 1);
-      result[grids.coarse_at(x, y, z)] =
-          choose(field[grids.coarse_at(x, y, z)],
-                 choose(field[grids.coarse_at(before.x, before.y, before.z)],
-                        field[grids.coarse_at(after.x, after.y, after.z)]));
-    });
-    field = std::move(result);
-  }
-  return field;
-}
-
-/// Values on the fine grid that flow where the body has surfaces.
-class SurfaceFlow {
- public:
-  SurfaceFlow(const Volume& volume, const TransferFunction& transfer, const Grids& grids)
-      : grids_(grids),
-        scanned_(grids.coarse_count()),
-        values_(grids.fine_count()),
-        freedom_(grids.fine_count()) {
-    for_each_voxel(grids.coarse, [&](int x, int y, int z) {
-      scanned_[grids.coarse_at(x, y, z)] = volume.at(x, y, z);
-    });
-    least_ = among_neighbours(scanned_, grids, [](float a, float b) { return std::min(a, b); });
-    most_ = among_neighbours(scanned_, grids, [](float a, float b) { return std::max(a, b); });
-    find_surfaces(transfer, noise_level(volume));
-    for_each_voxel(grids.fine, [&](int x, int y, int z) {
-      const size_t at = grids.fine_at(x, y, z);
-      const float value = grids.interpolate(scanned_, x, y, z);
-      const float share = static_cast<float>(freedom_[at]) / 255;
-      values_[at] = share == 0
-                        ? value
-                        : glm::mix(value, grids.interpolate_smoothly(scanned_, x, y, z), share);
-    });
-    find_blocks();
-  }
-
-  void run() {
-    next_.resize(blocks_.size() * kBlock * kBlock * kBlock);
-    for (int round = 0; round < kRounds; ++round) {
-      keep_means();
-      for (int step = 0; step < kSteps; ++step) {
-        flow(Along::kLevelSets);
-      }
-    }
-    for (int step = 0; step < kSoftening; ++step) {
-      flow(Along::kAll);
-    }
-    keep_thin_things();
-    next_ = {};
-  }
-
-  const std::vector<float>& values() const { return values_; }
-
- private:
-  /// Where what is shown meets what is not, and values change by more than noise.
-  void find_surfaces(const TransferFunction& transfer, float noise) {
-    surface_.resize(scanned_.size());
-    const float even = kEvenRange * noise;
-    const float steep = std::max(kSurfaceRange * noise, std::numeric_limits<float>::min());
-    parallel_for(scanned_.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const bool seen = !(transfer.min_extinction(least_[i], most_[i]) > 0) &&
-                          transfer.max_extinction(least_[i], most_[i]) > 0;
-        surface_[i] = seen ? smooth_step(even, steep, most_[i] - least_[i]) : 0;
-      }
-    });
-    for_each_voxel(grids_.fine, [&](int x, int y, int z) {
-      freedom_[grids_.fine_at(x, y, z)] =
-          static_cast<std::uint8_t>(std::lround(255 * grids_.interpolate(surface_, x, y, z)));
-    });
-  }
-
-  /// The blocks in which anything may flow. Voxels at the grid's sides have no neighbours beyond,
-  /// and stay.
-  void find_blocks() {
-    const IVec3 count = (grids_.fine + kBlock - 1) / kBlock;
-    for (int z = 0; z < count.z; ++z) {
-      for (int y = 0; y < count.y; ++y) {
-        for (int x = 0; x < count.x; ++x) {
-          const Block block{glm::max(kBlock * IVec3(x, y, z), IVec3(1)),
-                            glm::min(kBlock * IVec3(x + 1, y + 1, z + 1), grids_.fine - 1)};
-          if (glm::any(glm::lessThanEqual(block.end, block.begin))) {
-            continue;
-          }
-          bool any = false;
-          for_each_row(block, [&](size_t row, size_t) {
-            const auto first = freedom_.begin() + static_cast<std::ptrdiff_t>(row);
-            any = any || std::any_of(first, first + (block.end.x - block.begin.x),
-                                     [](std::uint8_t freedom) { return freedom > 0; });
-          });
-          if (any) {
-            blocks_.push_back(block);
-          }
-        }
-      }
-    }
-  }
-
-  struct Block {
-    IVec3 begin, end;
-  };
-
-  /// Calls use(first fine voxel of the row, its place in a block's storage).
-  template <typename Use>
-  void for_each_row(const Block& block, const Use& use) const {
-    size_t place = 0;
-    for (int z = block.begin.z; z < block.end.z; ++z) {
-      for (int y = block.begin.y; y < block.end.y; ++y, place += kBlock) {
-        use(grids_.fine_at(block.begin.x, y, z), place);
-      }
-    }
-  }
-
-  /// The scan between its voxels: straight within matter, without kinks at surfaces.
-  float interpolated(int x, int y, int z) const {
-    const float straight = grids_.interpolate(scanned_, x, y, z);
-    const std::uint8_t freedom = freedom_[grids_.fine_at(x, y, z)];
-    return freedom == 0
-               ? straight
-               : glm::mix(straight,
-                          in_range(grids_.interpolate_smoothly(scanned_, x, y, z), x, y, z),
-                          static_cast<float>(freedom) / 255);
-  }
-
-  /// The value, or the nearest that the scanned ones around it span.
-  float in_range(float value, int x, int y, int z) const {
-    return std::clamp(value, grids_.interpolate(least_, x, y, z),
-                      grids_.interpolate(most_, x, y, z));
-  }
-
-  /// Mean of the fine values over a scanned voxel: half of it reaches to either side.
-  float mean_over(int x, int y, int z) const {
-    const IVec3 centre = IVec3(x, y, z) * grids_.factors;
-    const IVec3 reach = grids_.factors / 2;
-    const IVec3 low = glm::max(centre - reach, IVec3(0));
-    const IVec3 high = glm::min(centre + reach, grids_.fine - 1);
-    // The outermost of an even number are shared with the neighbour.
-    const auto weight = [&](int axis, int i) {
-      const bool shared =
-          grids_.factors[axis] % 2 == 0 && std::abs(i - centre[axis]) == reach[axis];
-      return shared ? 0.5f : 1.0f;
-    };
-    float sum = 0;
-    float weights = 0;
-    for (int k = low.z; k <= high.z; ++k) {
-      for (int j = low.y; j <= high.y; ++j) {
-        for (int i = low.x; i <= high.x; ++i) {
-          const float w = weight(0, i) * weight(1, j) * weight(2, k);
-          sum += w * values_[grids_.fine_at(i, j, k)];
-          weights += w;
-        }
-      }
-    }
-    return sum / weights;
-  }
-
-  /// What is missing in the mean of every scanned voxel at a surface.
-  Field missing() const {
-    Field missing(scanned_.size());
-    for_each_voxel(grids_.coarse, [&](int x, int y, int z) {
-      const size_t at = grids_.coarse_at(x, y, z);
-      missing[at] = surface_[at] > 0 ? scanned_[at] - mean_over(x, y, z) : 0;
-    });
-    return missing;
-  }
-
-  /// Calls use(x, y, z) for every voxel that may flow, blocks in parallel.
-  template <typename Use>
-  void for_each_free(const Use& use) const {
-    parallel_for(blocks_.size(), 16, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const auto& [low, high] = blocks_[i];
-        for (int z = low.z; z < high.z; ++z) {
-          for (int y = low.y; y < high.y; ++y) {
-            for (int x = low.x; x < high.x; ++x) {
-              if (freedom_[grids_.fine_at(x, y, z)] > 0) {
-                use(x, y, z);
-              }
-            }
-          }
-        }
-      }
-    });
-  }
-
-  /// Gives back to every scanned voxel the mean that was measured.
-  void keep_means() {
-    const Field field = missing();
-    for_each_free([&](int x, int y, int z) { give_back(field, x, y, z); });
-  }
-
-  /// Thin things (vessels, lids) vanish by their curvature; there the interpolated scan stays.
-  void keep_thin_things() {
-    Field lost = missing();
-    for (size_t i = 0; i < lost.size(); ++i) {
-      lost[i] = surface_[i] > 0
-                    ? smooth_step(kFaithful, kFalse, std::abs(lost[i]) / (most_[i] - least_[i]))
-                    : 0;
-    }
-    lost =
-        among_neighbours(std::move(lost), grids_, [](float a, float b) { return std::max(a, b); });
-    for_each_free([&](int x, int y, int z) {
-      const float share = grids_.interpolate(lost, x, y, z);
-      if (share > 0) {
-        float& value = values_[grids_.fine_at(x, y, z)];
-        value = glm::mix(value, interpolated(x, y, z), share);
-      }
-    });
-  }
-
-  void give_back(const Field& missing, int x, int y, int z) {
-    const size_t at = grids_.fine_at(x, y, z);
-    const float share = static_cast<float>(freedom_[at]) / 255;
-    values_[at] = in_range(values_[at] + share * grids_.interpolate(missing, x, y, z), x, y, z);
-  }
-
-  enum class Along {
-    kLevelSets,  ///< ∂v/∂t = Δv − ∂²v/∂n², n the gradient's direction: twice their mean curvature
-    kAll,        ///< ∂v/∂t = Δv: a surface is as steep wherever it passes between scanned voxels
-  };
-
-  /// One explicit step.
-  void flow(Along along) {
-    parallel_for(blocks_.size(), 16, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        flow_block(blocks_[i], along, &next_[i * kBlock * kBlock * kBlock]);
-      }
-    });
-    parallel_for(blocks_.size(), 64, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const float* const next = &next_[i * kBlock * kBlock * kBlock];
-        const int width = blocks_[i].end.x - blocks_[i].begin.x;
-        for_each_row(blocks_[i], [&](size_t row, size_t place) {
-          std::copy_n(next + place, width, &values_[row]);
-        });
-      }
-    });
-  }
-
-  void flow_block(const Block& block, Along along, float* next) const {
-    const auto dy = static_cast<std::ptrdiff_t>(grids_.fine.x);
-    const std::ptrdiff_t dz = dy * grids_.fine.y;
-    const Vec3 first = 0.5f / grids_.spacing;
-    const Vec3 second = 1.0f / (grids_.spacing * grids_.spacing);
-    const float finest = std::min({grids_.spacing.x, grids_.spacing.y, grids_.spacing.z});
-    const float step = kStep * finest * finest / 255;
-    const float normal = along == Along::kLevelSets ? 1 : 0;
-    const int width = block.end.x - block.begin.x;
-    for_each_row(block, [&](size_t row, size_t place) {
-      const float* const v = &values_[row];
-      const std::uint8_t* const freedom = &freedom_[row];
-      for (std::ptrdiff_t x = 0; x < width; ++x) {
-        const auto at = [v, x](std::ptrdiff_t offset) { return v[x + offset]; };
-        const auto mixed = [&](std::ptrdiff_t a, std::ptrdiff_t b) {
-          return at(a + b) - at(a - b) - at(b - a) + at(-a - b);
-        };
-        const float middle = at(0);
-        const float gx = first.x * (at(1) - at(-1));
-        const float gy = first.y * (at(dy) - at(-dy));
-        const float gz = first.z * (at(dz) - at(-dz));
-        const float xx = second.x * (at(1) + at(-1) - 2 * middle);
-        const float yy = second.y * (at(dy) + at(-dy) - 2 * middle);
-        const float zz = second.z * (at(dz) + at(-dz) - 2 * middle);
-        const float xy = first.x * first.y * mixed(1, dy);
-        const float xz = first.x * first.z * mixed(1, dz);
-        const float yz = first.y * first.z * mixed(dy, dz);
-        const float squared = gx * gx + gy * gy + gz * gz + std::numeric_limits<float>::min();
-        const float along_normal = (gx * gx * xx + gy * gy * yy + gz * gz * zz +
-                                    2 * (gx * gy * xy + gx * gz * xz + gy * gz * yz)) /
-                                   squared;
-        const float change = xx + yy + zz - normal * along_normal;
-        next[place + static_cast<size_t>(x)] =
-            middle + step * static_cast<float>(freedom[x]) * change;
-      }
-    });
-  }
-
-  const Grids& grids_;
-  Field scanned_, least_, most_;
-  Field surface_;                      // 0…1: how far each scanned voxel is at a surface
-  std::vector<float> values_;          // of fine voxels
-  std::vector<std::uint8_t> freedom_;  // of fine voxels: 255 may flow, 0 stay
-  std::vector<Block> blocks_;
-  std::vector<float> next_;
-};
 
 /// The values in 16 bits, in equal steps from the least to the largest.
 VoxelValues in_steps(const std::vector<float>& values, const VoxelValues::Range& range) {
@@ -465,7 +35,76 @@ VoxelValues in_steps(const std::vector<float>& values, const VoxelValues::Range&
   return {std::move(codes), std::move(meaning)};
 }
 
-std::vector<std::uint8_t> nearest_labels(const Volume& volume, const Grids& grids) {
+using Ranges = std::vector<VoxelValues::Range>;
+
+void widen(VoxelValues::Range& range, const VoxelValues::Range& by) {
+  range = {std::min(range.min, by.min), std::max(range.max, by.max)};
+}
+
+/// The ranges of values in every plane across each axis.
+std::array<Ranges, 3> ranges_of_planes(const Volume& volume) {
+  constexpr VoxelValues::Range kNone{std::numeric_limits<float>::max(),
+                                     std::numeric_limits<float>::lowest()};
+  std::vector<std::array<Ranges, 3>> of_slices(static_cast<size_t>(volume.dims.z));
+  parallel_for(of_slices.size(), 1, [&](size_t z, size_t) {
+    auto& [across_x, across_y, across_z] = of_slices[z];
+    across_x.assign(static_cast<size_t>(volume.dims.x), kNone);
+    across_z.assign(1, kNone);
+    for (int y = 0; y < volume.dims.y; ++y) {
+      VoxelValues::Range row = kNone;
+      for (int x = 0; x < volume.dims.x; ++x) {
+        const float value = volume.at(x, y, static_cast<int>(z));
+        widen(across_x[static_cast<size_t>(x)], {value, value});
+        widen(row, {value, value});
+      }
+      across_y.push_back(row);
+      widen(across_z.front(), row);
+    }
+  });
+  std::array<Ranges, 3> all = of_slices.front();
+  all[2].clear();
+  for (const auto& slice : of_slices) {
+    for (size_t axis = 0; axis < 2; ++axis) {
+      for (size_t i = 0; i < all[axis].size(); ++i) {
+        widen(all[axis][i], slice[axis][i]);
+      }
+    }
+    all[2].push_back(slice[2].front());
+  }
+  return all;
+}
+
+/// The voxels between planes that, with the next ones, have no value that is shown: interpolation
+/// passes through all between two. Empty where nothing is shown.
+VoxelBox shown_voxels(const Volume& volume, const TransferFunction& transfer) {
+  constexpr int kMargin = 3;  // voxels: surfaces flow with those around them
+  const std::array<Ranges, 3> planes = ranges_of_planes(volume);
+  VoxelBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Ranges& ranges = planes[static_cast<size_t>(axis)];
+    const auto shows = [&](int i) {
+      VoxelValues::Range range = ranges[static_cast<size_t>(i)];
+      widen(range, ranges[static_cast<size_t>(std::min(i + 1, volume.dims[axis] - 1))]);
+      return transfer.max_extinction(range.min, range.max) > 0;
+    };
+    int low = 0;
+    int high = volume.dims[axis] - 1;
+    while (low <= high && !shows(low)) {
+      ++low;
+    }
+    if (low > high) {
+      return {};
+    }
+    while (high > low && !shows(high)) {
+      --high;
+    }
+    box.low[axis] = std::max(low - kMargin, 0);
+    box.high[axis] = std::min(high + kMargin, volume.dims[axis] - 1);
+  }
+  return box;
+}
+
+std::vector<std::uint8_t> nearest_labels(const Volume& volume, const FineGrid& grids) {
   std::vector<std::uint8_t> labels(grids.fine_count());
   const auto nearest = [](const Between& at) { return at.t < 0.5f ? at.low : at.high; };
   for_each_voxel(grids.fine, [&](int x, int y, int z) {
@@ -480,48 +119,61 @@ std::vector<std::uint8_t> nearest_labels(const Volume& volume, const Grids& grid
 }  // namespace
 
 IVec3 upsampling_factors(const VolumeSize& size) {
-  // Finer than what a picture of the whole can show: 1024 px, of which the body fills some 600.
-  constexpr float kShown = 640;
-  constexpr int kFinest = 3;  // of cubes
-  constexpr int kMost = 6;    // the flow bridges no more in its steps
+  struct Refinement {
+    int finer;    // voxels for one along the finest axis,
+    float shown;  // unless so many of them span the longest
+  };
+  constexpr std::array kRefinements = {Refinement{3, 480}, Refinement{2, 1024}};
+  constexpr int kMost = 6;  // the flow bridges no more in its steps
   if (size.rgb) {
     return IVec3(1);
   }
   const Vec3& spacing = size.spacing;
   const Vec3 extent = Vec3(size.dims) * spacing;
   const float least = std::min({spacing.x, spacing.y, spacing.z});
-  const float shown = std::max({extent.x, extent.y, extent.z}) / kShown;
-  for (int finer = kFinest; finer >= 1; --finer) {
-    const float goal = least / static_cast<float>(finer);
-    const IVec3 factors = glm::max(IVec3(glm::round(spacing / goal)), IVec3(1));
-    const int most = std::max({factors.x, factors.y, factors.z});
+  const float longest = std::max({extent.x, extent.y, extent.z});
+  const auto factors_for = [&](float goal) {
+    return glm::max(IVec3(glm::round(spacing / goal)), IVec3(1));
+  };
+  const auto fits = [&](const IVec3& factors) {
     VolumeSize fine = size;
     fine.dims = (size.dims - 1) * factors + 1;
-    if (fine.voxels() <= kMostUpsampled && (finer == 1 || (goal >= shown && most <= kMost))) {
-      return glm::min(factors, IVec3(kMost));
+    return fine.voxels() <= kMostUpsampled;
+  };
+  for (const auto& [finer, shown] : kRefinements) {
+    const float goal = least / static_cast<float>(finer);
+    const IVec3 factors = factors_for(goal);
+    if (longest <= shown * goal && std::max({factors.x, factors.y, factors.z}) <= kMost &&
+        fits(factors)) {
+      return factors;
     }
   }
-  return IVec3(1);
+  const IVec3 cubes = glm::min(factors_for(least), IVec3(kMost));
+  return fits(cubes) ? cubes : IVec3(1);
 }
 
-VolumeSize upsampled(VolumeSize size) {
-  const IVec3 factors = upsampling_factors(size);
-  size.dims = (size.dims - 1) * factors + 1;
-  size.spacing /= Vec3(factors);
+VolumeSize most_upsampled(VolumeSize size) {
+  constexpr std::uint64_t kMostForOne = 54;
   size.scanned = false;
+  if (size.rgb || size.voxels() >= kMostUpsampled) {
+    return size;
+  }
+  const std::uint64_t most = std::min(kMostUpsampled, kMostForOne * size.voxels());
+  size.dims = IVec3(static_cast<int>(std::ceil(std::cbrt(static_cast<double>(most)))));
   return size;
 }
 
 std::uint64_t upsampling_memory(const VolumeSize& size) {
-  const VolumeSize fine = upsampled(size);
+  const VolumeSize fine = most_upsampled(size);
   if (fine.dims == size.dims) {
     return 0;
   }
   // SurfaceFlow's scanned_, least_, most_, surface_ and what is missing; values_, freedom_ and,
-  // where all is surface, next_. The result is made when next_ is gone.
+  // where all is surface, next_. The result is made when next_ is gone. Of a part of the volume
+  // that is small enough to be upsampled.
   constexpr std::uint64_t kScanned = 5 * sizeof(float);
   constexpr std::uint64_t kFine = 2 * sizeof(float) + sizeof(std::uint8_t);
-  return size.voxels() * kScanned + fine.voxels() * kFine;
+  return std::min(size.voxels(), kMostUpsampled / 2) * kScanned + fine.voxels() * kFine;
 }
 
 Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& transfer) {
@@ -533,10 +185,8 @@ Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& tra
   if (most == 1) {
     return volume;
   }
-  const Grids grids(volume, factors);
-  SurfaceFlow flow(volume, transfer, grids);
-  flow.run();
-  volume.values = in_steps(flow.values(), volume.values.range());
+  const FineGrid grids(volume, factors);
+  volume.values = in_steps(flow_surfaces(volume, transfer, grids), volume.values.range());
   if (!volume.labels.empty()) {
     volume.labels = nearest_labels(volume, grids);
   }
@@ -547,8 +197,15 @@ Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& tra
 }
 
 Volume upsample(Volume volume, const TransferFunction& transfer) {
-  const IVec3 factors = upsampling_factors(
-      {.dims = volume.dims, .rgb = !volume.rgb.empty(), .spacing = volume.spacing});
+  volume.scanned = {};
+  if (!volume.rgb.empty() || volume.voxels() >= kMostUpsampled) {
+    return volume;
+  }
+  const VoxelBox shown = shown_voxels(volume, transfer);
+  if (glm::all(glm::greaterThan(shown.dims(), IVec3(1)))) {
+    crop(volume, shown);
+  }
+  const IVec3 factors = upsampling_factors({.dims = volume.dims, .spacing = volume.spacing});
   return upsample(std::move(volume), factors, transfer);
 }
 

@@ -13,12 +13,12 @@ namespace clipgs {
 constexpr std::uint64_t kMostUpsampled = std::uint64_t{160} << 20;
 
 /// How many voxels along each axis take the place of one, so that surfaces have no terraces: thick
-/// slices become as fine as the other axes, cubes up to three times finer, as far as a picture of
-/// the whole can show it and kMostUpsampled reaches. 1 for photographs and where nothing is gained.
+/// slices become as fine as the other axes, cubes two or three times finer where a picture of the
+/// whole can show it, as far as kMostUpsampled reaches. 1 for photographs.
 IVec3 upsampling_factors(const VolumeSize& size);
 
-/// The size with that many more voxels.
-VolumeSize upsampled(VolumeSize size);
+/// The size with as many voxels as upsample() may make of such a volume.
+VolumeSize most_upsampled(VolumeSize size);
 
 /// Bytes of memory that upsample() takes beside the scanned volume at most, its result included.
 std::uint64_t upsampling_memory(const VolumeSize& size);
@@ -33,7 +33,8 @@ std::uint64_t upsampling_memory(const VolumeSize& size);
 /// The bytes are the same at any thread count. Throws Error where a factor is below 1.
 Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& transfer);
 
-/// The same by upsampling_factors().
+/// The same by upsampling_factors() of the part that is shown: planes around it that show nothing
+/// are left out. Photographs, and volumes of kMostUpsampled voxels and more, come back as they are.
 Volume upsample(Volume volume, const TransferFunction& transfer);
 
 }  // namespace clipgs

@@ -53,8 +53,8 @@ std::string lack_of_memory(const VolumeSize& size, std::uint64_t work, std::uint
   }
   return fmt::format(
       "{} x {} x {} voxels need {} of memory, {} are free; close other programs, crop or "
-      "downsample the volume (with half the voxels along each axis {} are enough), or take a "
-      "machine with more",
+      "downsample the volume (with half the voxels along each axis {} are enough), trace it "
+      "--as-scanned, or take a machine with more",
       size.dims.x, size.dims.y, size.dims.z, gigabytes(needed), gigabytes(available),
       gigabytes(needed / 8));
 }
