@@ -145,6 +145,42 @@ Modality said_modality(const StoredImage& stored, const LoadOptions& options) {
   return header == Modality::kCt && stored.eight_bit ? Modality::kUnknown : header;
 }
 
+/// Throws Error, or warns, where drawing a volume takes more than `available` bytes of memory.
+void require_memory(VolumeSize size, std::uint64_t available, const LoadOptions& options,
+                    const std::string& where) {
+  if (!options.work) {
+    return;
+  }
+  size.labels = !options.labels.empty();
+  size.scanned = options.prepare.keeps_scanned();
+  const std::string lack = lack_of_memory(size, options.work(size), available);
+  if (!lack.empty() && !options.warn_of_size) {
+    throw Error("{}: {}", where, lack);
+  }
+  if (!lack.empty()) {
+    warn(fmt::format("{}: to draw it, {}", where, lack));
+  }
+}
+
+/// Of the volume itself; that of its labels is part of it.
+SizeCheck size_check(const LoadOptions& options, const std::string& where) {
+  return [&options, where](const VolumeSize& size) {
+    require_supported(size, where);
+    require_memory(size, available_memory(), options, where);
+  };
+}
+
+/// What a crop leaves may be drawn with finer voxels than the whole, and take more memory.
+void check_cropped(const Volume& volume, const LoadOptions& options, const std::string& where) {
+  const VolumeSize size{.dims = volume.dims,
+                        .stored_bytes = volume.values.packed() ? 2 : 4,
+                        .rgb = !volume.rgb.empty(),
+                        .scanned = !volume.scanned.empty(),
+                        .spacing = volume.spacing};
+  const std::uint64_t left = available_memory();
+  require_memory(size, std::max(left, left + size.loaded()), options, where);  // no wrapping round
+}
+
 /// Everything between an image as stored and a volume that can be trusted and traced.
 LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const std::string& where) {
   require_possible(stored, options, where);
@@ -178,26 +214,10 @@ LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const s
     warn_of_table(volume, where);
   }
   prepare(volume, options.prepare, where, loaded.prepared);
+  if (options.prepare.crops()) {
+    check_cropped(volume, options, where);
+  }
   return loaded;
-}
-
-/// Of the volume itself; that of its labels is part of it.
-SizeCheck size_check(const LoadOptions& options, const std::string& where) {
-  return [&options, where](VolumeSize size) {
-    require_supported(size, where);
-    if (!options.work) {
-      return;
-    }
-    size.labels = !options.labels.empty();
-    size.scanned = options.prepare.keeps_scanned();
-    const std::string lack = lack_of_memory(size, options.work(size), available_memory());
-    if (!lack.empty() && !options.warn_of_size) {
-      throw Error("{}: {}", where, lack);
-    }
-    if (!lack.empty()) {
-      warn(fmt::format("{}: to draw it, {}", where, lack));
-    }
-  };
 }
 
 std::vector<SeriesInfo> choices_of(const DicomStudy& study, size_t chosen) {

@@ -28,7 +28,8 @@ struct LoadOptions {
   PrepareOptions prepare;        ///< what is done to the volume after that
   std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
   /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
-  /// more than there is, an Error says so before any voxel is read. Empty: nothing is checked.
+  /// more than there is, an Error says so before any voxel is read, and again for what a crop
+  /// leaves. Empty: nothing is checked.
   std::function<std::uint64_t(const VolumeSize&)> work;
   bool warn_of_size = false;  ///< a warning instead of that Error
 };

@@ -18,6 +18,7 @@ struct PrepareOptions {
   /// Standard deviation of noise that is averaged away, value units; 0: what is estimated.
   std::optional<float> noise;
 
+  bool crops() const { return crop || crop_to_matter; }
   /// Whether the values before are kept for reading (Volume::scanned).
   bool keeps_scanned() const { return metal || noise; }
 };

@@ -90,6 +90,23 @@ TEST(VolumeSize, IsCheckedBeforeVoxelsAreRead) {
   }
 }
 
+TEST(VolumeSize, OfWhatACropLeavesIsCheckedAgain) {
+  const TestFolder folder;
+  save_ramp(folder / "v.nrrd");
+  LoadOptions options;
+  options.prepare.crop = Box{Vec3(10), Vec3(29)};
+  std::vector<IVec3> seen;
+  std::uint64_t needed = 0;
+  options.work = [&](const VolumeSize& size) {
+    seen.push_back(size.dims);
+    return size.dims == IVec3(60) ? 0 : needed;
+  };
+  EXPECT_EQ(load_volume(folder / "v.nrrd", options).dims, IVec3(20));
+  EXPECT_THAT(seen, testing::ElementsAre(IVec3(60), IVec3(20)));
+  needed = std::uint64_t{1} << 62;
+  EXPECT_THROW(load_volume(folder / "v.nrrd", options), Error);
+}
+
 TEST(VolumeSize, IsOnlyWarnedOfWhereTheCallerWantsThat) {
   const TestFolder folder;
   save_ramp(folder / "v.nii.gz");
