@@ -36,7 +36,8 @@ float smooth_step(float low, float high, float x) {
 /// edges do not move. Where all is the least value there is padding, not a scan.
 float noise_level(const Volume& volume) {
   constexpr size_t kSamples = size_t{1} << 20;
-  constexpr float kQuartileOfNormal = 0.3186f;  // of its absolute value
+  // Of its absolute value; that it is near 1/π means nothing.
+  constexpr float kQuartileOfNormal = 0.3186f;  // NOLINT(modernize-use-std-numbers)
   const float padding = volume.values.range().min;
   std::vector<float> differences;
   for (size_t i = 1; i + 1 < volume.voxels(); i += volume.voxels() / kSamples + 1) {
