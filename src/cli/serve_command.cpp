@@ -123,7 +123,7 @@ void announce(const Server& server, const ServeArguments& arguments) {
 }
 
 /// The certificate names every address that the server can be opened by.
-Identity identity_for(const std::string& host) {
+ServerIdentity identity_for(const std::string& host) {
   std::vector<std::string> hosts = reachable_hosts(host);
   hosts.insert(hosts.end(), {"127.0.0.1", "localhost"});
   return load_identity(state_folder(), hosts);

@@ -216,12 +216,12 @@ std::string fingerprint(const Certificate& certificate) {
   return text;
 }
 
-Identity load_identity(const fs::path& folder, const std::vector<std::string>& hosts) {
+ServerIdentity load_identity(const fs::path& folder, const std::vector<std::string>& hosts) {
   const fs::path certificate_file = folder / "certificate.pem";
   const fs::path key_file = folder / "key.pem";
   const fs::path token_file = folder / "token";
   create_folder(folder);
-  Identity identity{{text_in(certificate_file), text_in(key_file)}, text_in(token_file)};
+  ServerIdentity identity{{text_in(certificate_file), text_in(key_file)}, text_in(token_file)};
   if (!is_good(identity.certificate, hosts)) {
     identity.certificate = make_certificate(hosts);
     write_secret(key_file, identity.certificate.key);

@@ -29,7 +29,7 @@ bool use_certificate(ssl_ctx_st& context, const Certificate& certificate);
 std::string fingerprint(const Certificate& certificate);
 
 /// What is kept for the next time, so that a headset knows the server again.
-struct Identity {
+struct ServerIdentity {
   Certificate certificate;
   /// The secret part of the address: 26 letters and digits, 130 bits, in groups for those who type
   /// them: "k3v9q-txw7h-…".
@@ -41,7 +41,8 @@ std::string plain_token(std::string_view text);
 
 /// The identity in `folder`, readable by its owner alone; made where there is none, and its
 /// certificate made anew where it is no longer good, as is a token of another form. Throws Error.
-Identity load_identity(const std::filesystem::path& folder, const std::vector<std::string>& hosts);
+ServerIdentity load_identity(const std::filesystem::path& folder,
+                             const std::vector<std::string>& hosts);
 
 /// IPv4 addresses of this machine in its networks, without the loopback's.
 std::vector<std::string> network_addresses();

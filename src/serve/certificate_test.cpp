@@ -35,9 +35,9 @@ TEST(Certificate, IsForItsHostsAlone) {
 }
 
 TEST_F(IdentityTest, IsKeptAndReadByItsOwnerAlone) {
-  const Identity first = load_identity(folder_, {"127.0.0.1"});
+  const ServerIdentity first = load_identity(folder_, {"127.0.0.1"});
   EXPECT_THAT(first.token, ::testing::MatchesRegex("([a-km-np-z2-9]{5}-){4}[a-km-np-z2-9]{6}"));
-  const Identity again = load_identity(folder_, {"127.0.0.1"});
+  const ServerIdentity again = load_identity(folder_, {"127.0.0.1"});
   EXPECT_EQ(again.token, first.token);
   EXPECT_EQ(fingerprint(again.certificate), fingerprint(first.certificate));
   for (const auto& file : fs::directory_iterator(folder_)) {
@@ -47,9 +47,9 @@ TEST_F(IdentityTest, IsKeptAndReadByItsOwnerAlone) {
 }
 
 TEST_F(IdentityTest, AShortTokenOfOlderVersionsIsReplaced) {
-  const Identity first = load_identity(folder_, {"127.0.0.1"});
+  const ServerIdentity first = load_identity(folder_, {"127.0.0.1"});
   write_text(folder_ / "token", "k3v9qtxw");
-  const Identity again = load_identity(folder_, {"127.0.0.1"});
+  const ServerIdentity again = load_identity(folder_, {"127.0.0.1"});
   EXPECT_EQ(again.token.size(), first.token.size());
   EXPECT_EQ(plain_token(again.token).size(), 26U) << "130 bits";
   EXPECT_EQ(fingerprint(again.certificate), fingerprint(first.certificate));
@@ -57,13 +57,13 @@ TEST_F(IdentityTest, AShortTokenOfOlderVersionsIsReplaced) {
 }
 
 TEST_F(IdentityTest, IsMadeAnewWhereItIsOfNoUse) {
-  const Identity first = load_identity(folder_, {"127.0.0.1"});
-  const Identity moved = load_identity(folder_, {"10.0.0.7"});
+  const ServerIdentity first = load_identity(folder_, {"127.0.0.1"});
+  const ServerIdentity moved = load_identity(folder_, {"10.0.0.7"});
   EXPECT_NE(fingerprint(moved.certificate), fingerprint(first.certificate));
   EXPECT_EQ(moved.token, first.token);
   write_text(folder_ / "key.pem", "no key");
   write_text(folder_ / "token", "short");
-  const Identity repaired = load_identity(folder_, {"10.0.0.7"});
+  const ServerIdentity repaired = load_identity(folder_, {"10.0.0.7"});
   EXPECT_TRUE(is_good(repaired.certificate, {"10.0.0.7"}));
   EXPECT_NE(repaired.token, first.token);
 }

@@ -16,7 +16,7 @@ struct ServerOptions {
   int port = 8080;                 ///< 0: any free one
   /// Encrypts (TLS 1.2 or newer), and answers only those who came by the address with the token in
   /// it once: "https://192.168.1.20:8080/k3v9q-txw7h-…". Browsers then keep it in a cookie.
-  std::optional<Identity> identity;
+  std::optional<ServerIdentity> identity;
   ConnectionLimits limits = {};
   std::filesystem::path study = {};  ///< where a study is recorded (StudyDesk); "": nowhere
 };

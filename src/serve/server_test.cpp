@@ -182,7 +182,7 @@ TEST_F(ServerTest, GivesTheViewer) {
 }
 
 TEST_F(ServerTest, EncryptsAndAnswersThoseAloneWhoKnowTheToken) {
-  const Identity identity = load_identity(folder_ / "state", {"127.0.0.1"});
+  const ServerIdentity identity = load_identity(folder_ / "state", {"127.0.0.1"});
   Server server({case_folder(), "127.0.0.1", 0, identity});
   EXPECT_EQ(server.url(),
             "https://127.0.0.1:" + std::to_string(server.port()) + "/" + identity.token);
