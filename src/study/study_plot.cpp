@@ -5,7 +5,6 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 #include <cmath>
-#include <cstdint>
 #include <fmt/format.h>
 #include <memory>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/draw_text.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "study/study_report.h"
@@ -40,8 +40,6 @@ constexpr Color kQuiet{0.40, 0.42, 0.45};
 constexpr Color kGrid{0.90, 0.91, 0.92};
 constexpr Color kLine{0.62, 0.64, 0.67};
 
-enum class Align : std::uint8_t { kLeft, kMiddle, kRight };
-
 /// Draws on one cairo surface.
 class Pen {
  public:
@@ -61,23 +59,9 @@ class Pen {
     cairo_arc(get(), x, y, radius, 0, 2 * std::numbers::pi);
     cairo_fill(get());
   }
-  /// Smaller where it would be wider than `room`.
   void text(const std::string& text, double x, double y, double size, Align align, double room,
             bool bold = false) const {
-    cairo_select_font_face(get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
-                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(get(), size);
-    cairo_text_extents_t extents;
-    cairo_text_extents(get(), text.c_str(), &extents);
-    const double shrink = extents.x_advance > room ? room / extents.x_advance : 1;
-    cairo_set_font_size(get(), size * shrink);
-    const double width = extents.x_advance * shrink;
-    cairo_move_to(get(),
-                  align == Align::kLeft     ? x
-                  : align == Align::kMiddle ? x - width / 2
-                                            : x - width,
-                  y);
-    cairo_show_text(get(), text.c_str());
+    draw_text(get(), text, x, y, size, align, room, bold);
   }
 
  private:
