@@ -326,6 +326,17 @@ Facts facts_of(const Volume& volume) {
   return facts;
 }
 
+/// Specimens in HU are looked at as those without: by what gathers.
+bool is_hu(const Facts& facts) {
+  return !is_micro(facts) &&
+         (facts.is(Modality::kCt) || (facts.is_unknown() && is_hu_cut_off(facts.values)));
+}
+
+bool shows_contrast(const Facts& facts, std::string_view preset) {
+  return is_hu(facts) && (preset == "vessels" || facts.hints().angiography ||
+                          facts.hints().contrast || (facts.ct && facts.ct->contrast.any()));
+}
+
 std::vector<SuggestedWindow> suggested_windows(const Row& row, const Facts& facts) {
   std::vector<SuggestedWindow> windows;
   if (const std::optional<Vec2> shown = facts.hints().shown) {
@@ -347,7 +358,13 @@ std::vector<SuggestedWindow> suggested_windows(const Row& row, const Facts& fact
 Identity identify(const Volume& volume) {
   const Facts facts = facts_of(volume);
   const auto row = std::ranges::find_if(table(), [&](const Row& one) { return one.fits(facts); });
-  return {row->what, row->reason(facts), row->preset, suggested_windows(*row, facts),
+  return {row->what,
+          row->reason(facts),
+          row->preset,
+          suggested_windows(*row, facts),
+          is_hu(facts),
+          is_hu(facts) ? facts.region() : BodyRegion::kUnknown,
+          shows_contrast(facts, row->preset),
           facts.ct ? facts.ct->doubt : ""};
 }
 

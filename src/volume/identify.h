@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/hints.h"
 #include "volume/rescale.h"
 #include "volume/volume.h"
 #include "volume/window.h"
@@ -17,10 +18,14 @@ struct SuggestedWindow {
 
 /// What a volume shows, as far as its colours, its header and its values tell.
 struct Identity {
-  std::string what;                      ///< for people, e.g. "CT angiography"
-  std::string reason;                    ///< why that is thought, in a line
-  std::string preset;                    ///< the built-in preset that suits it
-  std::vector<SuggestedWindow> windows;  ///< the first suits best; none of photographs
+  std::string what;                          ///< for people, e.g. "CT angiography"
+  std::string reason;                        ///< why that is thought, in a line
+  std::string preset;                        ///< the built-in preset that suits it
+  std::vector<SuggestedWindow> windows;      ///< the first suits best; none of photographs
+  bool hu = false;                           ///< its values are Hounsfield units, or seem to be
+  BodyRegion region = BodyRegion::kUnknown;  ///< of a CT: what its voxels tell, or else its header
+  /// Of a CT: vessels full of contrast are seen, or the header speaks of an agent or angiography.
+  bool contrast = false;
   std::string doubt;  ///< of the orientation, in a line; empty if it is plausible or not known
 };
 
