@@ -40,8 +40,9 @@ TEST_F(CliTest, UsageErrorsExitWithTwo) {
 TEST_F(CliTest, EveryCommandHasHelpWithAnExample) {
   const Finished top = run_clipgs({"--help"});
   EXPECT_EQ(top.status, 0);
-  for (const char* command : {"bake", "build", "phantom", "info", "cinema", "dataset", "train",
-                              "pack", "unpack", "export", "render", "eval", "study", "serve"}) {
+  for (const char* command :
+       {"bake", "build", "phantom", "info", "cinema", "looks", "dataset", "train", "pack", "unpack",
+        "export", "render", "eval", "study", "serve"}) {
     EXPECT_THAT(top.out, HasSubstr(command));
     const Finished help = run_clipgs({command, "--help"});
     EXPECT_EQ(help.status, 0) << command;
@@ -247,6 +248,7 @@ TEST_F(CliTest, NamesOfWhatIsNotWrittenAreRefused) {
            {"cinema", volume, "-o", wrong},
            {"cinema", volume, "-o", at("x.webp")},
            {"cinema", volume, "-o", at("x.png"), "--turntable"},
+           {"looks", volume, "-o", wrong},
            {"render", scene, "-o", wrong},
            {"render", scene, "-o", at("x")},
            {"build", volume, "-o", wrong},
@@ -274,6 +276,7 @@ TEST_F(CliTest, OutputThatIsNoFileIsRefusedBeforeAnyWork) {
   };
   expect_failure({"phantom", link("full.nrrd")}, "full.nrrd: is a device");
   expect_failure({"cinema", volume, "-o", link("full.png")}, "full.png: is a device");
+  expect_failure({"looks", volume, "-o", link("full.webp")}, "full.webp: is a device");
   expect_failure({"build", volume, "-o", link("full.sog")}, "full.sog: is a device");
   EXPECT_FALSE(fs::exists(at("full.clipgs-work")));
   EXPECT_TRUE(fs::is_symlink(at("full.png")) && fs::is_character_file("/dev/full"));
@@ -291,6 +294,7 @@ TEST_F(CliTest, FullDiskFailsAndLeavesNothing) {
         << "cannot mount a small file system here; FileTest.FullDiskThrows covers the rest";
   }
   expect_failure({"phantom", disk + "/phantom.nrrd", "--size", "64"}, "phantom.nrrd");
+  expect_failure({"looks", phantom(), "-o", disk + "/looks.png", "--spp", "1"}, "looks.png");
   EXPECT_TRUE(fs::is_empty(disk));
   EXPECT_EQ(std::system(("umount " + disk).c_str()), 0);
 }

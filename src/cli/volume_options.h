@@ -1,6 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
+#include <string>
+#include <vector>
 
 #include "cinema/scene.h"
 #include "cli/arguments.h"
@@ -53,8 +56,12 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
       ->type_name("SIGMA|auto");
 }
 
-/// Adds --series, --frame, --gaps, --hu, --modality, --keep-table and what add_prepare_options()
-/// adds, which every command that reads a volume understands. `options` must outlive the parsing.
+inline constexpr const char* kVolumeOptions[] = {
+    "--series",     "--frame", "--gaps",         "--hu",   "--modality",
+    "--keep-table", "--crop",  "--soften-metal", "--bias", "--denoise-volume"};
+
+/// Adds kVolumeOptions, which every command that reads a volume understands. `options` must outlive
+/// the parsing.
 inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   options.work = [](const VolumeSize& size) { return picture_memory(size, true); };
   command.add_option("--series", options.series,
@@ -93,6 +100,22 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   command.add_flag("--keep-table", options.keep_table,
                    "Leave the scanner's table and cushions in a CT's pictures");
   add_prepare_options(command, options.prepare);
+}
+
+/// Those of them that were given, word by word as another command takes them. Call after parsing.
+inline std::vector<std::string> given_volume_options(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const char* const name : kVolumeOptions) {
+    const CLI::Option* const option = command.get_option(name);
+    if (option->count() == 0) {
+      continue;
+    }
+    words.emplace_back(name);
+    if (option->get_items_expected_max() > 0) {
+      words.push_back(fmt::format("{}", fmt::join(option->results(), ",")));
+    }
+  }
+  return words;
 }
 
 }  // namespace clipgs
