@@ -56,7 +56,6 @@ Plane facing_cut(const VisibleMatter& matter, const View& view) {
 
 /// From there at what is visible, as large as a square picture holds it: closer than at its sphere.
 Camera tight_camera(const VisibleMatter& matter, const View& view, int size) {
-  constexpr float kFill = 0.94f;  // of the picture
   Camera camera = frame_sphere(matter.sphere, view, size, size);
   Vec2 low(std::numeric_limits<float>::max());
   Vec2 high(std::numeric_limits<float>::lowest());
@@ -69,7 +68,7 @@ Camera tight_camera(const VisibleMatter& matter, const View& view, int size) {
   const Vec2 extent = high - low;
   const Vec2 middle = 0.5f * (low + high);
   const auto side = static_cast<float>(size);
-  camera.fx = camera.fy = view.zoom * kFill * side / std::max({extent.x, extent.y, 1e-6f});
+  camera.fx = camera.fy = view.zoom * kFrameFill * side / std::max({extent.x, extent.y, 1e-6f});
   camera.cx = 0.5f * side - camera.fx * middle.x;
   camera.cy = 0.5f * side - camera.fy * middle.y;
   return camera;

@@ -1,5 +1,6 @@
 // clipgs looks as a user runs it.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 
 #include "asset/webp.h"
 #include "cli/cli_fixture.h"
+#include "core/geometry.h"
 #include "core/image.h"
 
 namespace clipgs {
@@ -22,7 +24,10 @@ using testing_support::CliTest;
 using testing_support::Finished;
 using testing_support::run_clipgs;
 
+// Tiles of two pictures and 44 px of text, 16 px apart, under a heading of 48 px.
 constexpr int kSide = 64;
+constexpr int kAcross = 2 * kSide + 16;
+constexpr int kDown = kSide + 44 + 16;
 
 class LooksTest : public CliTest {
  protected:
@@ -55,6 +60,29 @@ std::vector<float> square(const Image& sheet, int left, int top) {
   return values;
 }
 
+/// Of a look: its uncut (0) or its cut (1) picture.
+std::vector<float> picture(const Image& sheet, int look, int which) {
+  const int columns = (sheet.width - 16) / kAcross;
+  return square(sheet, 16 + look % columns * kAcross + which * kSide, 48 + look / columns * kDown);
+}
+
+/// How much of the longer side of a square what is no background takes, 0…1; 1 if it touches the
+/// border.
+double filled(const std::vector<float>& pixels) {
+  const float* const corner = pixels.data();
+  glm::ivec2 low(kSide);
+  glm::ivec2 high(-1);
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const float* const pixel = &pixels[3 * static_cast<size_t>(i)];
+    if (std::abs(pixel[0] - corner[0]) + std::abs(pixel[2] - corner[2]) > 0.02f) {
+      low = glm::min(low, glm::ivec2(i % kSide, i / kSide));
+      high = glm::max(high, glm::ivec2(i % kSide, i / kSide));
+    }
+  }
+  const bool touches = std::min(low.x, low.y) == 0 || std::max(high.x, high.y) == kSide - 1;
+  return touches ? 1 : std::max(high.x - low.x, high.y - low.y) / double{kSide};
+}
+
 TEST_F(LooksTest, ASheetShowsEverySuitablePreset) {
   const Finished finished = run_clipgs(looks("sheet.png", {"--json"}));
   ASSERT_EQ(finished.status, 0) << finished.err;
@@ -63,24 +91,50 @@ TEST_F(LooksTest, ASheetShowsEverySuitablePreset) {
   const auto count = static_cast<int>(json["looks"].size());
   EXPECT_GE(count, 7);
 
-  // Tiles of two pictures and 44 px of text, 16 px apart, under a heading of 48 px.
   const Image sheet = read_png(at("sheet.png"));
-  constexpr int kAcross = 2 * kSide + 16;
-  constexpr int kDown = kSide + 44 + 16;
   ASSERT_EQ((sheet.width - 16) % kAcross, 0);
   ASSERT_EQ((sheet.height - 48) % kDown, 0);
   const int columns = (sheet.width - 16) / kAcross;
   EXPECT_EQ((sheet.height - 48) / kDown, (count + columns - 1) / columns);
-
   std::vector<std::vector<float>> pictures;
-  for (int i = 0; i < count; ++i) {
-    const int left = 16 + i % columns * kAcross;
-    const int top = 48 + i / columns * kDown;
-    pictures.push_back(square(sheet, left, top));
-    pictures.push_back(square(sheet, left + kSide, top));
+  for (int look = 0; look < count; ++look) {
+    pictures.push_back(picture(sheet, look, 0));
+    const double share = filled(pictures.back());
+    EXPECT_GT(share, 0.8) << json["looks"][look]["preset"];
+    EXPECT_LT(share, 1) << json["looks"][look]["preset"];
+    pictures.push_back(picture(sheet, look, 1));
   }
   std::ranges::sort(pictures);
   EXPECT_EQ(std::ranges::adjacent_find(pictures), pictures.end());
+}
+
+TEST_F(LooksTest, VeilsAreInThePicture) {
+  // A ball of soft tissue with a little bone in its middle, which glass veils.
+  const IVec3 dims(48);
+  std::string text =
+      "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 48 48 48\nspace: right-anterior-superior\n"
+      "space directions: (4,0,0) (0,4,0) (0,0,4)\nencoding: raw\nspace origin: (0,0,0)\n\n";
+  for (int i = 0; i < dims.x * dims.y * dims.z; ++i) {
+    const IVec3 voxel(i % dims.x, i / dims.x % dims.y, i / (dims.x * dims.y));
+    const float radius = glm::length(Vec3(voxel) - 0.5f * Vec3(dims - 1));
+    text += radius < 4 ? '\x70' : radius < 20 ? '\x42' : '\0';
+  }
+  write_text(at("ball.nrrd"), text);
+  const Finished finished = run_clipgs({"looks", at("ball.nrrd"), "-o", at("ball.png"), "--hu",
+                                        "16,-1024", "--size", "64", "--spp", "16", "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const nlohmann::json looks = nlohmann::json::parse(finished.out)["looks"];
+  const Image sheet = read_png(at("ball.png"));
+  int glass = 0;
+  for (int look = 0; look < static_cast<int>(looks.size()); ++look) {
+    if (looks[look]["preset"] == "glass") {
+      ++glass;
+      const double share = filled(picture(sheet, look, 0));
+      EXPECT_GT(share, 0.8);
+      EXPECT_LT(share, 1);
+    }
+  }
+  EXPECT_EQ(glass, 1);
 }
 
 TEST_F(LooksTest, TheSheetIsTheSameAtAnyThreadCountAndAsWebp) {
@@ -127,7 +181,7 @@ TEST_F(LooksTest, TheCutFacesTheCamera) {
   const auto halves = [&](const char* view) {
     EXPECT_EQ(run_clipgs(looks("x.png", {"--view", view})).status, 0);
     const Image sheet = read_png(at("x.png"));
-    return std::pair{square(sheet, 16, 48), square(sheet, 16 + kSide, 48)};
+    return std::pair{picture(sheet, 0, 0), picture(sheet, 0, 1)};
   };
   // Soft tissue: brown skin, and faces of which much is darker.
   for (const char* const view : {"0,0", "90,0", "180,0", "20,80"}) {
