@@ -36,8 +36,12 @@ struct Evidence {
 };
 
 bool in_hu(const Evidence& e) { return e.identity.hu; }
+bool has_contrast(const Evidence& e) { return e.identity.contrast; }
+bool has_lungs(const Evidence& e) {
+  return e.is_of({BodyRegion::kChest, BodyRegion::kTrunk, BodyRegion::kWhole});
+}
 
-/// Glass shows a body against the air about it.
+/// Skin ends, and glass shows a body, against the air about it.
 bool has_air(const Evidence& e) {
   constexpr float kAir = -300;  // HU; fat has more
   return in_hu(e) && e.values.min < kAir;
@@ -60,22 +64,27 @@ struct PresetRow {
 
 constexpr PresetRow kPresetRows[] = {
     {"soft-tissue", in_hu},
+    {"skin", has_air},
     {"skin-and-bone", in_hu},
+    {"anatomy", has_air},
     {"muscle", in_hu},
+    {"skeleton", in_hu},
     {"bone", in_hu},
-    {"vessels", [](const Evidence& e) { return e.identity.contrast; }},
+    {"vessels", has_contrast},
+    {"surgery", has_contrast},
+    {"angiography", has_contrast},
     {"stent", has_metal},
-    {"lung",
-     [](const Evidence& e) {
-       return e.is_of({BodyRegion::kChest, BodyRegion::kTrunk, BodyRegion::kWhole});
-     }},
+    {"lung", has_lungs},
+    {"airways", has_lungs},
     {"teeth",
      [](const Evidence& e) {
        return e.is_of({BodyRegion::kHead, BodyRegion::kTeeth, BodyRegion::kWhole});
      }},
+    {"x-ray", has_air},
     {"glass", has_air},
     {"crystal", has_air},
     {"mr", [](const Evidence& e) { return e.is_for("mra"); }},
+    {"brain", [](const Evidence& e) { return e.is_for("mr"); }},
     {"generic",
      [](const Evidence& e) { return !in_hu(e) && !e.is_for("photo") && !e.is_for("mra"); }}};
 

@@ -40,6 +40,15 @@ Volume little(Modality modality) {
                      of_modality(modality, ct_of(trunk_hu, kTrunkSize)));
 }
 
+/// Of a CT with skin and bone; `special` ones come before those of light that passes through.
+std::vector<std::string> trunk_looks(const std::vector<std::string>& special) {
+  std::vector<std::string> looks = {"soft-tissue", "skin",     "skin-and-bone", "anatomy",
+                                    "muscle",      "skeleton", "bone"};
+  looks.insert(looks.end(), special.begin(), special.end());
+  looks.insert(looks.end(), {"x-ray", "glass", "crystal"});
+  return looks;
+}
+
 TEST(SuitablePresets, ARowEach) {
   const Volume trunk = ct_of(trunk_hu, kTrunkSize);
   Volume agent = trunk;
@@ -51,41 +60,33 @@ TEST(SuitablePresets, ARowEach) {
     Volume volume;
     std::vector<std::string> presets;
   } rows[] = {
-      {"trunk", trunk, {"soft-tissue", "skin-and-bone", "muscle", "bone", "glass", "crystal"}},
+      {"trunk", trunk, trunk_looks({})},
       {"without bone",
        ct_of(boneless_hu, kTrunkSize),
-       {"soft-tissue", "skin-and-bone", "muscle", "crystal"}},
+       {"soft-tissue", "skin", "skin-and-bone", "anatomy", "muscle", "crystal"}},
       {"arteries",
        ct_of(arterial_hu, kTrunkSize),
-       {"vessels", "soft-tissue", "skin-and-bone", "muscle", "bone", "glass", "crystal"}},
-      {"veins",
-       ct_of(venous_hu, kTrunkSize),
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "vessels", "glass", "crystal"}},
-      {"an agent",
-       agent,
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "vessels", "glass", "crystal"}},
-      {"metal",
-       ct_of(implant_hu, kTrunkSize),
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "stent", "glass", "crystal"}},
-      {"chest",
-       ct_of(chest_hu, kTrunkSize),
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "lung", "glass", "crystal"}},
-      {"whole body",
-       ct_of(whole_hu, kWholeSize, 5),
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "lung", "teeth", "glass", "crystal"}},
+       {"vessels", "soft-tissue", "skin", "skin-and-bone", "anatomy", "muscle", "skeleton", "bone",
+        "surgery", "angiography", "x-ray", "glass", "crystal"}},
+      {"veins", ct_of(venous_hu, kTrunkSize), trunk_looks({"vessels", "surgery", "angiography"})},
+      {"an agent", agent, trunk_looks({"vessels", "surgery", "angiography"})},
+      {"metal", ct_of(implant_hu, kTrunkSize), trunk_looks({"stent"})},
+      {"chest", ct_of(chest_hu, kTrunkSize), trunk_looks({"lung", "airways"})},
+      {"whole body", ct_of(whole_hu, kWholeSize, 5), trunk_looks({"lung", "airways", "teeth"})},
       {"head with metal",
        ct_of(filling_hu, kHeadSize),
-       {"skin-and-bone", "soft-tissue", "muscle", "bone", "teeth", "glass", "crystal"}},
+       {"skin-and-bone", "soft-tissue", "skin", "anatomy", "muscle", "skeleton", "bone", "teeth",
+        "x-ray", "glass", "crystal"}},
       {"no air",
        with_values([](float hu) { return std::max(hu, 0.0f); },
                    of_modality(Modality::kUnknown, ct_of(arterial_hu, kTrunkSize))),
-       {"vessels", "bone"}},
+       {"vessels", "skeleton", "bone", "surgery", "angiography"}},
       {"other units",
        with_values([](float hu) { return std::floor((hu + 1024) / 16); },
                    of_modality(Modality::kUnknown, trunk)),
        {"generic"}},
       {"specimen", specimen, {"micro-ct", "generic"}},
-      {"MR", of_modality(Modality::kMr, trunk), {"mr", "generic"}},
+      {"MR", of_modality(Modality::kMr, trunk), {"mr", "brain", "generic"}},
       {"MR angiography", little(Modality::kMr), {"mra", "mr"}},
       {"PET", of_modality(Modality::kPet, trunk), {"pet", "generic"}},
       {"ultrasound", of_modality(Modality::kUltrasound, trunk), {"ultrasound", "generic"}},
@@ -107,12 +108,10 @@ TEST(RealData, SuitablePresets) {
     const char* file;
     std::vector<std::string> presets;
   } rows[] = {
-      {"stent.nrrd", {"vessels", "bone", "stent"}},
-      {"chest.nrrd",
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "lung", "glass", "crystal"}},
+      {"stent.nrrd", {"vessels", "skeleton", "bone", "surgery", "angiography", "stent"}},
+      {"chest.nrrd", trunk_looks({"lung", "airways"})},
       // A hip of metal.
-      {"abdomen_pelvis_3mm.nii.gz",
-       {"soft-tissue", "skin-and-bone", "muscle", "bone", "stent", "glass", "crystal"}},
+      {"abdomen_pelvis_3mm.nii.gz", trunk_looks({"stent"})},
   };
   for (const auto& row : rows) {
     const Volume volume = load_volume(data / row.file);
