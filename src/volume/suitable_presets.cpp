@@ -75,7 +75,6 @@ constexpr PresetRow kPresetRows[] = {
     {"angiography", has_contrast},
     {"stent", has_metal},
     {"lung", has_lungs},
-    {"airways", has_lungs},
     {"teeth",
      [](const Evidence& e) {
        return e.is_of({BodyRegion::kHead, BodyRegion::kTeeth, BodyRegion::kWhole});

@@ -71,8 +71,8 @@ TEST(SuitablePresets, ARowEach) {
       {"veins", ct_of(venous_hu, kTrunkSize), trunk_looks({"vessels", "surgery", "angiography"})},
       {"an agent", agent, trunk_looks({"vessels", "surgery", "angiography"})},
       {"metal", ct_of(implant_hu, kTrunkSize), trunk_looks({"stent"})},
-      {"chest", ct_of(chest_hu, kTrunkSize), trunk_looks({"lung", "airways"})},
-      {"whole body", ct_of(whole_hu, kWholeSize, 5), trunk_looks({"lung", "airways", "teeth"})},
+      {"chest", ct_of(chest_hu, kTrunkSize), trunk_looks({"lung"})},
+      {"whole body", ct_of(whole_hu, kWholeSize, 5), trunk_looks({"lung", "teeth"})},
       {"head with metal",
        ct_of(filling_hu, kHeadSize),
        {"skin-and-bone", "soft-tissue", "skin", "anatomy", "muscle", "skeleton", "bone", "teeth",
@@ -109,7 +109,7 @@ TEST(RealData, SuitablePresets) {
     std::vector<std::string> presets;
   } rows[] = {
       {"stent.nrrd", {"vessels", "skeleton", "bone", "surgery", "angiography", "stent"}},
-      {"chest.nrrd", trunk_looks({"lung", "airways"})},
+      {"chest.nrrd", trunk_looks({"lung"})},
       // A hip of metal.
       {"abdomen_pelvis_3mm.nii.gz", trunk_looks({"stent"})},
   };

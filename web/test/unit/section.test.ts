@@ -26,7 +26,8 @@ describe("parseSection", () => {
   it("takes cases without one, and modalities that it does not know", () => {
     expect(parseSection(undefined, archive)).toBeNull();
     expect(parseSection({ version: 1 }, archive)).toBeNull();
-    expect(parse(withValue(makeSectionBlock(), "modality", "PET")).modality).toBe("unknown");
+    expect(parse(withValue(makeSectionBlock(), "modality", "PET")).modality).toBe("PET");
+    expect(parse(withValue(makeSectionBlock(), "modality", "thermography")).modality).toBe("unknown");
   });
 
   it.each([
