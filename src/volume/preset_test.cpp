@@ -216,9 +216,9 @@ TEST(Preset, PhotographsKeepTheirOwnColours) {
 TEST(Preset, EveryBuiltInParsesAndLetsAirThrough) {
   const std::vector<std::string> names = preset_names();
   EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
-  for (const char* name : {"anatomy", "angiography", "bone", "brain", "generic", "lung",
-                           "mr", "muscle", "photo", "skeleton", "skin", "skin-and-bone",
-                           "soft-tissue", "surgery", "vessels", "x-ray"}) {
+  for (const char* name :
+       {"anatomy", "angiography", "bone", "brain", "generic", "lung", "mr", "muscle", "photo",
+        "skeleton", "skin", "skin-and-bone", "soft-tissue", "surgery", "vessels", "x-ray"}) {
     EXPECT_THAT(names, testing::Contains(name));
   }
   for (const std::string& name : names) {
