@@ -9,12 +9,13 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/progress.h"
 
 namespace clipgs {
 namespace {
 
 // Chosen on a sphere, a torus and a face of known shape (docs/notes/surfaces.md).
-constexpr int kRounds = 8;           // the means are put right before each
+constexpr size_t kRounds = 8;        // the means are put right before each
 constexpr int kSteps = 10;           // of the flow, a round
 constexpr int kSoftening = 3;        // steps of heat in the end, by a voxel or so
 constexpr float kStep = 0.16f;       // of the squared finest spacing; 1/6 is the limit of heat
@@ -102,11 +103,13 @@ class SurfaceFlow {
 
   void run() {
     next_.resize(blocks_.size() * kBlock * kBlock * kBlock);
-    for (int round = 0; round < kRounds; ++round) {
+    Progress progress("finer voxels", kRounds);
+    for (size_t round = 0; round < kRounds; ++round) {
       keep_means();
       for (int step = 0; step < kSteps; ++step) {
         flow(Along::kLevelSets);
       }
+      progress.update(round + 1);
     }
     for (int step = 0; step < kSoftening; ++step) {
       flow(Along::kAll);
