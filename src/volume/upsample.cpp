@@ -20,7 +20,7 @@ namespace {
 /// The values in 16 bits, in equal steps from the least to the largest.
 VoxelValues in_steps(const std::vector<float>& values, const VoxelValues::Range& range) {
   constexpr size_t kCodes = size_t{1} << 16;
-  const float step = (range.max - range.min) / (kCodes - 1);
+  const float step = range.max > range.min ? (range.max - range.min) / (kCodes - 1) : 1;
   std::vector<float> meaning(kCodes);
   for (size_t i = 0; i < kCodes; ++i) {
     meaning[i] = range.min + static_cast<float>(i) * step;

@@ -494,7 +494,9 @@ TEST(Upsample, FlatVolumesAndOnesMadeOfOneValuePass) {
   Volume flat;
   flat.dims = IVec3(5, 5, 1);
   flat.values = std::vector<float>(25, 100);
-  EXPECT_EQ(upsample(flat, IVec3(2), skin()).dims, IVec3(9, 9, 1));
+  const Volume fine = upsample(flat, IVec3(2), skin());
+  EXPECT_EQ(fine.dims, IVec3(9, 9, 1));
+  EXPECT_EQ(fine.at(3, 4, 0), 100);
 }
 
 }  // namespace
