@@ -6,6 +6,9 @@
 #include <memory>
 #include <string>
 
+/// Asked by the leak sanitizer: fontconfig keeps what it read of fonts until the process ends.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
+
 namespace clipgs {
 namespace {
 
