@@ -12,6 +12,7 @@ namespace clipgs::fuzz {
 std::vector<Bytes> seeds() {
   DatasetOptions options;
   options.size = 16;
+  options.upsample = false;
   options.train_frames = 3;
   options.test_frames = 1;
   options.validation_frames = 1;

@@ -54,6 +54,7 @@ struct Fixture {
   Fixture() {
     preset.name = "ball";
     options.size = 24;
+    options.upsample = false;  // one test looks at it; it takes most of the time of so few pictures
     options.train_frames = 7;
     options.test_frames = 2;
     options.validation_frames = 1;
@@ -319,7 +320,8 @@ TEST(ChooseFrames, PrefersSurfacesToFaces) {
 }
 
 TEST(Dataset, ComesBackFromDisk) {
-  const Fixture f;
+  Fixture f;
+  f.options.upsample = true;
   const TemporaryFolder folder;
   const Dataset dataset = f.make(folder.path());
   EXPECT_EQ(dataset.split(Split::kTrain).size(), 7U);
@@ -488,6 +490,7 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
   EXPECT_EQ(changed([](V, P, O o) { o.axis = Vec3(1, 0, 0); }), "the axis changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.one_sided = true; }), "the side of axis planes changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.choose_views = false; }), "the choice of views changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.upsample = !o.upsample; }), "the voxels changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.seed = 2; }), "the seed changed; the seed changed");
   EXPECT_EQ(changed([](V, P, O o) { o.seed_points = 9; }), "; the number of points changed");
 }

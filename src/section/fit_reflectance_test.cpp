@@ -38,6 +38,7 @@ TEST(FitReflectance, LearnsWhatLightDoesBeneathTheFace) {
   options.train_spp = 24;
   options.test_noise_db = 32;
   options.test_masked_noise_db = 0;
+  options.upsample = false;
   options.choose_views = false;  // chosen ones show less of faces, and these pictures are tiny
   const TestFolder folder;
   const Dataset dataset = make_dataset(volume, preset, folder.path() / "dataset", options);

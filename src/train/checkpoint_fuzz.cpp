@@ -29,6 +29,7 @@ Trainer& trainer() {
     options.train_spp = 2;
     options.test_noise_db = 10;
     options.test_masked_noise_db = 0;
+    options.upsample = false;
     options.seed_points = 40;
     return make_dataset(make_ball(16, 6, 300, -1000), load_preset("soft-tissue"),
                         scratch_folder() / "dataset", options);

@@ -36,6 +36,7 @@ class TrainerTest : public testing::Test {
     options.train_spp = 4;
     options.test_noise_db = 20;
     options.test_masked_noise_db = 0;
+    options.upsample = false;
     options.seed_points = 2000;
     make_dataset(make_ball(32, 11, 300, -1000), load_preset("soft-tissue"), folder_ / "data",
                  options);
