@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cinema/dataset_claim.h"
 #include "cinema/denoise.h"
@@ -200,7 +201,11 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
     sweep_leftovers(folder / name);
   }
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
-  const Volume traced = options.upsample ? upsample(volume, preset.transfer) : volume;
+  std::optional<Volume> finer;
+  if (options.upsample && can_be_upsampled(volume)) {
+    finer = upsample(volume, preset.transfer);
+  }
+  const Volume& traced = finer ? *finer : volume;
   const Maker maker(traced, preset, folder, options, matter);
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);

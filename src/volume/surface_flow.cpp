@@ -28,11 +28,6 @@ constexpr int kBlock = 8;            // voxels along each side of what flows tog
 /// Of scanned voxels.
 using Field = std::vector<float>;
 
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
 /// Standard deviation of the noise: of second differences along rows, by the lower quartile, which
 /// edges do not move. Where all is the least value there is padding, not a scan.
 float noise_level(const Volume& volume) {
@@ -130,7 +125,7 @@ class SurfaceFlow {
       for (size_t i = begin; i < end; ++i) {
         const bool seen = !(transfer.min_extinction(least_[i], most_[i]) > 0) &&
                           transfer.max_extinction(least_[i], most_[i]) > 0;
-        surface_[i] = seen ? smooth_step(even, steep, most_[i] - least_[i]) : 0;
+        surface_[i] = seen ? glm::smoothstep(even, steep, most_[i] - least_[i]) : 0;
       }
     });
     for_each_voxel(grids_.fine, [&](int x, int y, int z) {
@@ -263,7 +258,7 @@ class SurfaceFlow {
     Field lost = missing();
     for (size_t i = 0; i < lost.size(); ++i) {
       lost[i] = surface_[i] > 0
-                    ? smooth_step(kFaithful, kFalse, std::abs(lost[i]) / (most_[i] - least_[i]))
+                    ? glm::smoothstep(kFaithful, kFalse, std::abs(lost[i]) / (most_[i] - least_[i]))
                     : 0;
     }
     lost =

@@ -152,10 +152,14 @@ IVec3 upsampling_factors(const VolumeSize& size) {
   return fits(cubes) ? cubes : IVec3(1);
 }
 
+bool can_be_upsampled(const Volume& volume) {
+  return can_be_upsampled(VolumeSize{.dims = volume.dims, .rgb = !volume.rgb.empty()});
+}
+
 VolumeSize most_upsampled(VolumeSize size) {
   constexpr std::uint64_t kMostForOne = 54;
   size.scanned = false;
-  if (size.rgb || size.voxels() >= kMostUpsampled) {
+  if (!can_be_upsampled(size)) {
     return size;
   }
   const std::uint64_t most = std::min(kMostUpsampled, kMostForOne * size.voxels());
@@ -170,10 +174,11 @@ std::uint64_t upsampling_memory(const VolumeSize& size) {
   }
   // SurfaceFlow's scanned_, least_, most_, surface_ and what is missing; values_, freedom_ and,
   // where all is surface, next_. The result is made when next_ is gone. Of a part of the volume
-  // that is small enough to be upsampled.
+  // that is small enough to be upsampled. And the copy of the volume that becomes the result.
   constexpr std::uint64_t kScanned = 5 * sizeof(float);
   constexpr std::uint64_t kFine = 2 * sizeof(float) + sizeof(std::uint8_t);
-  return std::min(size.voxels(), kMostUpsampled / 2) * kScanned + fine.voxels() * kFine;
+  return std::min(size.voxels(), kMostUpsampled / 2) * kScanned + fine.voxels() * kFine +
+         size.loaded();
 }
 
 Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& transfer) {
@@ -198,7 +203,7 @@ Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& tra
 
 Volume upsample(Volume volume, const TransferFunction& transfer) {
   volume.scanned = {};
-  if (!volume.rgb.empty() || volume.voxels() >= kMostUpsampled) {
+  if (!can_be_upsampled(volume)) {
     return volume;
   }
   const VoxelBox shown = shown_voxels(volume, transfer);

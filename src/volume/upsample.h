@@ -20,6 +20,12 @@ IVec3 upsampling_factors(const VolumeSize& size);
 /// The size with as many voxels as upsample() may make of such a volume.
 VolumeSize most_upsampled(VolumeSize size);
 
+/// Whether upsample() does anything: not to photographs, nor to kMostUpsampled voxels and more.
+inline bool can_be_upsampled(const VolumeSize& size) {
+  return !size.rgb && size.voxels() < kMostUpsampled;
+}
+bool can_be_upsampled(const Volume& volume);
+
 /// Bytes of memory that upsample() takes beside the scanned volume at most, its result included.
 std::uint64_t upsampling_memory(const VolumeSize& size);
 
@@ -34,7 +40,7 @@ std::uint64_t upsampling_memory(const VolumeSize& size);
 Volume upsample(Volume volume, const IVec3& factors, const TransferFunction& transfer);
 
 /// The same by upsampling_factors() of the part that is shown: planes around it that show nothing
-/// are left out. Photographs, and volumes of kMostUpsampled voxels and more, come back as they are.
+/// are left out. What can_be_upsampled() is false of comes back as it is.
 Volume upsample(Volume volume, const TransferFunction& transfer);
 
 }  // namespace clipgs
