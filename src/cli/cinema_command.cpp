@@ -129,10 +129,7 @@ void add_cinema_command(CLI::App& app) {
       "Example: clipgs cinema ct.nii.gz -o cut.png --preset bone --view 30,20 --plane 0,0,-1,40\n"
       "         clipgs cinema ct.nii.gz -o cut.webp --rig rim --sweep --size 320");
   const auto arguments = std::make_shared<CinemaArguments>();
-  command
-      ->add_option("VOLUME", arguments->volume,
-                   "Volume: DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
-      ->required();
+  add_volume_argument(*command, arguments->volume);
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
       ->required();
   add_look_options(*command, arguments->look);

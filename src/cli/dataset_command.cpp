@@ -80,10 +80,7 @@ void add_dataset_command(CLI::App& app) {
   command->footer("Example: clipgs dataset ct.nii.gz -o dataset/ --train-frames 400 --size 256");
   const auto arguments = std::make_shared<DatasetArguments>();
   DatasetOptions& options = arguments->options;
-  command
-      ->add_option("VOLUME", arguments->volume,
-                   "Volume: DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
-      ->required();
+  add_volume_argument(*command, arguments->volume);
   command
       ->add_option(
           "-o,--output", arguments->folder,

@@ -31,7 +31,7 @@ namespace clipgs {
 namespace {
 
 struct LooksArguments {
-  std::string volume;
+  std::filesystem::path volume;
   std::string output;
   LoadOptions load;
   std::vector<std::string> given;  ///< options of the volume, as they were written
@@ -127,7 +127,7 @@ std::vector<Look> draw_looks(const LooksArguments& arguments, const Volume& volu
     throw Error(
         "{}: no preset shows more of it than specks; check the values with 'clipgs info' (8-bit "
         "data may need --hu scale,offset)",
-        arguments.volume);
+        arguments.volume.string());
   }
   return looks;
 }
@@ -150,7 +150,7 @@ std::string quoted(const std::string& word) {
 std::string command_line(const std::string& command, const std::string& output,
                          const LooksArguments& arguments, const Preset& preset) {
   std::string line = fmt::format("clipgs {} {} -o {} --preset {}", command,
-                                 quoted(arguments.volume), output, preset.name);
+                                 quoted(arguments.volume.string()), output, preset.name);
   for (const std::string& option : arguments.given) {
     line += ' ' + quoted(option);
   }
@@ -224,10 +224,7 @@ void add_looks_command(CLI::App& app) {
       "Example: clipgs looks ct.nii.gz -o looks.webp\n"
       "         clipgs looks head.nrrd -o looks.png --hu 16,-1024 --view 150,10 --json");
   const auto arguments = std::make_shared<LooksArguments>();
-  command
-      ->add_option("VOLUME", arguments->volume,
-                   "Volume: DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
-      ->required();
+  add_volume_argument(*command, arguments->volume);
   command->add_option("-o,--output", arguments->output, "Sheet to write (.webp or .png)")
       ->required()
       ->check(ends_in({".webp", ".png"}));

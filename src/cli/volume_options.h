@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <fmt/ranges.h>
 #include <string>
 #include <vector>
@@ -59,6 +60,14 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
 inline constexpr const char* kVolumeOptions[] = {
     "--series",     "--frame", "--gaps",         "--hu",   "--modality",
     "--keep-table", "--crop",  "--soften-metal", "--bias", "--denoise-volume"};
+
+/// Adds VOLUME, the path of what is read.
+inline void add_volume_argument(CLI::App& command, std::filesystem::path& volume) {
+  command
+      .add_option("VOLUME", volume,
+                  "Volume: DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
+      ->required();
+}
 
 /// Adds kVolumeOptions, which every command that reads a volume understands. `options` must outlive
 /// the parsing.
