@@ -8,6 +8,7 @@ cd "$(dirname "$0")/.."
 export CI=true
 jobs="$(nproc)"
 logs=build/logs
+export NO_COLOR=1 # logs are searched for what failed
 mkdir -p "$logs"
 tests=0
 
@@ -22,7 +23,7 @@ step() {
     echo "FAILED after $((SECONDS - begin)) s; $log ends with"
     tail -n 60 "$log"
     echo "test: of $log, what failed:"
-    grep -aE '^ *(FAIL|×|→)|AssertionError|\[  FAILED  \]|error:' "$log" | tail -n 20 || true
+    grep -aE '^ *(FAIL|×|→)|[A-Z][A-Za-z]*Error:|\[  FAILED  \]|error:' "$log" | tail -n 20 || true
     echo "test: failed: $name"
     exit 1
   fi

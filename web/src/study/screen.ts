@@ -24,6 +24,8 @@ export interface Question {
   high: string;
   values: readonly number[];
   chosen: number | null;
+  /** Not while the answers are being recorded. */
+  enabled: boolean;
   choose(value: number): void;
 }
 

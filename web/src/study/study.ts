@@ -224,6 +224,7 @@ export class Study {
       question: {
         ...item,
         chosen,
+        enabled: !this.#busy,
         choose: (value) => {
           this.#answers[this.#item] = value;
           this.changed();

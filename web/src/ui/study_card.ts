@@ -83,9 +83,13 @@ function button({ text, enabled, press }: Button): HTMLElement {
   return h("button", { class: "solid", disabled: !enabled, onclick: press }, text);
 }
 
-function question({ text, low, high, values, chosen, choose }: Question): HTMLElement {
+function question({ text, low, high, values, chosen, enabled, choose }: Question): HTMLElement {
   const answers = values.map((value) =>
-    h("button", { "aria-pressed": String(value === chosen), onclick: () => choose(value) }, String(value)),
+    h(
+      "button",
+      { "aria-pressed": String(value === chosen), disabled: !enabled, onclick: () => choose(value) },
+      String(value),
+    ),
   );
   return h(
     "div",

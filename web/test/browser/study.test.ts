@@ -5,6 +5,7 @@ import type { Page } from "playwright-core";
 import { Quaternion, Vector3 } from "three";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
+import { kNoAnswer } from "../../src/model/case_list";
 import { missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { kProgram, missing } from "./program";
@@ -78,6 +79,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
 
     async say(...texts: string[]): Promise<void> {
       for (const text of texts) {
+        await this.wearer.frames(2); // the board shows what was pressed before
         await this.wearer.pressText("right", text);
       }
     }
@@ -153,6 +155,11 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
   it("leads three participants through both modes in the headset, whatever the power does meanwhile", async () => {
     const page = await openHere();
     const one = new Participant(page);
+    // A slow disk: what is recorded then cannot be pressed past.
+    await page.route("**/api/study/sessions/*", async (route) => {
+      await new Promise((resolve) => setTimeout(resolve, 700));
+      await route.continue();
+    });
     await begin(page, 1, "Begin in the headset");
     await one.stand();
     await one.say("Go on");
@@ -160,6 +167,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await one.goThrough("arbitrary");
     await one.end('It was, I think, "fine"');
     await press(page, "Next participant");
+    await page.unroute("**/api/study/sessions/*");
 
     const two = new Participant(page);
     await begin(page, 2, "Begin in the headset");
@@ -170,7 +178,8 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await two.workOnTask();
     await session.cutPower();
     await two.say("Done");
-    await page.waitForFunction(() => window.clipgs.headset.find("Save a copy") !== null);
+    const trouble = `Please call the experimenter. Nothing is lost: ${kNoAnswer}`;
+    await page.waitForFunction((text) => window.clipgs.headset.find(text) !== null, trouble);
     expect(recorded(2).map(({ kind }) => kind)).toEqual(["session", "task"]);
     // Then this machine's, before anything could be sent.
     await session.serveAgain();

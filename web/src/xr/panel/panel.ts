@@ -222,7 +222,7 @@ export class Panel {
   }
 
   /** Where this text is, of its own, a mark's or a letter, or the cube's side of this name, in the room; null: it is
-   * not shown. */
+   * not shown, or on a button that cannot be pressed. */
   find(text: string): Vector3 | null {
     return (
       findText(this.#root, text) ??
@@ -258,7 +258,9 @@ export class Panel {
   update(time: number, eye: Vector3): void {
     this.#eye.copy(eye);
     const counting = this.#tab.value === "view" && time - this.#refreshed > kCountMs;
-    if (counting || (this.#stale && time - this.#refreshed > kRefreshMs)) {
+    // A study's board is small, and nothing that is over is to be pressed there.
+    const due = this.#studying.value || time - this.#refreshed > kRefreshMs;
+    if (counting || (this.#stale && due)) {
       this.#stale = false;
       this.#refreshed = time;
       this.#showWindows();

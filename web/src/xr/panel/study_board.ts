@@ -73,7 +73,7 @@ export class StudyBoard {
   }
 }
 
-function question({ text, low, high, values, chosen, choose }: Question): (Container | Text)[] {
+function question({ text, low, high, values, chosen, enabled, choose }: Question): (Container | Text)[] {
   const rows = Array.from({ length: Math.ceil(values.length / kAnswersInRow) }, (_, i) =>
     values.slice(kAnswersInRow * i, kAnswersInRow * (i + 1)),
   );
@@ -87,6 +87,7 @@ function question({ text, low, high, values, chosen, choose }: Question): (Conta
         ...some.map((value) =>
           button(String(value), () => choose(value), {
             pressed: signal(value === chosen),
+            enabled: signal(enabled),
             height: 64,
             size: 21,
           }),

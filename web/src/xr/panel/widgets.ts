@@ -95,6 +95,7 @@ export function button(
   }
   const caption = label(text, { size });
   caption.setProperties({ pointerEvents: "none" }); // pressed at its text and let go beside it is pressed
+  caption.userData["enabled"] = isEnabled;
   element.add(caption);
   return element;
 }
@@ -170,11 +171,17 @@ export function slider(range: Live<Range>, set: (value: number) => void): Contai
   );
 }
 
-/** Where this text is shown in `root`, in the room; null: it is not. */
+/** Where this text is shown in `root`, in the room; null: it is not, or on a button that cannot be pressed. */
 export function findText(root: Container, text: string): Vector3 | null {
   let found: Vector3 | null = null;
   root.traverse((object) => {
-    if (object instanceof Text && object.isVisible.value && object.properties.value.text === text) {
+    const isEnabled = (object.userData["enabled"] as (() => boolean) | undefined) ?? (() => true);
+    if (
+      object instanceof Text &&
+      object.isVisible.value &&
+      object.properties.value.text === text &&
+      isEnabled()
+    ) {
       object.updateWorldMatrix(true, false);
       found = new Vector3().setFromMatrixPosition(object.matrixWorld);
     }
