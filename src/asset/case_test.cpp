@@ -75,6 +75,7 @@ TEST(Case, RoundTripKeepsEveryField) {
   EXPECT_EQ(read.title, written.title);
   EXPECT_EQ(read.preset, written.preset);
   EXPECT_EQ(read.created, written.created);
+  EXPECT_EQ(read.look, written.look);
 }
 
 TEST(Case, SplatsComeBackWhereAndAsTheyWere) {
@@ -170,6 +171,7 @@ TEST(Case, InfoTellsWithoutDecoding) {
   EXPECT_EQ(summary.splats, info.splats);
   EXPECT_EQ(summary.bytes, info.bytes);
   EXPECT_EQ(summary.scene.title, info.scene.title);
+  EXPECT_EQ(summary.scene.look, info.scene.look);
   EXPECT_EQ(summary.generator, info.generator);
   EXPECT_EQ(summary.thumbnail, info.thumbnail);
 }

@@ -156,6 +156,7 @@ Dataset load_dataset(const std::filesystem::path& folder) {
   dataset.voxel_mm = mean_spacing(volume.vector<3>("spacing"));
   dataset.ends = read_ends(volume);
   dataset.preset = top.text("preset");
+  dataset.look = read_volume_look(top);
   dataset.depth_scale = top.number("depth_scale");
   if (!(dataset.extent.x < dataset.extent.y) || !(dataset.sphere.radius > 0) ||
       !(dataset.voxel_mm > 0)) {

@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/volume_look.h"
 
 namespace clipgs {
 
@@ -47,6 +48,7 @@ struct Dataset {
   float voxel_mm = 1;       ///< spacing of the source volume (geometric mean)
   std::vector<Plane> ends;  ///< the sides of the volume, as planes that keep the inside
   std::string preset;
+  VolumeLook look;
   float depth_scale = 0;  ///< mm per unit of the depth pictures' 16-bit values
 
   std::vector<const Frame*> split(Split which) const;

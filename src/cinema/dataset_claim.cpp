@@ -13,6 +13,8 @@ namespace {
 constexpr int kPicturesRevision = 8;
 constexpr int kPointsRevision = 2;
 
+constexpr const char* kVolumeKey = "volume";
+
 // Structured bindings name every member of what is hashed: whoever adds one finds that nothing
 // compiles here, and decides.
 
@@ -94,7 +96,7 @@ std::string digest_of_preset(const Preset& preset) {
 
 /// What points and pictures have in common.
 Claim claim_of_look(const Volume& volume, const Preset& preset) {
-  return {{"volume", digest_of_voxels(volume)},
+  return {{kVolumeKey, digest_of_voxels(volume)},
           {"labels", digest_of_labels(volume)},
           {"labels'_looks", digest_of_looks(volume, preset)},
           {"preset", digest_of_preset(preset)},
@@ -130,6 +132,10 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
   claims.points.update(look);
   claims.points.update({{"number_of_points", seed_points}, {"seed", seed}});
   return claims;
+}
+
+std::string volume_digest(const DatasetClaims& claims) {
+  return claims.pictures.at(kVolumeKey).get<std::string>();
 }
 
 }  // namespace clipgs

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "cinema/make_dataset.h"
 #include "core/claim.h"
 
@@ -15,5 +17,8 @@ struct DatasetClaims {
 /// the labels' looks, the preset and its lights (a panorama's pixels too), whatever files they are
 /// from.
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options);
+
+/// Of the volume alone: the same for every preset and whatever is made of it.
+std::string volume_digest(const DatasetClaims& claims);
 
 }  // namespace clipgs

@@ -194,8 +194,8 @@ class Maker {
   float depth_scale_ = 0;
 };
 
-void make_pictures(const Volume& volume, const Preset& preset, const fs::path& folder,
-                   const DatasetOptions& options) {
+void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook& look,
+                   const fs::path& folder, const DatasetOptions& options) {
   for (const char* name : {"images", "uncut", "depth", "uncut_depth"}) {
     create_folder(folder / name);
     sweep_leftovers(folder / name);
@@ -235,6 +235,7 @@ void make_pictures(const Volume& volume, const Preset& preset, const fs::path& f
       {"camera_model", "OPENCV"},
       {"ply_file_path", kPointsFile},
       {"preset", preset.name},
+      {kLookKey, volume_look_json(look)},
       {"train_denoised", options.denoise},
       {"axis", list_of(options.axis)},
       {"extent", {extent.x, extent.y}},
@@ -268,12 +269,15 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
   }
   const Step pictures("pictures", folder / "transforms", claims.pictures, {folder / kIndexFile},
                       {folder / kStateFile});
+  const VolumeLook look = make_volume_look(volume_digest(claims), preset.title, preset.description);
   if (!pictures.done()) {
-    make_pictures(volume, preset, folder, options);
+    make_pictures(volume, preset, look, folder, options);
     pictures.finish();
     fs::remove(folder / kStateFile);
   }
-  return load_dataset(folder);
+  Dataset dataset = load_dataset(folder);
+  dataset.look = look;  // pictures are kept where the preset has other words
+  return dataset;
 }
 
 }  // namespace clipgs

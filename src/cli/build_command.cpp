@@ -1,8 +1,12 @@
 #include <array>
 #include <fmt/format.h>
 #include <memory>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "pipeline/build_case.h"
+#include "pipeline/section_step.h"
 
 #include "cli/arguments.h"
 #include "cli/commands.h"
@@ -115,20 +119,81 @@ BuildOptions build_options(const BuildArguments& arguments) {
   return options;
 }
 
-void run_build(const BuildArguments& arguments) {
-  const BuildOptions options = build_options(arguments);
-  require_writable(arguments.output);
-  const fs::path folder = work_folder(arguments);
-  fmt::print(stderr, "[1/4] {}: work is kept in {}\n", arguments.volume, folder.string());
+void require_volume(const BuildArguments& arguments) {
   if (!fs::exists(arguments.volume)) {
     throw Error(
         "{}: does not exist; give a DICOM folder or .zip, or a NIfTI, NRRD or MetaImage file",
         arguments.volume);
   }
+}
+
+void run_build(const BuildArguments& arguments) {
+  const BuildOptions options = build_options(arguments);
+  require_writable(arguments.output);
+  const fs::path folder = work_folder(arguments);
+  fmt::print(stderr, "[1/4] {}: work is kept in {}\n", arguments.volume, folder.string());
+  require_volume(arguments);
   const FolderLock work(folder, "give this build its own folder with --work");
   Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_look(arguments.look, volume);
   build_case(std::move(volume), preset, options, work, arguments.output);
+}
+
+/// "skin,skeleton": several presets. The name of a file may have commas in it.
+std::vector<std::string> presets_of(const std::string& list) {
+  if (fs::exists(list)) {
+    return {list};
+  }
+  std::vector<std::string> presets = CLI::detail::split(list, ',');
+  std::set<std::string> names;
+  for (const std::string& preset : presets) {
+    if (!names.insert(fs::path(preset).stem().string()).second || preset.empty()) {
+      throw CLI::ValidationError(
+          "--preset",
+          fmt::format("\"{}\" names a preset twice, or none; write skin,skeleton", list));
+    }
+  }
+  return presets;
+}
+
+/// Of several looks: NAME-PRESET.sog, and a work folder of its own.
+BuildArguments build_of_look(const BuildArguments& arguments, const std::string& preset) {
+  const std::string name = fs::path(preset).stem().string();
+  const fs::path output(arguments.output);
+  BuildArguments build = arguments;
+  build.look.preset = preset;
+  build.output = output.parent_path() / fmt::format("{}-{}.sog", output.stem().string(), name);
+  if (!arguments.work.empty()) {
+    build.work = fs::path(arguments.work) / name;
+  }
+  return build;
+}
+
+/// Before the first takes its time: the last can be built, too. Throws Error.
+void require_looks(const std::vector<BuildArguments>& builds) {
+  require_volume(builds.front());
+  const Volume volume = load_volume(builds.front().volume, builds.front().loading);
+  for (const BuildArguments& build : builds) {
+    require_writable(build.output);
+    require_look_for_section(load_look(build.look, volume), build.section);
+  }
+}
+
+/// One case for each preset of --preset.
+void run_builds(const BuildArguments& arguments) {
+  const std::vector<std::string> presets = presets_of(arguments.look.preset);
+  if (presets.size() == 1) {
+    run_build(arguments);
+    return;
+  }
+  std::vector<BuildArguments> builds;
+  for (const std::string& preset : presets) {
+    builds.push_back(build_of_look(arguments, preset));
+  }
+  require_looks(builds);
+  for (const BuildArguments& build : builds) {
+    run_build(build);
+  }
 }
 
 }  // namespace
@@ -141,10 +206,17 @@ void add_build_command(CLI::App& app) {
       ->add_option("volume", arguments->volume,
                    "DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Case to write (.sog)")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Case to write (.sog); of several presets OUTPUT-PRESET.sog each")
       ->required()
       ->check(ends_in({".sog"}));
   add_look_options(*command, arguments->look);
+  command->get_option("--preset")
+      ->description(
+          "Look: a preset's name, a JSON file, or auto; several with commas between them: a case "
+          "of "
+          "each, which the viewer shows as looks of one volume");
   add_label_options(*command, arguments->look.labels, arguments->loading);
   command->add_option("--quality", arguments->quality, "draft, standard or high")
       ->capture_default_str();
@@ -194,10 +266,11 @@ void add_build_command(CLI::App& app) {
       "look or option is made again; the rest is kept. One build at a time works in a work "
       "folder.\n"
       "It keeps the pictures for clipgs eval; delete it when you do not need them.\n"
-      "Example: clipgs build dicom/ -o case.sog");
+      "Example: clipgs build dicom/ -o case.sog\n"
+      "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery");
   command->callback([arguments] {
     leave_section_to_splats(arguments->loading, arguments->section);
-    run_build(*arguments);
+    run_builds(*arguments);
   });
 }
 

@@ -122,6 +122,33 @@ TEST_F(BuildTest, OptionsMakeAgainWhatDependsOnThem) {
                                  HasSubstr("training: made again, the steps changed")));
 }
 
+TEST_F(BuildTest, SeveralPresetsMakeACaseEachOfOneVolume) {
+  const auto looks = [&](const std::string& presets, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> build = tiny_build("case.sog", {"--preset", presets});
+    build.insert(build.end(), more.begin(), more.end());
+    return build;
+  };
+  const auto look_of = [&](const std::string& file) {
+    const Finished info = run_clipgs({"info", at(file), "--json"});
+    return nlohmann::json::parse(info.out).at("look");
+  };
+  // The last cannot be built: nor is the first.
+  expect_failure(looks("skin,crystal"), "--no-section", at("case-skin.sog"));
+  expect_failure(looks("skin,no-such"), "no-such", at("case-skin.sog"));
+  EXPECT_EQ(run_clipgs(looks("skin,skin")).status, 2);
+  EXPECT_EQ(run_clipgs(looks("skin,")).status, 2);
+
+  const Finished built = run_clipgs(looks("skin,skeleton", {"--work", at("work")}));
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_FALSE(fs::exists(at("case.sog")));
+  EXPECT_TRUE(fs::exists(at("work/skin/scene.ply")));
+  const nlohmann::json skin = look_of("case-skin.sog");
+  const nlohmann::json skeleton = look_of("case-skeleton.sog");
+  EXPECT_EQ(skin.at("volume"), skeleton.at("volume"));
+  EXPECT_EQ(skeleton.at("title"), "Skeleton");
+  EXPECT_NE(skin.at("description"), skeleton.at("description"));
+}
+
 TEST_F(BuildTest, TheSecondInAWorkFolderIsToldWhoIsAtWork) {
   const std::string work = at("case.clipgs-work");
   const std::string me = "process " + std::to_string(getpid()) + " on ";

@@ -19,6 +19,9 @@ Json rounded_list(const Vec3& v) { return {json_number(v.x), json_number(v.y), j
 void describe_common(const Scene& scene, bool has_layers, Json& json) {
   json["title"] = scene.title;
   json["preset"] = scene.preset;
+  if (!scene.look.volume.empty()) {
+    json[kLookKey] = volume_look_json(scene.look);
+  }
   json["created"] = scene.created;
   json["axis"] = rounded_list(scene.axis);
   json["extent_mm"] = {json_number(scene.extent.x), json_number(scene.extent.y)};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -146,25 +147,43 @@ std::string quoted(const std::string& word) {
   return result + "'";
 }
 
-/// The command that draws, or builds, the volume with that look.
+/// The command that draws, or builds, the volume with that look, or several.
 std::string command_line(const std::string& command, const std::string& output,
-                         const LooksArguments& arguments, const Preset& preset) {
+                         const LooksArguments& arguments, const std::string& preset) {
   std::string line = fmt::format("clipgs {} {} -o {} --preset {}", command,
-                                 quoted(arguments.volume.string()), output, preset.name);
+                                 quoted(arguments.volume.string()), output, preset);
   for (const std::string& option : arguments.given) {
     line += ' ' + quoted(option);
   }
   return line;
 }
 
+/// Faces that are drawn from the volume's data know nothing of gradient opacity.
+bool has_section(const Preset& preset) { return !preset.gradient_opacity; }
+
 std::string build_line(const LooksArguments& arguments, const Preset& preset) {
-  // Faces that are drawn from the volume's data know nothing of gradient opacity.
-  return command_line("build", "case.sog", arguments, preset) +
-         (preset.gradient_opacity ? " --no-section" : "");
+  return command_line("build", "case.sog", arguments, preset.name) +
+         (has_section(preset) ? "" : " --no-section");
+}
+
+/// Builds a case of each look that has a section, which the viewer shows as looks of one volume;
+/// nothing where these are not several.
+std::optional<std::string> build_all_line(const LooksArguments& arguments,
+                                          const std::vector<Look>& looks) {
+  std::vector<std::string> names;
+  for (const Look& look : looks) {
+    if (has_section(look.preset)) {
+      names.push_back(look.preset.name);
+    }
+  }
+  if (names.size() < 2) {
+    return std::nullopt;
+  }
+  return command_line("build", "case.sog", arguments, fmt::format("{}", fmt::join(names, ",")));
 }
 
 std::string cinema_line(const LooksArguments& arguments, const Preset& preset) {
-  return command_line("cinema", preset.name + ".png", arguments, preset);
+  return command_line("cinema", preset.name + ".png", arguments, preset.name);
 }
 
 void write_sheet(const std::filesystem::path& path, const Image& sheet) {
@@ -179,10 +198,14 @@ void write_sheet(const std::filesystem::path& path, const Image& sheet) {
 
 void print_looks(const LooksArguments& arguments, const Identity& identity,
                  const std::vector<Look>& looks, double seconds) {
+  const std::optional<std::string> build_all = build_all_line(arguments, looks);
   if (!arguments.json) {
     fmt::print("{}: {}, looks for it in {:.1f} s\n", arguments.output, identity.what, seconds);
     for (const Look& look : looks) {
       fmt::print("  {:<14} {}\n", look.preset.name, build_line(arguments, look.preset));
+    }
+    if (build_all) {
+      fmt::print("a case of each, between which the viewer changes:\n  {}\n", *build_all);
     }
     return;
   }
@@ -191,6 +214,9 @@ void print_looks(const LooksArguments& arguments, const Identity& identity,
                                  {"because", identity.reason},
                                  {"auto_preset", identity.preset},
                                  {"seconds", seconds}};
+  if (build_all) {
+    json["build_all"] = *build_all;
+  }
   for (const Look& look : looks) {
     json["looks"].push_back({{"preset", look.preset.name},
                              {"title", look.preset.title},

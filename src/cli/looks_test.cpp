@@ -168,6 +168,9 @@ TEST_F(LooksTest, CommandsRunAsTheyArePrinted) {
                                     "' -o case.sog --preset " + preset));
     EXPECT_EQ(look["build"].get<std::string>().ends_with(" --no-section"), preset == "crystal");
   }
+  EXPECT_THAT(json["build_all"].get<std::string>(),
+              testing::AllOf(HasSubstr(" -o case.sog --preset soft-tissue,"), HasSubstr(",skin,"),
+                             testing::Not(HasSubstr("crystal"))));
   const std::string line = json["looks"][1]["cinema"];
   EXPECT_THAT(line, HasSubstr("--gaps refuse --hu 1,-5 --keep-table"));
   const std::string program = fs::path(CLIPGS_PROGRAM).parent_path().string();

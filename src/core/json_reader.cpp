@@ -75,9 +75,8 @@ bool JsonReader::boolean(const char* key) const {
 }
 
 std::string JsonReader::text(const char* key) const {
-  constexpr size_t kMaxText = 256;
   const json& value = at(key);
-  if (!value.is_string() || value.get_ref<const std::string&>().size() > kMaxText) {
+  if (!value.is_string() || value.get_ref<const std::string&>().size() > kMostText) {
     fail(key);
   }
   return value.get<std::string>();

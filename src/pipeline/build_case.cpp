@@ -157,6 +157,7 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
   Case contents = build_scene(dataset, options, work.folder() / "scene");
   contents.scene.title = options.title.empty() ? contents.scene.preset : options.title;
   contents.scene.created = today();
+  contents.scene.look = dataset.look;  // that of work kept since before scenes had one, too
   return contents;
 }
 

@@ -56,6 +56,7 @@ class BuildCaseTest : public testing::Test {
         build_contents(input.volume, input.preset, input.options, FolderLock(folder_ / work));
     said_ = testing::internal::GetCapturedStderr();
     shown_ = contents.scene.gaussians.data();
+    look_ = contents.scene.look;
     if (contents.section) {
       shown_.insert(shown_.end(), contents.section->voxels.begin(), contents.section->voxels.end());
     }
@@ -85,6 +86,7 @@ class BuildCaseTest : public testing::Test {
   fs::path folder_;
   std::string said_;
   std::vector<float> shown_;
+  VolumeLook look_;
   Input input_;
 };
 
@@ -132,6 +134,30 @@ TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {
   expect_again("preset", [](Input& i) { i.preset.surface_strength *= 2; }, lines("preset"));
   expect_again("lights", [](Input& i) { i.preset.rig = load_rig("ambient"); }, lines("lights"));
   expect_as_from_scratch();
+}
+
+TEST_F(BuildCaseTest, LooksOfOneVolumeSayThatTheyAre) {
+  input_.options.training.steps = 1;
+  input_.preset.title = "First";
+  build(input_);
+  const VolumeLook first = look_;
+  EXPECT_EQ(first.volume.size(), 16u);
+  EXPECT_EQ(first.title, "First");
+
+  // Work that was kept, though the preset's words are others by now.
+  input_.preset.title = "Second";
+  input_.preset.description = "Brighter.";
+  build(input_);
+  EXPECT_THAT(said_, HasSubstr("training: done before"));
+  EXPECT_EQ(look_, (VolumeLook{first.volume, "Second", "Brighter."}));
+
+  input_.preset.surface_strength *= 2;
+  build(input_);
+  EXPECT_EQ(look_.volume, first.volume);
+  input_.volume.values.unpack()[input_.volume.offset(12, 12, 12)] = 200;
+  build(input_);
+  EXPECT_EQ(look_.volume.size(), 16u);
+  EXPECT_NE(look_.volume, first.volume);
 }
 
 TEST_F(BuildCaseTest, ThePapersWayKeepsItsModelWhereItCan) {

@@ -152,6 +152,7 @@ nlohmann::json case_index_json(const CaseEntries& entries) {
           fmt::format("{}/thumbnail?v={}", address, percent_encode(entry->version));
       one["title"] = entry->info.scene.title;
       one["preset"] = entry->info.scene.preset;
+      one["look"] = volume_look_json(entry->info.scene.look);
       one["created"] = entry->info.scene.created;
       one["splats"] = entry->info.splats;
       one["sh_degree"] = entry->info.sh_degree;

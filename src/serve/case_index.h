@@ -55,9 +55,9 @@ class CaseIndex {
   std::map<std::string, std::shared_ptr<const CaseEntry>> entries_;
 };
 
-/// {"cases": [{name, title, preset, created, bytes, splats, sh_degree, file, thumbnail}, …]}:
-/// `file` and `thumbnail` are addresses, the latter null if there is none; a broken case has name,
-/// bytes and error alone.
+/// {"cases": [{name, title, preset, look, created, bytes, splats, sh_degree, file, thumbnail}, …]}:
+/// `file` and `thumbnail` are addresses, the latter null if there is none; `look` is
+/// volume_look_json()'s; a broken case has name, bytes and error alone.
 nlohmann::json case_index_json(const CaseEntries& entries);
 
 }  // namespace clipgs

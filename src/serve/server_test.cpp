@@ -28,7 +28,9 @@ class ServerTest : public ::testing::Test {
     folder_ = fs::temp_directory_path() / ("clipgs_serve_" + std::to_string(::getpid()));
     fs::create_directories(folder_ / "cases");
     const Image thumbnail(32, 32, 3);
-    write_case(case_folder() / "head.sog", {small_scene("A head")}, &thumbnail);
+    Scene head = small_scene("A head");
+    head.look = {"0123456789abcdef", "Bone", "Bone alone."};
+    write_case(case_folder() / "head.sog", {head}, &thumbnail);
     write_case(case_folder() / "two words.sog", {small_scene("Two words")}, nullptr);
     const auto bytes = read_file(case_folder() / "head.sog");
     write_file(case_folder() / "broken.sog", bytes.data(), bytes.size() / 2);
@@ -72,6 +74,10 @@ TEST_F(ServerTest, ListsCasesAndBrokenFiles) {
   EXPECT_EQ(cases[1].at("title"), "A head");
   EXPECT_EQ(cases[1].at("splats"), 20);
   EXPECT_EQ(cases[1].at("bytes"), fs::file_size(case_folder() / "head.sog"));
+  EXPECT_EQ(cases[1].at("look"), nlohmann::json({{"volume", "0123456789abcdef"},
+                                                 {"title", "Bone"},
+                                                 {"description", "Bone alone."}}));
+  EXPECT_TRUE(cases[2].at("look").is_null());
   EXPECT_EQ(cases[2].at("file"), "cases/two%20words.sog");
   EXPECT_TRUE(cases[2].at("thumbnail").is_null());
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/volume_look.h"
 #include "splat/face_gain.h"
 #include "splat/gaussians.h"
 
@@ -68,6 +69,7 @@ struct Scene {
   std::string title;    ///< chosen by the user or the preset, never read from the input
   std::string preset;   ///< name of the preset
   std::string created;  ///< ISO 8601 date, or empty
+  VolumeLook look;      ///< of the volume that the scene was made of
   FaceGain face_gain;   ///< of the splats at a cut face
   PlaneStates states;   ///< of the uniaxial cut
   /// The state that each Gaussian comes from, its rendering layer; empty if the scene has none.

@@ -106,6 +106,9 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
       {"preset", scene.preset},
       {"created", scene.created},
   };
+  if (!scene.look.volume.empty()) {
+    result[kLookKey] = volume_look_json(scene.look);
+  }
   if (!scene.face_gain.none()) {
     result["face_gain"] = json::array();
     for (const Vec3& coefficient : scene.face_gain.coefficients) {
@@ -142,6 +145,7 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   scene.title = reader.text("title");
   scene.preset = reader.text("preset");
   scene.created = reader.text("created");
+  scene.look = read_volume_look(reader);
   if (const auto gain = object.find("face_gain"); gain != object.end()) {
     scene.face_gain = gain_from_json(*gain, reader);
   }

@@ -36,6 +36,7 @@ TEST(SceneFile, RoundTripKeepsEveryField) {
   EXPECT_EQ(read.title, written.title);
   EXPECT_EQ(read.preset, written.preset);
   EXPECT_EQ(read.created, written.created);
+  EXPECT_EQ(read.look, written.look);
   ASSERT_EQ(read.gaussians.size(), 200u);
   ASSERT_EQ(read.gaussians.sh_degree(), 2);
   for (size_t i = 0; i < 200; ++i) {

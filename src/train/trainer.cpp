@@ -423,6 +423,7 @@ Scene scene_of(const Dataset& dataset) {
   scene.axis = dataset.axis;
   scene.extent = dataset.extent;
   scene.preset = dataset.preset;
+  scene.look = dataset.look;
   return scene;
 }
 

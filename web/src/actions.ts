@@ -9,7 +9,7 @@ import type { Lighting } from "./model/rigs";
 import { History } from "./model/history";
 import { freeAxis, kAxes, type Orientation, planeAcross } from "./model/planes";
 import { type Mode, stateText } from "./model/states";
-import { viewDirection } from "./model/view";
+import { viewDirection, viewFrom } from "./model/view";
 import type { Viewer } from "./viewer";
 import type { ClipOperator } from "./worker/protocol";
 
@@ -198,9 +198,7 @@ export class Actions {
   reset(): void {
     const { info } = this.#viewer;
     if (info) {
-      const view = { azimuth: 28, elevation: 24, zoom: 1 };
-      this.#viewer.state.view.pan.set(0, 0, 0);
-      this.#viewer.setView(view);
+      this.#viewer.setView(viewFrom(28, 24));
       this.resetPlane();
     }
   }

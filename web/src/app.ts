@@ -1,7 +1,9 @@
 import { Actions } from "./actions";
 import type { Surroundings } from "./api";
+import { isSameVolume } from "./model/case_info";
 import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
 import type { Link } from "./model/link";
+import type { Look } from "./model/looks";
 import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
 import type { Study } from "./study/study";
@@ -46,9 +48,13 @@ export interface Host {
   changed(): void;
   /** What can be opened. */
   cases(): Promise<CaseSummary[]>;
+  /** Of the volume that is shown, as far as is known; none where it has one alone. */
+  looks(): readonly Look[];
   open(name: string): Promise<void>;
   /** Lets a person choose a case; absent where there is no choice. */
   choose?(): void;
+  /** Lets a person choose another look of the volume, where there are several. */
+  chooseLook?(): void;
   /** A link to what is shown; absent where no address says it. */
   address?(): string;
 }
@@ -69,6 +75,18 @@ export class App {
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
   readonly #title = h("span", { class: "title" }, kNoCase);
+  readonly #lookName = h("span", { class: "look-name" });
+  readonly #lookButton = h(
+    "button",
+    {
+      class: "look-button",
+      title: "Looks of this volume (K)",
+      hidden: true,
+      onclick: () => this.host.chooseLook?.(),
+    },
+    icon(kIcons.looks),
+    this.#lookName,
+  );
   readonly #stats = h("output", { class: "stats", "aria-label": "Statistics", "aria-live": "off" });
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
@@ -116,7 +134,7 @@ export class App {
     this.#themeButton = h("button", { class: "plain", onclick: () => this.#theme.next() });
     root.append(
       this.#overlay.element,
-      h("header", { class: "bar", part: "bar" }, this.#caseTitle(), this.#buttons()),
+      h("header", { class: "bar", part: "bar" }, this.#caseTitle(), this.#lookButton, this.#buttons()),
       this.#panel.element,
       this.#cube.element,
       h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#stats),
@@ -193,14 +211,16 @@ export class App {
       if (error) {
         throw new CaseError(error);
       }
-      const first = this.viewer.info === null;
+      const before = this.viewer.info;
       await this.viewer.open(
         name,
         file,
         (share) => opening === this.#opening && this.#setProgress(0.9 * share),
-        () => first && this.#begin(link),
+        () => before === null && this.#begin(link),
       );
-      this.actions.forget();
+      if (!isSameVolume(before, this.viewer.info!)) {
+        this.actions.forget();
+      }
     } catch (error) {
       if (opening === this.#opening) {
         this.#title.textContent = this.title || kNoCase;
@@ -214,12 +234,22 @@ export class App {
       }
     }
     this.#title.textContent = this.title;
+    this.offerLooks();
     this.#update();
     const { sectionProblem } = this.viewer;
     if (sectionProblem) {
       this.fail(sectionProblem, again);
       this.headset.panel?.tell(sectionProblem);
     }
+  }
+
+  /** What the looks of the volume are, or which is shown, may be another. */
+  offerLooks(): void {
+    const shown = this.host.looks().find((look) => look.case.name === this.viewer.caseName);
+    this.#lookButton.hidden = !shown;
+    this.#lookName.textContent = shown?.name ?? "";
+    this.#lookButton.ariaLabel = `Look: ${this.#lookName.textContent}`;
+    this.headset.refresh();
   }
 
   /** How the first case is shown at first. */
@@ -517,7 +547,7 @@ export class App {
       return;
     }
     const step = event.shiftKey ? 10 : 1;
-    const keys: Record<string, () => void> = {
+    const keys: Record<string, () => unknown> = {
       a: () => this.actions.orient("axial"),
       c: () => this.actions.orient("coronal"),
       s: () => this.actions.orient("sagittal"),
@@ -537,6 +567,7 @@ export class App {
       o: () => this.viewer.setLayers({ body: !this.viewer.state.layers.body }),
       r: () => this.actions.reset(),
       m: () => this.host.choose?.(),
+      k: () => !this.#lookButton.hidden && this.#lookButton.click(),
       d: () => void this.#savePicture(),
       t: () => this.#theme.next(),
       z: () => this.#fullScreen.toggle(),

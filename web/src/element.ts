@@ -35,6 +35,7 @@ export class ClipgsViewerElement extends HTMLElement {
     takesWheel: () => this.#root.matches(":focus-within, :fullscreen"),
     changed: () => this.#tellOfChange(),
     cases: async () => [],
+    looks: () => [],
     open: (src) => this.#openOther(src),
   };
   #app: App | null = null;

@@ -1,10 +1,12 @@
 import type { ClipgsApi } from "./api";
 import { App, type Host } from "./app";
 import { caseFile, type CaseSummary, fetchCases } from "./model/case_list";
+import { type Look, looksOf } from "./model/looks";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
 import { CaseMenu } from "./ui/case_menu";
+import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";
 
 const kLinkDelayMs = 300;
@@ -22,6 +24,7 @@ class Page implements Host {
   readonly keys = window;
   readonly app: App;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
+  readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
   #cases: CaseSummary[] = [];
   #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
   #size: Link["size"];
@@ -29,7 +32,7 @@ class Page implements Host {
 
   constructor(root: HTMLElement, client: CaseClient) {
     this.app = new App(root, this, client);
-    root.append(this.#menu.element);
+    root.append(this.#menu.element, this.#looksMenu.element);
     // By now the address may have been written over.
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
   }
@@ -66,7 +69,16 @@ class Page implements Host {
 
   async cases(): Promise<CaseSummary[]> {
     this.#cases = await fetchCases();
+    this.app.offerLooks();
     return this.#cases;
+  }
+
+  looks(): readonly Look[] {
+    return looksOf(this.#cases, this.app.viewer.caseName);
+  }
+
+  chooseLook(): void {
+    this.#looksMenu.show(this.looks(), this.app.viewer.caseName);
   }
 
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */

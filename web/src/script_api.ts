@@ -31,7 +31,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     },
     open: (name) => app.host.open(name),
     setView: ({ azimuth, elevation, zoom = 1 }) =>
-      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3() }),
+      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3(), back: 0 }),
     setPlane: (plane) => {
       viewer.setCuts(plane ? [unitCut(plane)] : []);
     },

@@ -10,7 +10,7 @@ import {
 } from "three";
 
 import type { Picture, ViewerStats } from "./api";
-import type { CaseInfo } from "./model/case_info";
+import { type CaseInfo, isSameVolume } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import type { FaceEffort } from "./model/face_style";
 import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
@@ -24,7 +24,7 @@ import type { Grip } from "./model/plane_drag";
 import { kRigs } from "./model/rigs";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
-import { applyView, focalLength, type Inset, type View, viewFrom } from "./model/view";
+import { applyView, focalLength, type Inset, reframed, type View, viewFrom } from "./model/view";
 import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
 import { kAtRest, kMoving, OpenCase, type SortResult, type Style } from "./render/open_case";
@@ -220,7 +220,8 @@ export class Viewer {
   }
 
   /**
-   * Shows the case at `url`. The view and plane stay, unless `begin`, called before the first picture, says otherwise.
+   * Shows the case at `url`. The view and plane stay, and of another look of the same volume the camera itself, the
+   * window and the marks, too, unless `begin`, called before the first picture, says otherwise.
    * The body is shown, uncut, before its section is there; resolves with the first picture after. Rejects with CaseError.
    */
   async open(
@@ -263,17 +264,22 @@ export class Viewer {
   }
 
   #replaceCase(opened: OpenCase): void {
+    const { info, state } = this;
+    if (info && isSameVolume(info, opened.info)) {
+      Object.assign(state.view, reframed(state.view, info.sphere, opened.info.sphere));
+    } else {
+      state.window = null;
+      state.pins = [];
+    }
     this.#case?.free();
     this.#case = opened;
     this.#ordered = false;
     this.#pictured = false;
-    this.state.window = null;
-    this.state.pins = [];
     this.stats.sectionBytes = 0;
     this.stats.sectionMs = 0;
     this.#rate.restart();
     this.#widget.setSphere(opened.info.sphere);
-    this.setCuts(this.state.cuts, this.state.active);
+    this.setCuts(state.cuts, state.active);
   }
 
   /** Until the case has been drawn as it is, or is shown no more. */

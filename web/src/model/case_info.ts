@@ -17,6 +17,13 @@ export interface CaseInfo {
   bounds: Box;
   title: string;
   preset: string;
+  /** Of the volume that the case was made of; empty where that is not known. */
+  volume: string;
+}
+
+/** Whether both show one volume: what is said of the one in RAS mm holds for the other. */
+export function isSameVolume(a: CaseInfo | null | undefined, b: CaseInfo): boolean {
+  return a?.volume === b.volume && b.volume !== "";
 }
 
 /** Rows of a 4×4 similarity with determinant > 0. */
@@ -66,5 +73,6 @@ export function parseCaseInfo(block: unknown): CaseInfo {
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
     title: reader.text("title"),
     preset: reader.text("preset"),
+    volume: reader.has("look") ? reader.child("look").text("volume") : "",
   };
 }

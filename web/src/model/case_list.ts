@@ -1,11 +1,19 @@
 import { CaseError } from "../sog/zip";
 
+/** Which volume a case shows, and how (docs/format.md). */
+export interface CaseLook {
+  volume: string;
+  title: string;
+  description: string;
+}
+
 /** One case of the server's index; a broken one has an error instead of a file. */
 export interface CaseSummary {
   name: string;
   bytes: number;
   title: string;
   preset: string;
+  look: CaseLook | null;
   splats: number;
   file: string;
   thumbnail: string | null;
@@ -39,6 +47,7 @@ export async function fetchCases(): Promise<CaseSummary[]> {
     bytes: one.bytes ?? 0,
     title: one.title || one.name || "",
     preset: one.preset ?? "",
+    look: one.look ?? null,
     splats: one.splats ?? 0,
     file: one.file ?? caseFile(one.name ?? ""),
     thumbnail: one.thumbnail ?? null,

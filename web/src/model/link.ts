@@ -75,7 +75,7 @@ function parsePins(parameters: URLSearchParams): LinkPin[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -92,6 +92,7 @@ export function parseLink(hash: string): Link {
     if (pan) {
       link.view.pan.fromArray(pan);
     }
+    link.view.back = numbers(parameters.get("back"), 1, 1)?.[0] ?? 0;
   }
   const cuts = parseCuts(parameters);
   const state = parameters.get("state") ?? "";
@@ -160,7 +161,7 @@ export function formatLink(link: Link): string {
     parts.push(`case=${encodeURIComponent(link.case)}`);
   }
   if (link.view) {
-    const { azimuth, elevation, zoom, pan } = link.view;
+    const { azimuth, elevation, zoom, pan, back } = link.view;
     parts.push(`view=${rounded(azimuth, 2)},${rounded(elevation, 2)},${rounded(zoom, 3)}`);
     if (pan.lengthSq() > 0) {
       parts.push(
@@ -169,6 +170,9 @@ export function formatLink(link: Link): string {
           .map((v) => rounded(v, 2))
           .join(",")}`,
       );
+    }
+    if (back !== 0) {
+      parts.push(`back=${rounded(back, 2)}`);
     }
   }
   if (link.state !== undefined) {

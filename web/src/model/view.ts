@@ -11,17 +11,19 @@ export const kFrameFill = 0.9;
 
 /**
  * Where the camera stands. Azimuth 0° looks at the patient from the front, 90° from the patient's left;
- * elevation 90° from above the head. `pan` moves what is looked at away from the sphere's centre, mm.
+ * elevation 90° from above the head. `pan` moves what is looked at away from the sphere's centre, `back` the camera
+ * away from that, mm.
  */
 export interface View {
   azimuth: number;
   elevation: number;
   zoom: number;
   pan: Vector3;
+  back: number;
 }
 
 export function viewFrom(azimuth: number, elevation: number, zoom = 1): View {
-  return { azimuth, elevation, zoom, pan: new Vector3() };
+  return { azimuth, elevation, zoom, pan: new Vector3(), back: 0 };
 }
 
 /** Unit vector from the target towards the camera, RAS. */
@@ -34,6 +36,20 @@ export function viewDirection(azimuth: number, elevation: number): Vector3 {
 /** Distance from a sphere's centre at which it fills kFrameFill of the shorter side. */
 export function framingDistance(radius: number): number {
   return radius / Math.sin(Math.atan(kFrameFill * Math.tan(0.5 * kFieldOfView)));
+}
+
+/** Of the camera from what it looks at, mm. */
+export function cameraDistance(view: View, sphere: Sphere): number {
+  return Math.max(1, framingDistance(sphere.radius) + view.back);
+}
+
+/** The same camera, and what it turns about, as a view of something else in the patient. */
+export function reframed(view: View, from: Sphere, to: Sphere): View {
+  return {
+    ...view,
+    pan: from.center.clone().add(view.pan).sub(to.center),
+    back: cameraDistance(view, from) - framingDistance(to.radius),
+  };
 }
 
 /** Axes of a camera that looks along `forward` with the patient's head up, RAS. */
@@ -62,7 +78,7 @@ export function applyView(
   inset: Inset = { right: 0, bottom: 0 },
 ): void {
   const direction = viewDirection(view.azimuth, view.elevation);
-  const distance = framingDistance(sphere.radius);
+  const distance = cameraDistance(view, sphere);
   const position = sphere.center.clone().add(view.pan).addScaledVector(direction, distance);
   const { right, down } = cameraAxes(direction.clone().negate());
   const basis = new Matrix4().makeBasis(right, down.negate(), direction).setPosition(position);

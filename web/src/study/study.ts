@@ -415,7 +415,7 @@ export class Study {
       task?.marked ? task.target.points.map((point) => ({ point: point.clone(), joined: false })) : [],
     );
     if (task?.view) {
-      viewer.setView({ ...task.view, pan: new Vector3() });
+      viewer.setView({ ...task.view, pan: new Vector3(), back: 0 });
     }
     actions.forget();
   }

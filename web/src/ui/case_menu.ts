@@ -1,7 +1,8 @@
 import { type CaseSummary, formatBytes, formatCount } from "../model/case_list";
+import { type CaseGroup, countText, groupCases, type Look } from "../model/looks";
 import { h, icon, kIcons } from "./dom";
 
-/** The cases of the server as cards with their pictures. */
+/** The cases of the server as cards with their pictures, those of one volume together. */
 export class CaseMenu {
   readonly element: HTMLDialogElement;
   readonly #cards = h("div", { class: "cards" });
@@ -26,7 +27,7 @@ export class CaseMenu {
   show(cases: CaseSummary[], current: string | null): void {
     this.#cards.replaceChildren(
       ...(cases.length > 0
-        ? cases.map((one) => this.#card(one, one.name === current))
+        ? groupCases(cases).map((group) => this.#group(group, current))
         : [
             h(
               "p",
@@ -42,31 +43,52 @@ export class CaseMenu {
     }
   }
 
-  #card(one: CaseSummary, current: boolean): HTMLElement {
-    const picture = one.thumbnail
-      ? h("img", { src: one.thumbnail, alt: "", loading: "lazy" })
-      : h("span", { class: "no-picture" }, icon(one.error ? kIcons.warning : kIcons.coronal));
+  #group(group: CaseGroup, current: string | null): HTMLElement {
+    const cards = group.looks.map((look) => this.#card(look, group, current));
+    if (cards.length === 1) {
+      return cards[0]!;
+    }
     return h(
-      "button",
-      {
-        class: `card${current ? " current" : ""}${one.error ? " broken" : ""}`,
-        "data-case": one.name,
-        "aria-current": current ? "true" : false,
-        onclick: () => {
-          this.element.close();
-          this.#choose(one.name);
-        },
-      },
-      h("span", { class: "picture" }, picture),
-      h("strong", {}, one.error ? one.name : one.title),
-      h(
-        "small",
-        {},
-        one.error ??
-          `${one.preset ? `${one.preset} · ` : ""}${formatCount(one.splats)} splats · ${formatBytes(one.bytes)}`,
-      ),
+      "section",
+      { class: "volume", "aria-label": `${group.title}, ${countText(group)}` },
+      h("h3", {}, `${group.title} · ${countText(group)}`),
+      h("div", { class: "cards" }, ...cards),
     );
   }
+
+  #card({ case: one, name }: Look, { looks }: CaseGroup, current: string | null): HTMLElement {
+    const preset = looks.length === 1 && one.preset ? `${one.preset} · ` : "";
+    const detail = `${preset}${formatCount(one.splats)} splats · ${formatBytes(one.bytes)}`;
+    return caseCard(one, name, detail, one.name === current, () => {
+      this.element.close();
+      this.#choose(one.name);
+    });
+  }
+}
+
+/** A case's picture, what it is called and a line about it, or what is wrong with it. */
+export function caseCard(
+  one: CaseSummary,
+  title: string,
+  detail: string,
+  current: boolean,
+  choose: () => void,
+): HTMLElement {
+  const picture = one.thumbnail
+    ? h("img", { src: one.thumbnail, alt: "", loading: "lazy" })
+    : h("span", { class: "no-picture" }, icon(one.error ? kIcons.warning : kIcons.coronal));
+  return h(
+    "button",
+    {
+      class: `card${current ? " current" : ""}${one.error ? " broken" : ""}`,
+      "data-case": one.name,
+      "aria-current": current ? "true" : false,
+      onclick: choose,
+    },
+    h("span", { class: "picture" }, picture),
+    h("strong", {}, one.error ? one.name : title),
+    h("small", {}, one.error ?? detail),
+  );
 }
 
 export function closeButton(close: () => void): HTMLElement {

@@ -28,6 +28,7 @@ const kHelp: [string, string][] = [
   ["Z", "full screen"],
   ["T", "colours: as the system, dark, light"],
   ["M", "cases"],
+  ["K", "looks of the volume, where it has several"],
   ["V", "show the case in a headset, where there is one"],
   ["?", "this help"],
 ];

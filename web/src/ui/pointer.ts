@@ -2,7 +2,7 @@ import { Vector3 } from "three";
 
 import { draggedWindow } from "../model/grey";
 import { type Grip, PlaneDrag } from "../model/plane_drag";
-import { cameraAxes, framingDistance, viewDirection } from "../model/view";
+import { cameraAxes, cameraDistance, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 
 const kDegreesPerPixel = 0.4;
@@ -141,10 +141,10 @@ export class PointerControls {
       return;
     }
     const { right, down } = cameraAxes(viewDirection(state.view.azimuth, state.view.elevation).negate());
-    const mmPerPixel = framingDistance(info.sphere.radius) / this.#viewer.focalLength;
+    const mmPerPixel = cameraDistance(state.view, info.sphere) / this.#viewer.focalLength;
     const pan = new Vector3().copy(state.view.pan);
     pan.addScaledVector(right, -dx * mmPerPixel).addScaledVector(down, -dy * mmPerPixel);
-    pan.clampLength(0, 2 * info.sphere.radius);
+    pan.clampLength(0, Math.max(2 * info.sphere.radius, state.view.pan.length()));
     this.#viewer.setView({ pan });
   }
 

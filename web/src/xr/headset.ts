@@ -49,7 +49,7 @@ export class Headset {
   readonly #viewer: Viewer;
   readonly #actions: Actions;
   readonly #marking: Marking;
-  readonly #host: Pick<PanelHost, "cases" | "open">;
+  readonly #host: Pick<PanelHost, "cases" | "looks" | "open">;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
@@ -64,7 +64,12 @@ export class Headset {
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
-  constructor(viewer: Viewer, actions: Actions, marking: Marking, host: Pick<PanelHost, "cases" | "open">) {
+  constructor(
+    viewer: Viewer,
+    actions: Actions,
+    marking: Marking,
+    host: Pick<PanelHost, "cases" | "looks" | "open">,
+  ) {
     this.#viewer = viewer;
     this.#actions = actions;
     this.#marking = marking;
@@ -154,6 +159,7 @@ export class Headset {
       const study = () => this.study;
       this.panel = new Panel(this.#viewer, this.#actions, this.#marking, {
         cases: () => this.#host.cases(),
+        looks: () => this.#host.looks(),
         open: (name) => this.#host.open(name),
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),

@@ -12,6 +12,7 @@ import {
   Vector3,
 } from "three";
 
+import { isSameVolume } from "../model/case_info";
 import { kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
 import type { Marking, Pin } from "../model/pins";
@@ -41,7 +42,7 @@ export class Stage {
   readonly grip: PlaneGrip;
   /** Of the last frame. */
   readonly roomFromPatient = new Matrix4();
-  readonly #anchor = new Group(); // what hands move: its origin is the case's middle
+  readonly #anchor = new Group(); // what hands move: its origin is the middle of the volume's first case
   readonly #body = new Group(); // the viewer's world
   readonly #box: Mesh<BoxGeometry, MeshBasicMaterial>;
   readonly #widget = new PlaneWidget();
@@ -104,12 +105,13 @@ export class Stage {
     this.#anchor.scale.setScalar(Math.min(kMostScale, Math.max(kLeastScale, scale)));
   }
 
-  /** Shows a case; null: nothing. */
+  /** Shows a case, where it lay if it is of the same volume; null: nothing. */
   setCase(shown: OpenCase | null): void {
     if (shown === this.#case) {
       return;
     }
     this.#takeBack();
+    const before = this.#case?.info;
     this.#case = shown;
     if (!shown) {
       return;
@@ -117,8 +119,10 @@ export class Stage {
     const { mesh, info } = shown;
     this.#body.add(mesh);
     const { bounds, sphere } = info;
-    const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
-    this.#body.matrix.makeTranslation(middle.negate());
+    if (!isSameVolume(before, info)) {
+      const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
+      this.#body.matrix.makeTranslation(middle.negate());
+    }
     const box = new Matrix4()
       .makeTranslation(bounds.min.clone().add(bounds.max).multiplyScalar(0.5))
       .scale(new Vector3().subVectors(bounds.max, bounds.min));

@@ -17,6 +17,7 @@ import type { FaceSource } from "../../model/faces";
 import type { GreyOpenings } from "../../model/face_style";
 import { isSameWindow, type Window } from "../../model/grey";
 import { kRigs } from "../../model/rigs";
+import { type CaseGroup, countText, groupCases, type Look } from "../../model/looks";
 import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
 import type { Marking } from "../../model/pins";
@@ -35,7 +36,18 @@ import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { StudyBoard } from "./study_board";
 import { WristButton } from "./wrist_button";
-import { button, choice, column, findText, type Live, label, replaceChildren, row, slider } from "./widgets";
+import {
+  button,
+  choice,
+  column,
+  findText,
+  type Live,
+  label,
+  replaceChildren,
+  row,
+  slider,
+  space,
+} from "./widgets";
 
 /** Among rigs, the lights that the case was made in. */
 const kOwnLight = "";
@@ -74,11 +86,17 @@ const kTabs = {
   view: "View",
   help: "Help",
 } as const;
-type Tab = keyof typeof kTabs;
+/** Looks have no tab where all are, but a button that is there where the volume has several. */
+type Tab = keyof typeof kTabs | "looks";
+
+/** Of cases that have one. */
+type Pictures = ReadonlyMap<CaseSummary, Texture | null>;
 
 /** What is done for the panel by what is around it. */
 export interface PanelHost {
   cases(): Promise<CaseSummary[]>;
+  /** Of the volume that is shown; none where it has one alone. */
+  looks(): readonly Look[];
   open(name: string): Promise<void>;
   leave(): void;
   /** Puts case and panel before the eyes, the case in life size. */
@@ -125,11 +143,12 @@ export class Panel {
   readonly #message = signal("");
   readonly #windows = row();
   readonly #cards = column({ gap: 6 });
+  readonly #looks = column({ gap: 6 });
   readonly #wristButtons: readonly WristButton[];
   readonly #move: HandleStore<unknown>;
   readonly #release: () => void;
   readonly #textures = new TextureLoader();
-  #pictures: Texture[] = [];
+  readonly #pictures = new Map<string, Promise<Texture | null>>();
   #shownWindows: ReadonlyMap<string, Window> = new Map();
   #atRight = false; // of what the eyes look at
   #stale = false;
@@ -169,11 +188,16 @@ export class Panel {
     );
     this.#own = column(
       { gap: 10, display: computed(() => (this.#studying.value ? "none" : "flex")) },
-      choice<Tab>(kTabs, this.#tab, (tab) => this.show(tab)),
+      choice<keyof typeof kTabs>(
+        kTabs,
+        computed(() => (this.#tab.value === "looks" ? null : this.#tab.value)),
+        (tab) => this.show(tab),
+      ),
       ...this.#cut(),
       ...this.#faces(),
       ...this.#layers(),
-      ...this.#casesTab(),
+      this.#scrolled("cases", this.#cards),
+      this.#scrolled("looks", this.#looks),
       ...this.#view(),
       this.#only("help", help()),
       new Text({
@@ -242,6 +266,8 @@ export class Panel {
     this.#tab.value = tab;
     if (tab === "cases") {
       void this.#listCases();
+    } else if (tab === "looks") {
+      void this.#listLooks();
     }
   }
 
@@ -291,7 +317,7 @@ export class Panel {
     this.#letters.dispose();
     this.#cube.dispose();
     this.#wristButtons.forEach((one) => one.dispose());
-    this.#pictures.forEach((picture) => picture.dispose());
+    this.#pictures.forEach((picture) => void picture.then((one) => one?.dispose()));
   }
 
   /** Of a point of the board. */
@@ -334,10 +360,22 @@ export class Panel {
 
   #header(): Container {
     const title = this.#live(() => this.#viewer.info?.title || this.#viewer.caseName || "No case");
-    return column(
-      { gap: 2 },
-      label(title, { size: 21 }),
-      label("Not for diagnosis", { quiet: true, size: 14 }),
+    const looks = button("Looks", () => this.show("looks"), {
+      pressed: computed(() => this.#tab.value === "looks"),
+    });
+    const several = this.#live(() => this.#host.looks().length > 0);
+    looks.setProperties({
+      flexGrow: 0,
+      flexBasis: 90,
+      display: computed(() => (several.value && !this.#studying.value ? "flex" : "none")),
+    });
+    return row(
+      column(
+        { gap: 2, flexGrow: 1, flexShrink: 1 },
+        label(title, { size: 21 }),
+        label("Not for diagnosis", { quiet: true, size: 14 }),
+      ),
+      looks,
     );
   }
 
@@ -581,9 +619,9 @@ export class Panel {
     ];
   }
 
-  #casesTab(): (Container | Text)[] {
+  #scrolled(tab: Tab, content: Container): Container | Text {
     const list = new Container({ maxHeight: 420, overflow: "scroll", flexDirection: "column" });
-    return [this.#only("cases", list.add(this.#cards))];
+    return this.#only(tab, list.add(content));
   }
 
   #view(): (Container | Text)[] {
@@ -677,31 +715,67 @@ export class Panel {
 
   async #listCases(): Promise<void> {
     try {
-      const cases = await this.#host.cases();
-      const text = cases.map(({ name, title, error }) => name + title + (error ?? "")).join("");
-      this.#root.setProperties({ fontFamilies: this.#font.families(text) });
-      const pictures = await Promise.all(cases.map(({ thumbnail }) => this.#picture(thumbnail)));
+      const groups = groupCases(await this.#host.cases());
+      const pictures = await this.#prepare(groups.flatMap(({ looks }) => looks));
       replaceChildren(
         this.#cards,
-        cases.map((one, i) => this.#card(one, pictures[i]!)),
+        groups.flatMap((group) => this.#group(group, pictures)),
       );
-      this.#pictures.forEach((picture) => picture.dispose());
-      this.#pictures = pictures.filter((picture) => picture !== null);
       this.#message.value = "";
     } catch (error) {
       this.#message.value = (error as Error).message;
     }
   }
 
-  /** uikit wants it whole; a case without one goes without. */
-  async #picture(url: string | null): Promise<Texture | null> {
-    return url === null ? null : this.#textures.loadAsync(url).catch(() => null);
+  async #listLooks(): Promise<void> {
+    const looks = this.#host.looks();
+    const pictures = await this.#prepare(looks);
+    replaceChildren(this.#looks, [
+      label("Of one volume: place, cut, window and marks stay.", { quiet: true, size: 15 }),
+      ...looks.map((look) => this.#card(look, pictures, look.case.look?.description)),
+    ]);
   }
 
-  #card({ name, title, error }: CaseSummary, picture: Texture | null): Container {
-    return button(error ? name : title, () => void this.#open(name), {
-      picture: picture ?? undefined,
-      pressed: this.#live(() => this.#viewer.caseName === name),
+  /** Has the letters of their texts drawn; resolves with the pictures of those that have one. */
+  async #prepare(looks: readonly Look[]): Promise<Pictures> {
+    const texts = looks.map(({ case: { name, title, look, error } }) =>
+      [name, title, look?.title, look?.description, error].join(""),
+    );
+    this.#root.setProperties({ fontFamilies: this.#font.families(texts.join("")) });
+    const pictures = looks.map(
+      async ({ case: one }) => [one, one.thumbnail ? await this.#picture(one.thumbnail) : null] as const,
+    );
+    return new Map(await Promise.all(pictures));
+  }
+
+  /** uikit wants it whole; a case without one goes without. An address is of one picture for ever. */
+  #picture(url: string): Promise<Texture | null> {
+    const known = this.#pictures.get(url);
+    const picture =
+      known ??
+      this.#textures.loadAsync(url).catch(() => {
+        this.#pictures.delete(url);
+        return null;
+      });
+    this.#pictures.set(url, picture);
+    return picture;
+  }
+
+  /** The cards of a volume's cases, two in a row where they are several. */
+  #group(group: CaseGroup, pictures: Pictures): (Container | Text)[] {
+    const cards = group.looks.map((look) => this.#card(look, pictures));
+    if (cards.length === 1) {
+      return cards;
+    }
+    const pairs = cards.flatMap((card, i) => (i % 2 === 0 ? [row(card, cards[i + 1] ?? space())] : []));
+    return [label(`${group.title} · ${countText(group)}`, { quiet: true, size: 15 }), ...pairs];
+  }
+
+  #card({ case: one, name }: Look, pictures: Pictures, detail?: string): Container {
+    return button(one.error ? one.name : name, () => void this.#open(one.name), {
+      picture: pictures.get(one) ?? undefined,
+      pressed: this.#live(() => this.#viewer.caseName === one.name),
+      detail,
     });
   }
 

@@ -48,6 +48,8 @@ interface ButtonOptions {
   pressed?: Live<boolean>;
   enabled?: Live<boolean>;
   picture?: Texture;
+  /** Below its text. */
+  detail?: string;
   /** px */
   height?: number;
   /** Of its text, px. */
@@ -58,7 +60,7 @@ interface ButtonOptions {
 export function button(
   text: string | Live<string>,
   press: () => void,
-  { pressed, enabled, picture, height = kButtonHeight, size }: ButtonOptions = {},
+  { pressed, enabled, picture, detail, height = kButtonHeight, size }: ButtonOptions = {},
 ): Container {
   const isEnabled = () => enabled?.value ?? true;
   const element = new Container({
@@ -96,8 +98,21 @@ export function button(
   const caption = label(text, { size });
   caption.setProperties({ pointerEvents: "none" }); // pressed at its text and let go beside it is pressed
   caption.userData["enabled"] = isEnabled;
-  element.add(caption);
+  element.add(detail ? withDetail(caption, detail) : caption);
   return element;
+}
+
+function withDetail(caption: Text, detail: string): Container {
+  return column(
+    { gap: 2, flexShrink: 1, pointerEvents: "none" },
+    caption,
+    label(detail, { quiet: true, size: 14 }),
+  );
+}
+
+/** As wide as a button, where a row would have one. */
+export function space(): Container {
+  return new Container({ flexGrow: 1, flexBasis: 0 });
 }
 
 /** One of several: buttons side by side. */

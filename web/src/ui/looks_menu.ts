@@ -1,0 +1,42 @@
+import type { Look } from "../model/looks";
+import { caseCard, closeButton, closeOnBackdrop } from "./case_menu";
+import { h } from "./dom";
+
+/** The looks of one volume with their pictures, and what each shows. */
+export class LooksMenu {
+  readonly element: HTMLDialogElement;
+  readonly #cards = h("div", { class: "cards" });
+  readonly #choose: (name: string) => void;
+
+  constructor(choose: (name: string) => void) {
+    this.#choose = choose;
+    this.element = h(
+      "dialog",
+      { class: "sheet menu looks", "aria-label": "Looks", autofocus: true },
+      h(
+        "header",
+        {},
+        h("h2", {}, "Looks of this volume"),
+        closeButton(() => this.element.close()),
+      ),
+      h("p", { class: "hint" }, "View, cut, window and marks stay as they are."),
+      this.#cards,
+      h("strong", { class: "warning" }, "Not for diagnosis"),
+    );
+    closeOnBackdrop(this.element);
+  }
+
+  show(looks: readonly Look[], current: string | null): void {
+    this.#cards.replaceChildren(
+      ...looks.map(({ case: one, name }) =>
+        caseCard(one, name, one.look?.description ?? "", one.name === current, () => {
+          this.element.close();
+          this.#choose(one.name);
+        }),
+      ),
+    );
+    if (!this.element.open) {
+      this.element.showModal();
+    }
+  }
+}
