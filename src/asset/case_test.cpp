@@ -61,7 +61,8 @@ Bytes with_meta(const Bytes& bytes, const json& meta) {
 }
 
 TEST(Case, RoundTripKeepsEveryField) {
-  const Scene written = random_scene(500, 2, 21);
+  Scene written = random_scene(500, 2, 21);
+  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone."};
   write_case(temporary("a.sog"), {written}, nullptr);
   const Scene read = read_case(temporary("a.sog")).scene;
   EXPECT_EQ(read.gaussians.size(), 500u);
@@ -112,14 +113,21 @@ TEST(Case, SceneSpaceIsThatOf3dgs) {
 }
 
 TEST(Case, OnlyKnownKeysAreWritten) {
-  const json block = meta_of(encode_case({random_scene(2, 0, 3)}, nullptr))["clipgs"];
-  std::vector<std::string> keys;
-  for (const auto& entry : block.items()) {
-    keys.push_back(entry.key());
-  }
-  EXPECT_THAT(keys, ::testing::UnorderedElementsAre("axis", "bounds", "checksums", "created",
-                                                    "extent", "generator", "preset", "sphere",
-                                                    "title", "version", "world"));
+  const auto keys_of = [](const json& object) {
+    std::vector<std::string> keys;
+    for (const auto& entry : object.items()) {
+      keys.push_back(entry.key());
+    }
+    return keys;
+  };
+  Scene scene = random_scene(2, 0, 3);
+  const json block = meta_of(encode_case({scene}, nullptr))["clipgs"];
+  EXPECT_THAT(keys_of(block), ::testing::UnorderedElementsAre(
+                                  "axis", "bounds", "checksums", "created", "extent", "generator",
+                                  "preset", "sphere", "title", "version", "world"));
+  scene.look = {"0123456789abcdef", "Bone", "Bone alone."};
+  const json look = meta_of(encode_case({scene}, nullptr))["clipgs"]["look"];
+  EXPECT_THAT(keys_of(look), ::testing::UnorderedElementsAre("volume", "title", "description"));
 }
 
 TEST(Case, MetaIsTheLastEntry) {

@@ -136,7 +136,7 @@ TEST_F(BuildTest, SeveralPresetsMakeACaseEachOfOneVolume) {
   expect_failure(looks("skin,crystal"), "--no-section", at("case-skin.sog"));
   expect_failure(looks("skin,no-such"), "no-such", at("case-skin.sog"));
   EXPECT_EQ(run_clipgs(looks("skin,skin")).status, 2);
-  EXPECT_EQ(run_clipgs(looks("skin,")).status, 2);
+  EXPECT_EQ(run_clipgs(looks("skin,,skeleton")).status, 2);
 
   const Finished built = run_clipgs(looks("skin,skeleton", {"--work", at("work")}));
   ASSERT_EQ(built.status, 0) << built.err;

@@ -24,7 +24,8 @@ std::filesystem::path temporary_scene(const std::string& name) {
 }
 
 TEST(SceneFile, RoundTripKeepsEveryField) {
-  const Scene written = random_scene(200, 2, 5);
+  Scene written = random_scene(200, 2, 5);
+  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone."};
   write_scene(temporary_scene("a.ply"), written);
   const Scene read = read_scene(temporary_scene("a.ply"));
   EXPECT_EQ(read.sphere.center, written.sphere.center);

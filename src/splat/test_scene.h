@@ -57,7 +57,6 @@ inline Scene random_scene(size_t count, int sh_degree, std::uint64_t seed) {
   scene.title = "Phantom – bone";
   scene.preset = "bone";
   scene.created = "2025-01-31";
-  scene.look = {"0123456789abcdef", "Bone", "Bone and contrast alone."};
   return scene;
 }
 

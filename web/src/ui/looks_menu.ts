@@ -37,6 +37,7 @@ export class LooksMenu {
     );
     if (!this.element.open) {
       this.element.showModal();
+      this.#cards.querySelector<HTMLElement>("[aria-current]")?.focus();
     }
   }
 }

@@ -64,6 +64,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
     for (const [key, name] of [
       ["?", "Help"],
       ["m", "Cases"],
+      ["k", "Looks"],
     ] as const) {
       await page.keyboard.press(key);
       await page.getByRole("dialog", { name }).waitFor();
@@ -107,6 +108,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
     for (const [button, name] of [
       ["Help (?)", "Help"],
       ["Cases (M)", "Cases"],
+      ["Looks of this volume (K)", "Looks"],
     ] as const) {
       const opener = page.getByTitle(button);
       await opener.focus();
@@ -208,10 +210,12 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
       expect(helped.length).toBeGreaterThan(50);
       expect(helped.filter(({ contrast }) => contrast < kLeastContrast)).toEqual([]);
       await page.keyboard.press("Escape");
-      await page.keyboard.press("m");
-      await page.locator(".card").first().waitFor();
-      expect((await contrasts(page)).filter(({ contrast }) => contrast < kLeastContrast)).toEqual([]);
-      await page.keyboard.press("Escape");
+      for (const key of ["m", "k"]) {
+        await page.keyboard.press(key);
+        await page.locator("dialog[open] .card").first().waitFor();
+        expect((await contrasts(page)).filter(({ contrast }) => contrast < kLeastContrast)).toEqual([]);
+        await page.keyboard.press("Escape");
+      }
       await page.keyboard.press("p");
     });
   }

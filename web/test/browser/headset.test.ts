@@ -1,4 +1,4 @@
-import { readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
@@ -31,8 +31,9 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
   beforeAll(async () => {
     await session.start(async (cases) => {
       copyMadeCases(session);
+      moveSphere(session.folder, "scene", "other");
       const other = ["-o", join(cases, "other.sog"), "--title", kOtherTitle];
-      await clipgs("pack", join(session.folder, "scene.ply"), ...other);
+      await clipgs("pack", join(session.folder, "other.ply"), ...other);
       await clipgs(
         "pack",
         join(session.folder, "scene.ply"),
@@ -549,6 +550,22 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await expectAsRendered("a case that was opened in the headset", "--plane", "0,0,-1,0");
     });
 
+    it("changes the look of the volume, which stays where it is", async () => {
+      await wearer.wear();
+      await wearer.use("controller");
+      await cutAcross();
+      const before = await roomFromPatient();
+      await wearer.pressText("right", "Looks");
+      await wearer.pressText("right", kOtherTitle);
+      await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("other");
+      await wearer.frames(2);
+      (await roomFromPatient()).elements.forEach((v, i) => expect(v).toBeCloseTo(before.elements[i]!, 5));
+      expect((await normal()).z).toBeLessThan(-0.99);
+      await wearer.pressText("right", "Torso phantom");
+      await expect.poll(() => page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+      await wearer.pressText("right", "Cut");
+    });
+
     it("is taken off where the GPU is lost, and shows the same when it is put on again", async () => {
       await wearer.wear();
       await cutAcross();
@@ -659,3 +676,15 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     });
   });
 });
+
+/** Copies a scene, with another middle of what is seen. */
+function moveSphere(folder: string, from: string, to: string): void {
+  for (const ending of [".ply", ".section.zip"]) {
+    cpSync(join(folder, from + ending), join(folder, to + ending));
+  }
+  const scene = JSON.parse(readFileSync(join(folder, `${from}.json`), "utf8")) as {
+    sphere: { center: number[] };
+  };
+  scene.sphere.center[0]! += 15;
+  writeFileSync(join(folder, `${to}.json`), JSON.stringify(scene));
+}
