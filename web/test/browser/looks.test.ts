@@ -37,7 +37,7 @@ describe.skipIf(missing !== undefined)(
           checksums["means_l.webp"] = "00000000";
         });
       });
-      page = await session.open("#case=phantom", errors);
+      page = await session.open("#case=phantom", errors, { width: 680, height: 420 });
       await page.evaluate(() => window.clipgs.ready);
     });
 
@@ -109,7 +109,11 @@ describe.skipIf(missing !== undefined)(
       await page.waitForFunction(
         () => location.hash.includes("case=skeleton") && location.hash.includes("back="),
       );
-      const linked = await session.open(await page.evaluate(() => location.hash), errors);
+      const linked = await session.open(
+        await page.evaluate(() => location.hash),
+        errors,
+        page.viewportSize()!,
+      );
       await linked.evaluate(() => window.clipgs.ready);
       (await kept(linked)).seen.forEach(({ x, y }, i) => {
         expect(Math.hypot(x - before.seen[i]!.x, y - before.seen[i]!.y), "px").toBeLessThan(0.5);
@@ -135,6 +139,7 @@ describe.skipIf(missing !== undefined)(
       await page.keyboard.press("m");
       const menu = page.getByRole("dialog", { name: "Cases" });
       const volume = menu.getByRole("region", { name: "Torso phantom, 3 looks" });
+      await volume.getByRole("button").nth(2).waitFor(); // the list is fetched anew when the menu opens
       expect(await volume.getByRole("button").count()).toBe(3);
       expect(await menu.locator(".card").count()).toBe(4);
       await menu.locator('[data-case="photo"]').click();
@@ -143,7 +148,7 @@ describe.skipIf(missing !== undefined)(
 
     it("are not offered where there is one", async () => {
       await page.evaluate(() => window.clipgs.open("photo"));
-      expect(await page.getByRole("button", { name: /^Look/ }).count()).toBe(0);
+      expect(await page.getByRole("button", { name: /^Look:/ }).count()).toBe(0);
       await page.locator("canvas").focus();
       await page.keyboard.press("k");
       expect(await gallery().count()).toBe(0);
