@@ -732,7 +732,7 @@ export class Panel {
     const pictures = await this.#prepare(looks);
     replaceChildren(this.#looks, [
       label("Of one volume: place, cut, window and marks stay.", { quiet: true, size: 15 }),
-      ...looks.map((look) => this.#card(look, pictures, look.case.look?.description)),
+      ...pairs(looks.map((look) => this.#card(look, pictures, look.case.look?.description))),
     ]);
   }
 
@@ -767,8 +767,7 @@ export class Panel {
     if (cards.length === 1) {
       return cards;
     }
-    const pairs = cards.flatMap((card, i) => (i % 2 === 0 ? [row(card, cards[i + 1] ?? space())] : []));
-    return [label(`${group.title} · ${countText(group)}`, { quiet: true, size: 15 }), ...pairs];
+    return [label(`${group.title} · ${countText(group)}`, { quiet: true, size: 15 }), ...pairs(cards)];
   }
 
   #card({ case: one, name }: Look, pictures: Pictures, detail?: string): Container {
@@ -788,6 +787,11 @@ export class Panel {
     }
     this.refresh();
   }
+}
+
+/** Two in a row. */
+function pairs(cards: readonly Container[]): Container[] {
+  return cards.flatMap((card, i) => (i % 2 === 0 ? [row(card, cards[i + 1] ?? space())] : []));
 }
 
 function help(): Container {

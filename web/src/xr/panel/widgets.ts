@@ -10,6 +10,7 @@ export type Live<T> = ReadonlySignal<T>;
 
 const kText = "#e4e7ec";
 const kQuiet = "#98a0ac";
+const kDetail = "#c5ccd6"; // to be read on kOn, too
 const kAccent = "#7fd8f2";
 const kField = "#2a2f38";
 const kFieldHover = "#3a414d";
@@ -19,6 +20,8 @@ const kOnHover = "#38809a";
 const kRadius = 9;
 const kButtonHeight = 44;
 const kFontSize = 17;
+const kPicture = 60;
+const kLargePicture = 96;
 
 export function row(...children: Container[]): Container {
   const element = new Container({ flexDirection: "row", gap: 6, flexShrink: 0 });
@@ -48,7 +51,7 @@ interface ButtonOptions {
   pressed?: Live<boolean>;
   enabled?: Live<boolean>;
   picture?: Texture;
-  /** Below its text. */
+  /** Below its text, all of it below the picture. */
   detail?: string;
   /** px */
   height?: number;
@@ -71,7 +74,7 @@ export function button(
     paddingY: 6,
     gap: 10,
     borderRadius: kRadius,
-    flexDirection: "row",
+    flexDirection: detail ? "column" : "row",
     alignItems: "center",
     justifyContent: picture ? "flex-start" : "center",
     backgroundColor: computed(() => (pressed?.value ? kOn : kField)),
@@ -88,8 +91,9 @@ export function button(
     element.add(
       new Image({
         src: picture,
-        width: 60,
-        height: 60,
+        width: detail ? kLargePicture : kPicture,
+        height: detail ? kLargePicture : kPicture,
+        flexShrink: 0,
         borderRadius: 6,
         pointerEvents: "none",
       }),
@@ -104,9 +108,9 @@ export function button(
 
 function withDetail(caption: Text, detail: string): Container {
   return column(
-    { gap: 2, flexShrink: 1, pointerEvents: "none" },
+    { gap: 2, width: "100%", pointerEvents: "none" },
     caption,
-    label(detail, { quiet: true, size: 14 }),
+    label(detail, { color: kDetail, size: 14 }),
   );
 }
 
