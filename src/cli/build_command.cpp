@@ -227,7 +227,8 @@ void add_build_command(CLI::App& app) {
       ->check(CLI::IsMember({"explicit", "clipgs"}))
       ->capture_default_str();
   command->add_option("--work", arguments->work,
-                      "Folder for the work in progress (default: OUTPUT.clipgs-work)");
+                      "Folder for the work in progress, of several presets with a folder of each "
+                      "(default: OUTPUT.clipgs-work)");
   command->add_option("--title", arguments->title,
                       "Title of the case (default: the preset's name)");
   command->add_option("--seed", arguments->seed, "Seed of everything random")

@@ -155,6 +155,7 @@ export class App {
     };
     this.viewer.failed = (error) => {
       this.#title.textContent = kNoCase;
+      this.offerLooks();
       this.fail(error.message, this.#again);
       this.headset.panel?.tell(error.message);
     };
@@ -224,6 +225,7 @@ export class App {
     } catch (error) {
       if (opening === this.#opening) {
         this.#title.textContent = this.title || kNoCase;
+        this.offerLooks();
         this.#update();
         this.fail(failureText(name, error), again);
       }

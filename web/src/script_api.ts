@@ -62,7 +62,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         point: pin.point.toArray(),
         value: pin.value,
         error: pin.error,
-        text: valueText(viewer.section!, pin),
+        text: valueText(pin),
         joined: pin.joined,
       }));
     },

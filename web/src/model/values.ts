@@ -10,6 +10,7 @@ export interface Reading {
   point: Vector3;
   value: number;
   error: number;
+  modality: Section["modality"]; // of the case that it was read of
 }
 
 /** What `meaning` says of the codes around a voxel index, interpolated. */
@@ -54,7 +55,8 @@ export function readSection(section: Section, point: Vector3): Reading | null {
   }
   const value = interpolated(section, index, (code) => between(section.curve, code));
   const band = Math.floor((codeOfValue(section.curve, value) * kErrorBands) / kCodes);
-  return { point: point.clone(), value, error: section.valueErrors[Math.min(kErrorBands - 1, band)]! };
+  const error = section.valueErrors[Math.min(kErrorBands - 1, band)]!;
+  return { point: point.clone(), value, error, modality: section.modality };
 }
 
 /** With a minus of its own width, and no negative zero. */
@@ -63,7 +65,7 @@ export function decimal(value: number, digits: number): string {
 }
 
 /** "63 ± 4 HU" */
-export function valueText({ modality }: Pick<Section, "modality">, { value, error }: Reading): string {
+export function valueText({ value, error, modality }: Reading): string {
   const unit = modality === "CT" ? " HU" : "";
   return `${decimal(value, 0)} ± ${decimal(error, error < 0.95 ? 1 : 0)}${unit}`;
 }

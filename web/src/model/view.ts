@@ -87,8 +87,10 @@ export function applyView(
   const focal = focalLength(view.zoom, width - inset.right, height - inset.bottom);
   camera.fov = (2 * Math.atan((0.5 * height) / focal) * 180) / Math.PI;
   camera.aspect = width / height;
-  camera.near = 0.001 * Math.max(1, distance - 3 * sphere.radius);
-  camera.far = 0.001 * (distance + 5 * sphere.radius + view.pan.length());
+  // What is cut may reach beyond the sphere, and the camera may have framed more than that.
+  const nearest = Math.min(distance, framingDistance(sphere.radius));
+  camera.near = 0.001 * Math.max(1, nearest - 3 * sphere.radius);
+  camera.far = 0.001 * (distance + 5 * sphere.radius + view.pan.length() + Math.max(0, view.back));
   camera.setViewOffset(width, height, 0.5 * inset.right, 0.5 * inset.bottom, width, height);
   camera.updateMatrixWorld();
 }

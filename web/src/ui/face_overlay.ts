@@ -221,7 +221,7 @@ export class FaceOverlay {
   }
 
   #pin(pin: Pin, index: number): HTMLElement {
-    const text = valueText(this.#viewer.section!, pin);
+    const text = valueText(pin);
     const where = pointText(pin.point);
     return h(
       "div",
@@ -245,7 +245,7 @@ export class FaceOverlay {
     const reading = at && viewer.readingAt(at.x, at.y);
     this.#readout.hidden = !reading;
     if (reading) {
-      this.#value.textContent = valueText(viewer.section!, reading);
+      this.#value.textContent = valueText(reading);
       this.#point.textContent = pointText(reading.point);
       this.#readout.classList.toggle("left", at.x > viewer.freeSize.width - kReadoutWidth);
       place(this.#readout, at);

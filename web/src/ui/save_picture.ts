@@ -92,7 +92,7 @@ class Caption {
       if (at) {
         context.globalAlpha = viewer.showsPin(pin) ? 1 : 0.35;
         this.#outlined(() => context.arc(at.x, at.y, kPinRadius, 0, 2 * Math.PI));
-        this.#box(valueText(viewer.section!, pin), { x: at.x + kPinRadius + 6, y: at.y });
+        this.#box(valueText(pin), { x: at.x + kPinRadius + 6, y: at.y });
         context.globalAlpha = 1;
       }
     }

@@ -26,13 +26,14 @@ describe.skipIf(missing !== undefined)(
     beforeAll(async () => {
       await session.start(async (cases) => {
         copyMadeCases(session);
-        ["layered.sog", "solid.sog"].forEach((name) => rmSync(join(cases, name)));
-        await addLook(cases, "skeleton", ({ look, sphere }) => {
+        await addLook(cases, "solid", "solid", ({ look }) => (look.title = "Without a section"));
+        rmSync(join(cases, "layered.sog"));
+        await addLook(cases, "phantom", "skeleton", ({ look, sphere }) => {
           Object.assign(look, { title: "Skeleton", description: "Bone in ivory." });
           // As that of a look which shows less: the camera would stand elsewhere by itself.
           Object.assign(sphere, { center: sphere.center.map((v) => v + 20), radius: 0.7 * sphere.radius });
         });
-        await addLook(cases, "torn", ({ look, checksums }) => {
+        await addLook(cases, "phantom", "torn", ({ look, checksums }) => {
           look.title = "Torn";
           checksums["means_l.webp"] = "00000000";
         });
@@ -46,9 +47,14 @@ describe.skipIf(missing !== undefined)(
       await session.stop();
     });
 
-    /** Another case of the phantom's volume. */
-    async function addLook(cases: string, name: string, change: (block: Block) => void): Promise<void> {
-      const archive = await readZip(readFileSync(join(cases, "phantom.sog")));
+    /** Another case of the same volume. */
+    async function addLook(
+      cases: string,
+      from: string,
+      name: string,
+      change: (block: Block) => void,
+    ): Promise<void> {
+      const archive = await readZip(readFileSync(join(cases, `${from}.sog`)));
       const meta = JSON.parse(new TextDecoder().decode(archive.get("meta.json"))) as { clipgs: Block };
       change(meta.clipgs);
       const json = new TextEncoder().encode(JSON.stringify(meta));
@@ -88,7 +94,7 @@ describe.skipIf(missing !== undefined)(
       const opener = page.getByRole("button", { name: "Look: Skin and bone" });
       await opener.click();
       await gallery().getByText("Not for diagnosis").waitFor();
-      expect(await gallery().locator(".card img").count()).toBe(3);
+      expect(await gallery().locator(".card img").count()).toBe(4);
       const current = gallery().locator('[aria-current="true"]');
       expect(await current.textContent()).toMatch(/^Skin and bone.*inside/);
       expect(await current.evaluate((card) => card === document.activeElement)).toBe(true);
@@ -121,6 +127,17 @@ describe.skipIf(missing !== undefined)(
       await linked.close();
     });
 
+    it("have the marks of one that can read values where they cannot", async () => {
+      const before = await kept();
+      await page.evaluate(() => window.clipgs.open("solid"));
+      expect((await kept()).pins).toEqual(before.pins);
+      await page.evaluate(() => window.clipgs.removePin(1));
+      await page.evaluate(() => window.clipgs.open("skeleton"));
+      const after = await kept();
+      expect(after.pins).toEqual(before.pins.slice(0, 1));
+      expect(after.state).toEqual(before.state);
+    });
+
     it("stay as they are where one is broken", async () => {
       const before = await shown();
       await page.locator("canvas").focus();
@@ -138,10 +155,10 @@ describe.skipIf(missing !== undefined)(
       await page.locator("canvas").focus();
       await page.keyboard.press("m");
       const menu = page.getByRole("dialog", { name: "Cases" });
-      const volume = menu.getByRole("region", { name: "Torso phantom, 3 looks" });
-      await volume.getByRole("button").nth(2).waitFor(); // the list is fetched anew when the menu opens
-      expect(await volume.getByRole("button").count()).toBe(3);
-      expect(await menu.locator(".card").count()).toBe(4);
+      const volume = menu.getByRole("region", { name: "One volume, 4 looks" });
+      await volume.getByRole("button").nth(3).waitFor(); // the list is fetched anew when the menu opens
+      expect(await volume.getByRole("button").count()).toBe(4);
+      expect(await menu.locator(".card").count()).toBe(5);
       await menu.locator('[data-case="photo"]').click();
       await expect.poll(shown).toBe("photo");
     });

@@ -4,7 +4,13 @@ import { describe, expect, it } from "vitest";
 import { formatLink, parseLink } from "../../src/model/link";
 import { lengthsOf, lengthText, Marking, type Pin, withoutPin, withPin } from "../../src/model/pins";
 
-const at = (x: number, joined = false): Pin => ({ point: new Vector3(x, 0, 0), value: 0, error: 1, joined });
+const at = (x: number, joined = false): Pin => ({
+  point: new Vector3(x, 0, 0),
+  value: 0,
+  error: 1,
+  modality: "CT",
+  joined,
+});
 const all = (...pins: Pin[]) => pins.reduce(withPin, [] as Pin[]);
 const shown = (pins: readonly Pin[]) => lengthsOf(pins).map(lengthText);
 

@@ -62,11 +62,10 @@ describe("values", () => {
   });
 
   it("are said with their error, a digit of it where it is small, and the unit of CT", () => {
-    const ct = { modality: "CT" } as const;
-    expect(valueText(ct, { point, value: 62.7, error: 4.2 })).toBe("63 ± 4 HU");
-    expect(valueText(ct, { point, value: -62.7, error: 0.95 })).toBe("\u221263 ± 1 HU");
-    expect(valueText(ct, { point, value: -0.2, error: 0.94 })).toBe("0 ± 0.9 HU");
-    expect(valueText({ modality: "MR" }, { point, value: 412, error: 12 })).toBe("412 ± 12");
+    expect(valueText({ point, value: 62.7, error: 4.2, modality: "CT" })).toBe("63 ± 4 HU");
+    expect(valueText({ point, value: -62.7, error: 0.95, modality: "CT" })).toBe("\u221263 ± 1 HU");
+    expect(valueText({ point, value: -0.2, error: 0.94, modality: "CT" })).toBe("0 ± 0.9 HU");
+    expect(valueText({ point, value: 412, error: 12, modality: "MR" })).toBe("412 ± 12");
     expect(pointText(new Vector3(12.34, -4, 88.06))).toBe("R 12.3 A \u22124.0 S 88.1 mm");
   });
 });

@@ -88,7 +88,7 @@ export class RoomMarks {
     });
     this.#cursor.object.visible = reading !== null;
     if (reading) {
-      this.#cursor.text.value = valueText(this.#viewer.section!, reading);
+      this.#cursor.text.value = valueText(reading);
       this.#cursor.place(inRoom(reading.point, this.#point), eye, delta);
     }
   }
@@ -111,8 +111,7 @@ export class RoomMarks {
     this.#lengths = lengthsOf(this.#pins);
     this.#dots = this.#pins.map(() => new Mesh(this.#dot, this.#seen));
     this.#lines = this.#lengths.map(() => new Mesh(this.#line, this.#seen));
-    const { section } = this.#viewer;
-    const texts = [...this.#pins.map((pin) => valueText(section!, pin)), ...this.#lengths.map(lengthText)];
+    const texts = [...this.#pins.map(valueText), ...this.#lengths.map(lengthText)];
     this.#tags = texts.map((text, i) => {
       const tag = new Tag(this.#families(), i < this.#pins.length ? "above" : "below");
       tag.text.value = text;
