@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/tone.h"
 
 namespace clipgs {
 
@@ -47,7 +48,8 @@ struct Dataset {
   float voxel_mm = 1;       ///< spacing of the source volume (geometric mean)
   std::vector<Plane> ends;  ///< the sides of the volume, as planes that keep the inside
   std::string preset;
-  float depth_scale = 0;  ///< mm per unit of the depth pictures' 16-bit values
+  ToneCurve tone = ToneCurve::kSrgb;  ///< of the pictures
+  float depth_scale = 0;              ///< mm per unit of the depth pictures' 16-bit values
 
   std::vector<const Frame*> split(Split which) const;
   Image load(const Frame& frame) const;
