@@ -30,8 +30,8 @@ Picture torso(int spp, std::uint64_t seed, int size = kSize) {
 }
 
 double psnr(const Image& a, const Image& b) {
-  const Image da = display(a, 1);
-  const Image db = display(b, 1);
+  const Image da = display(a, {});
+  const Image db = display(b, {});
   double sum = 0;
   for (size_t i = 0; i < da.pixels(); ++i) {
     for (size_t c = 0; c < 3; ++c) {
