@@ -424,9 +424,9 @@ TEST(Case, RefusesImagesThatDecodeToSomethingElse) {
 TEST(Case, IsReadWithoutASectionThatIsBroken) {
   const Scene scene = random_scene(50, 1, 25);
   const Bytes whole = encode_case({scene, test::ball_section()}, nullptr);
-  const auto is_left_out = [&](const char* key, const json& value, const char* message) {
+  const auto is_left_out = [&](const std::string& key, const json& value, const char* message) {
     json meta = meta_of(whole);
-    meta["clipgs"]["section"][key] = value;
+    meta["clipgs"]["section"][json::json_pointer("/" + key)] = value;
     const Bytes bytes = with_meta(whole, meta);
     EXPECT_THAT(
         [&] { read_case(bytes, "test.sog"); },
@@ -439,17 +439,23 @@ TEST(Case, IsReadWithoutASectionThatIsBroken) {
     EXPECT_FALSE(contents.section) << key;
     EXPECT_EQ(contents.scene.gaussians.size(), scene.gaussians.size());
   };
-  is_left_out("version", 2, "newer clipgs");
+  is_left_out("version", 3, "newer clipgs");
+  is_left_out("lights/tone", "agfa",
+              "a tone curve \"agfa\" that this program does not know; use a newer clipgs");
   is_left_out("materials", json::object(), "materials");
   is_left_out("materials", nullptr, "materials");
   is_left_out("file", "gone.webp", "\"file\" is missing");
   is_left_out("checksum", "00000000", "checksum");
 
   json meta = meta_of(whole);
-  meta["clipgs"]["section"]["version"] = 2;
+  meta["clipgs"]["section"]["version"] = 3;
   const CaseInfo info = read_case_info(with_meta(whole, meta), "test.sog");
   EXPECT_FALSE(info.section);
   EXPECT_THAT(info.section_problem, HasSubstr("newer clipgs"));
+  meta["clipgs"]["section"]["version"] = 2;
+  meta["clipgs"]["section"]["lights"]["tone"] = "agfa";
+  EXPECT_THAT(read_case_info(with_meta(whole, meta), "test.sog").section_problem,
+              HasSubstr("newer clipgs"));
 }
 
 TEST(Case, RefusesAnImageWhoseChecksumIsGoneOrNone) {

@@ -80,8 +80,10 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                cut.empty() ? std::nullopt : std::optional(cut.planes()[0].offset), state);
     return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr, {}, {});
   }
-  return draw(light ? relit(contents.scene.gaussians, *light) : contents.scene.gaussians, camera,
-              cut, options.clip, faces ? &*faces : nullptr, contents.scene.face_gain, layers);
+  return draw(light ? relit(contents.scene.gaussians, *light, contents.section->tone)
+                    : contents.scene.gaussians,
+              camera, cut, options.clip, faces ? &*faces : nullptr, contents.scene.face_gain,
+              layers);
 }
 
 Image make_thumbnail(const Case& contents) {

@@ -18,7 +18,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kPlainVersion = 1;
+constexpr int kTonedVersion = 2;  // has a "tone", which readers of version 1 alone would miss
 constexpr int kMaxSide = 1024;
 constexpr int kMaxImage = 16383;
 constexpr int kSectionBlock =
@@ -140,11 +141,15 @@ json lights_json(const Section& section) {
                     {"radiance", json_vector(key.radiance)},
                     {"angular_radius", json_number(key.angular_radius)}});
   }
-  return {{"sky_top", json_vector(section.rig.sky_top)},
-          {"sky_horizon", json_vector(section.rig.sky_horizon)},
-          {"sky_bottom", json_vector(section.rig.sky_bottom)},
-          {"keys", keys},
-          {"exposure", json_number(section.exposure)}};
+  json lights = {{"sky_top", json_vector(section.rig.sky_top)},
+                 {"sky_horizon", json_vector(section.rig.sky_horizon)},
+                 {"sky_bottom", json_vector(section.rig.sky_bottom)},
+                 {"keys", keys},
+                 {"exposure", json_number(section.exposure)}};
+  if (section.tone != ToneCurve::kSrgb) {
+    lights["tone"] = tone_name(section.tone);
+  }
+  return lights;
 }
 
 Vec3 not_negative(const JsonReader& reader, const char* key) {
@@ -218,9 +223,23 @@ IVec3 read_dims(const JsonReader& reader) {
 }
 
 void require_version(const JsonReader& reader, const std::string& name) {
-  if (reader.number("version") != kVersion) {
+  const float version = reader.number("version");
+  if (version != kPlainVersion && version != kTonedVersion) {
     throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
   }
+}
+
+/// Absent in sections that are displayed by the sRGB curve alone.
+ToneCurve read_tone(const JsonReader& lights, const std::string& name) {
+  const std::string tone = lights.has("tone") ? lights.text("tone") : tone_name(ToneCurve::kSrgb);
+  const std::optional<ToneCurve> known = tone_of_name(tone);
+  if (!known) {
+    throw Error(
+        "{}: is shown by a tone curve \"{}\" that this program does not know; use a newer "
+        "clipgs",
+        name, tone);
+  }
+  return *known;
 }
 
 /// Of the section's image what `files` has of each file: its content, its size.
@@ -270,7 +289,7 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
   for (const float value : section.curve.values()) {
     curve.push_back(json_number(value));
   }
-  return {{"version", kVersion},
+  return {{"version", section.tone == ToneCurve::kSrgb ? kPlainVersion : kTonedVersion},
           {"file", kImageFile},
           {kChecksum, checksum(decoded)},
           {"dims", {section.dims.x, section.dims.y, section.dims.z}},
@@ -318,6 +337,7 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   }
   read_materials(reader.child("materials"), section);
   read_lights(reader.child("lights"), section);
+  section.tone = read_tone(reader.child("lights"), name);
 
   const Mosaic mosaic(section.dims);
   if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
@@ -337,7 +357,7 @@ SectionInfo section_info(const json& object, const std::map<std::string, size_t>
                          const std::string& name) {
   const JsonReader reader(object, name);
   require_version(reader, name);
-  return {read_dims(reader), find_image(reader, sizes)};
+  return {read_dims(reader), find_image(reader, sizes), read_tone(reader.child("lights"), name)};
 }
 
 std::filesystem::path section_path(std::filesystem::path scene) {

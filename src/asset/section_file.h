@@ -30,6 +30,7 @@ Section decode_section(const nlohmann::json& object, const std::map<std::string,
 struct SectionInfo {
   IVec3 dims{0};
   size_t bytes = 0;  ///< of its image
+  ToneCurve tone = ToneCurve::kSrgb;
 };
 
 /// The same without decoding. `sizes`: of the case's files, in bytes, by name. Throws Error.

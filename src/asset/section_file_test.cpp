@@ -43,6 +43,7 @@ void expect_same(const Section& a, const Section& b) {
   EXPECT_EQ(a.modality, b.modality);
   EXPECT_EQ(a.curve.values(), b.curve.values());
   EXPECT_EQ(a.exposure, b.exposure);
+  EXPECT_EQ(a.tone, b.tone);
   for (int k = 0; k < 3; ++k) {
     EXPECT_LT(glm::length(a.direction[k] - b.direction[k]), 1e-6f);
   }
@@ -92,6 +93,23 @@ TEST_P(SectionFileTest, LossyCodingStatesItsError) {
   EXPECT_LT(std::sqrt(squares / static_cast<double>(section.voxels.size())), 12);
 }
 
+TEST(SectionFile, NamesAToneCurveInAVersionOfItsOwn) {
+  Section section = make(1);
+  std::vector<ZipEntry> files;
+  const json plain = encode_section(section, kLossless, files);
+  EXPECT_EQ(plain["version"], 1);
+  EXPECT_FALSE(plain["lights"].contains("tone"));
+  section.tone = ToneCurve::kFilmic;
+  json filmic = encode_section(section, kLossless, files);
+  EXPECT_EQ(filmic["version"], 2);
+  EXPECT_EQ(filmic["lights"]["tone"], "filmic");
+  const std::map<std::string, Bytes> images = {{files[0].name, files[0].bytes}};
+  expect_same(section, decode_section(filmic, images, "test"));
+  filmic["lights"].erase("tone");
+  filmic["version"] = 1;
+  EXPECT_EQ(filmic, plain);
+}
+
 TEST(SectionFile, RefusesWhatIsMissingOrOutOfRange) {
   std::vector<ZipEntry> files;
   const json good = encode_section(make(1), kLossless, files);
@@ -124,6 +142,7 @@ TEST(SectionFile, RefusesWhatIsMissingOrOutOfRange) {
   refused("/materials/specular/3", 2);
   refused("/materials/surface_g/3", -1);
   refused("/lights/exposure", 0);
+  refused("/lights/tone", 1);
   refused("/lights/keys/0/direction/0", 9);
   EXPECT_THROW(decode_section(good, {}, "test"), Error);
   Bytes cut = files[0].bytes;

@@ -60,8 +60,8 @@ Picture draw(const Volume& volume, const Cut& cut) {
 
 /// PSNR over black between what two pictures would be without noise.
 double likeness(const Picture& a, const Picture& b) {
-  const Image x = display(a.mean(), 1);
-  const Image y = display(b.mean(), 1);
+  const Image x = display(a.mean(), {});
+  const Image y = display(b.mean(), {});
   double sum = 0;
   for (size_t i = 0; i < x.data.size(); i += 4) {
     for (size_t c = 0; c < 3; ++c) {
@@ -70,7 +70,7 @@ double likeness(const Picture& a, const Picture& b) {
     }
   }
   const auto noise = [](const Picture& p) {
-    return std::pow(10.0, -0.1 * static_cast<double>(noise_floor(p, 1)));
+    return std::pow(10.0, -0.1 * static_cast<double>(noise_floor(p, {})));
   };
   const double mse = sum / (0.75 * static_cast<double>(x.data.size())) - noise(a) - noise(b);
   return -10 * std::log10(std::max(mse, 1e-9));

@@ -75,7 +75,7 @@ constexpr int kBounces = 4;
 
 /// As displayed, over black.
 inline Image shown(const Image& premultiplied, const Subject& s) {
-  return composite(display(premultiplied, s.preset.exposure), 0, 0, 0);
+  return composite(display(premultiplied, s.preset.display()), 0, 0, 0);
 }
 
 struct Truth {
@@ -91,7 +91,8 @@ inline Truth converged(const Subject& s, float noise_db) {
   options.max_bounces = kBounces;
   options.seed = 99;
   const Picture picture = render_picture(s.scene, s.camera, s.cut, options);
-  return {shown(picture.mean(), s), std::pow(10.0, -0.1 * noise_floor(picture, s.preset.exposure))};
+  return {shown(picture.mean(), s),
+          std::pow(10.0, -0.1 * noise_floor(picture, s.preset.display()))};
 }
 
 /// The whole of a bench's main().

@@ -101,7 +101,7 @@ double time_to_target(const Subject& s, const Truth& truth, int every,
   for (int spp = 2; spp <= 4096; spp *= 2) {
     Image image;
     const double time = every * seconds_of([&] { image = picture(spp); });
-    const double db = psnr(truth, display(image, s.preset.exposure), every);
+    const double db = psnr(truth, display(image, s.preset.display()), every);
     if (db >= kTarget) {
       const double part = last_time > 0 ? (kTarget - last_db) / (db - last_db) : 1;
       return last_time > 0 ? last_time * std::pow(time / last_time, part) : time;
@@ -151,7 +151,7 @@ void run(std::span<char*> arguments) {
   const double to_ours =
       time_to_target(s, truth, 1, [&](int spp) { return ours(spp, false).mean(); });
   const double to_denoised = time_to_target(
-      s, truth, 1, [&](int spp) { return denoise(ours(spp, true), s.preset.exposure).mean(); });
+      s, truth, 1, [&](int spp) { return denoise(ours(spp, true), s.preset.display()).mean(); });
 
   const double uniform = median_ns(fast, kPaths);
   const double reference = median_ns(plain, kPaths);

@@ -40,6 +40,16 @@ Plane read_plane(const JsonReader& reader, const char* key) {
   return plane;
 }
 
+/// Absent in datasets of plain sRGB.
+ToneCurve read_tone(const JsonReader& reader) {
+  const std::optional<ToneCurve> tone =
+      reader.has("tone") ? tone_of_name(reader.text("tone")) : ToneCurve::kSrgb;
+  if (!tone) {
+    reader.fail("tone", ("one of " + tone_names()).c_str());
+  }
+  return *tone;
+}
+
 /// The sides of the box that voxels' centres span.
 std::vector<Plane> read_ends(const JsonReader& volume) {
   const glm::dmat4 world_from_index = volume.matrix("world_from_index");
@@ -157,6 +167,7 @@ Dataset load_dataset(const std::filesystem::path& folder) {
   dataset.ends = read_ends(volume);
   dataset.preset = top.text("preset");
   dataset.look = read_volume_look(top);
+  dataset.tone = read_tone(top);
   dataset.depth_scale = top.number("depth_scale");
   if (!(dataset.extent.x < dataset.extent.y) || !(dataset.sphere.radius > 0) ||
       !(dataset.voxel_mm > 0)) {

@@ -9,6 +9,7 @@
 
 #include "core/camera.h"
 #include "core/image.h"
+#include "core/tone.h"
 #include "core/volume_look.h"
 
 namespace clipgs {
@@ -49,7 +50,8 @@ struct Dataset {
   std::vector<Plane> ends;  ///< the sides of the volume, as planes that keep the inside
   std::string preset;
   VolumeLook look;
-  float depth_scale = 0;  ///< mm per unit of the depth pictures' 16-bit values
+  ToneCurve tone = ToneCurve::kSrgb;  ///< of the pictures
+  float depth_scale = 0;              ///< mm per unit of the depth pictures' 16-bit values
 
   std::vector<const Frame*> split(Split which) const;
   Image load(const Frame& frame) const;

@@ -79,7 +79,8 @@ std::string digest_of_lights(const LightRig& rig) {
 /// All of a preset but what has a name of its own in the claim.
 std::string digest_of_preset(const Preset& preset) {
   [[maybe_unused]] const auto& [name, title, description, modality, units, transfer,
-                                surface_strength, gradient_opacity, rig, exposure, labels] = preset;
+                                surface_strength, gradient_opacity, rig, exposure, tone, labels] =
+      preset;
   Digest digest;
   digest.add(name).add(units).add(surface_strength).add(gradient_opacity.has_value());
   if (gradient_opacity) {
@@ -96,12 +97,16 @@ std::string digest_of_preset(const Preset& preset) {
 
 /// What points and pictures have in common.
 Claim claim_of_look(const Volume& volume, const Preset& preset) {
-  return {{kVolumeKey, digest_of_voxels(volume)},
-          {"labels", digest_of_labels(volume)},
-          {"labels'_looks", digest_of_looks(volume, preset)},
-          {"preset", digest_of_preset(preset)},
-          {"lights", digest_of_lights(preset.rig)},
-          {"exposure", json_number(preset.exposure)}};
+  Claim claim = {{kVolumeKey, digest_of_voxels(volume)},
+                 {"labels", digest_of_labels(volume)},
+                 {"labels'_looks", digest_of_looks(volume, preset)},
+                 {"preset", digest_of_preset(preset)},
+                 {"lights", digest_of_lights(preset.rig)},
+                 {"exposure", json_number(preset.exposure)}};
+  if (preset.tone != ToneCurve::kSrgb) {  // which claims of before there were others do not name
+    claim["tone"] = tone_name(preset.tone);
+  }
+  return claim;
 }
 
 }  // namespace

@@ -485,6 +485,8 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
             lights);
   EXPECT_EQ(changed([](V, P p, O) { p.exposure = 2; }),
             "the exposure changed; the exposure changed");
+  EXPECT_EQ(changed([](V, P p, O) { p.tone = ToneCurve::kFilmic; }),
+            "the tone changed; the tone changed");
   EXPECT_EQ(changed([](V, P, O o) { o.size = 25; }), "the size changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.train_frames = 8; }), "the train frames changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.axis = Vec3(1, 0, 0); }), "the axis changed; ");

@@ -412,8 +412,11 @@ void put(const Channels<4>& channels, Image& image) {
 /// what is displayed. The error of the noisy mean is what its halves tell; that of a filtered half
 /// is its distance from the noisy other half, less that one's own noise. Errors of one pixel are
 /// noise themselves: they are smoothed.
-Channel share_of_filtered(const Picture& noisy, const Picture& filtered, float exposure) {
-  const auto shown = [&](const Image& half) { return composite(display(half, exposure), 0, 0, 0); };
+Channel share_of_filtered(const Picture& noisy, const Picture& filtered,
+                          const DisplayTransform& transform) {
+  const auto shown = [&](const Image& half) {
+    return composite(display(half, transform), 0, 0, 0);
+  };
   const Image a = shown(noisy.half_a);
   const Image b = shown(noisy.half_b);
   const Image filtered_a = shown(filtered.half_a);
@@ -444,7 +447,7 @@ void mix(const Image& noisy, const Channel& share, Image& filtered) {
 
 }  // namespace
 
-Picture denoise(const Picture& picture, float exposure) {
+Picture denoise(const Picture& picture, const DisplayTransform& transform) {
   const int width = picture.half_a.width;
   const int height = picture.half_a.height;
   if (picture.features_a.depth.data.empty()) {
@@ -455,8 +458,8 @@ Picture denoise(const Picture& picture, float exposure) {
   Guide<4>& a = halves[1].guide;
   halves[0].source = channels_of<4>(picture.half_a);
   halves[1].source = channels_of<4>(picture.half_b);
-  a.values = stabilized(halves[0].source, exposure);
-  b.values = stabilized(halves[1].source, exposure);
+  a.values = stabilized(halves[0].source, transform.exposure);
+  b.values = stabilized(halves[1].source, transform.exposure);
   a.variance = variance_of(a.values, b.values, width, height);
   b.variance = a.variance;
 
@@ -465,7 +468,7 @@ Picture denoise(const Picture& picture, float exposure) {
   Picture result = picture;
   put(means[0], result.half_a);
   put(means[1], result.half_b);
-  const Channel share = share_of_filtered(picture, result, exposure);
+  const Channel share = share_of_filtered(picture, result, transform);
   mix(picture.half_a, share, result.half_a);
   mix(picture.half_b, share, result.half_b);
   return result;

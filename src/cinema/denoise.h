@@ -13,6 +13,6 @@ namespace clipgs {
 /// it drowns in noise; the bias goes as samples grow. The halves of the result are no longer
 /// independent: their noise floor is too high a claim. The picture must have been rendered with
 /// features (PictureOptions), else Error.
-Picture denoise(const Picture& picture, float exposure);
+Picture denoise(const Picture& picture, const DisplayTransform& transform);
 
 }  // namespace clipgs

@@ -74,7 +74,7 @@ void run(std::span<char*> arguments) {
       const Picture picture = render_picture(s.scene, s.camera, s.cut,
                                              options_of(spp, static_cast<std::uint64_t>(seed)));
       noisy.push_back(shown(picture.mean(), s));
-      denoised.push_back(shown(denoise(picture, s.preset.exposure).mean(), s));
+      denoised.push_back(shown(denoise(picture, s.preset.display()).mean(), s));
     }
     const Errors before = errors_of(noisy, truth);
     const Errors after = errors_of(denoised, truth);

@@ -30,8 +30,8 @@ Picture torso(int spp, std::uint64_t seed, int size = kSize) {
 }
 
 double psnr(const Image& a, const Image& b) {
-  const Image da = display(a, 1);
-  const Image db = display(b, 1);
+  const Image da = display(a, {});
+  const Image db = display(b, {});
   double sum = 0;
   for (size_t i = 0; i < da.pixels(); ++i) {
     for (size_t c = 0; c < 3; ++c) {
@@ -198,9 +198,10 @@ std::vector<float> smoothed(const std::vector<float>& values, glm::ivec2 size, i
 }
 
 /// Squared differences of what two pictures show over black, a pixel.
-std::vector<float> squares(const Image& left, const Image& right, float exposure) {
-  const Image a = composite(display(left, exposure), 0, 0, 0);
-  const Image b = composite(display(right, exposure), 0, 0, 0);
+std::vector<float> squares(const Image& left, const Image& right,
+                           const DisplayTransform& transform) {
+  const Image a = composite(display(left, transform), 0, 0, 0);
+  const Image b = composite(display(right, transform), 0, 0, 0);
   std::vector<float> result(a.pixels());
   for (size_t i = 0; i < a.data.size(); ++i) {
     result[i / 3] += (a.data[i] - b.data[i]) * (a.data[i] - b.data[i]);
@@ -209,10 +210,11 @@ std::vector<float> squares(const Image& left, const Image& right, float exposure
 }
 
 /// Takes as much of the filtered picture as its error and the noise say.
-void mix(const Picture& noisy, float exposure, glm::ivec2 size, Picture& filtered) {
-  const std::vector<float> between = squares(noisy.half_a, noisy.half_b, exposure);
-  const std::vector<float> a = squares(filtered.half_a, noisy.half_b, exposure);
-  const std::vector<float> b = squares(filtered.half_b, noisy.half_a, exposure);
+void mix(const Picture& noisy, const DisplayTransform& transform, glm::ivec2 size,
+         Picture& filtered) {
+  const std::vector<float> between = squares(noisy.half_a, noisy.half_b, transform);
+  const std::vector<float> a = squares(filtered.half_a, noisy.half_b, transform);
+  const std::vector<float> b = squares(filtered.half_b, noisy.half_a, transform);
   std::vector<float> of_noisy;
   std::vector<float> of_filtered;
   for (size_t i = 0; i < between.size(); ++i) {
@@ -234,10 +236,10 @@ void mix(const Picture& noisy, float exposure, glm::ivec2 size, Picture& filtere
   }
 }
 
-Picture denoise(const Picture& picture, float exposure) {
+Picture denoise(const Picture& picture, const DisplayTransform& transform) {
   const glm::ivec2 size(picture.half_a.width, picture.half_a.height);
-  const std::vector<Vec4> a = stabilized(picture.half_a, exposure);
-  const std::vector<Vec4> b = stabilized(picture.half_b, exposure);
+  const std::vector<Vec4> a = stabilized(picture.half_a, transform.exposure);
+  const std::vector<Vec4> b = stabilized(picture.half_b, transform.exposure);
   const std::vector<float> variance = variance_of(a, b, size.x, size.y);
   const Features& fa = picture.features_a;
   const Features& fb = picture.features_b;
@@ -251,7 +253,7 @@ Picture denoise(const Picture& picture, float exposure) {
       filtered(values_of(picture.half_a), {b, variance}, features, comparison, size), size);
   result.half_b = image_of(
       filtered(values_of(picture.half_b), {a, variance}, features, comparison, size), size);
-  mix(picture, exposure, size, result);
+  mix(picture, transform, size, result);
   return result;
 }
 
@@ -293,9 +295,9 @@ float largest_difference(const Image& a, const Image& b) {
   return largest;
 }
 
-void expect_as_defined(const Picture& noisy, float exposure) {
-  const Picture expected = reference::denoise(noisy, exposure);
-  const Picture result = denoise(noisy, exposure);
+void expect_as_defined(const Picture& noisy, const DisplayTransform& transform) {
+  const Picture expected = reference::denoise(noisy, transform);
+  const Picture result = denoise(noisy, transform);
   ASSERT_EQ(result.half_a.data.size(), expected.half_a.data.size());
   ASSERT_EQ(result.half_b.data.size(), expected.half_b.data.size());
   EXPECT_LT(largest_difference(result.half_a, expected.half_a), 1e-5f);
@@ -303,14 +305,17 @@ void expect_as_defined(const Picture& noisy, float exposure) {
   EXPECT_GT(largest_difference(result.half_a, noisy.half_a), 0.01f);  // something was done
 }
 
-TEST(Denoise, IsAsDefinedInARenderedPicture) { expect_as_defined(torso(4, 5), 1.5f); }
+TEST(Denoise, IsAsDefinedInARenderedPicture) {
+  expect_as_defined(torso(4, 5), {1.5f});
+  expect_as_defined(torso(4, 5), {1.5f, ToneCurve::kFilmic});
+}
 
 TEST(Denoise, IsAsDefinedAtEdgesAndBorders) {
   // More than one tile and no whole number of them; narrower or lower than the window.
   for (const glm::ivec2 size :
        {glm::ivec2(71, 19), glm::ivec2(5, 18), glm::ivec2(66, 2), glm::ivec2(2, 3)}) {
     SCOPED_TRACE(std::to_string(size.x) + " x " + std::to_string(size.y));
-    expect_as_defined(noisy_fields(size.x, size.y), 1);
+    expect_as_defined(noisy_fields(size.x, size.y), {});
   }
 }
 
@@ -319,7 +324,7 @@ TEST(Denoise, BringsAPictureNearerToTheTruth) {
   const Image truth = torso(192, 1, kLarger).mean();
   const Picture noisy = torso(4, 2, kLarger);
   const double before = psnr(noisy.mean(), truth);
-  const double after = psnr(denoise(noisy, 1).mean(), truth);
+  const double after = psnr(denoise(noisy, {}).mean(), truth);
   RecordProperty("before_db", std::to_string(before));
   RecordProperty("after_db", std::to_string(after));
   EXPECT_GT(after, before + 3) << before;
@@ -331,28 +336,28 @@ TEST(Denoise, BiasGoesAsSamplesGrow) {
   for (const int spp : {16, 64, 192}) {
     const Picture noisy = torso(spp, 3);
     const double before = psnr(noisy.mean(), truth);
-    const double after = psnr(denoise(noisy, 1).mean(), truth);
+    const double after = psnr(denoise(noisy, {}).mean(), truth);
     EXPECT_LT(std::pow(10, -0.1 * after), 1.05 * std::pow(10, -0.1 * before)) << spp;
   }
 }
 
 TEST(Denoise, LeavesACleanPictureAlone) {
   const Picture clean = torso(256, 3);
-  EXPECT_GT(psnr(denoise(clean, 1).mean(), clean.mean()), 45);
+  EXPECT_GT(psnr(denoise(clean, {}).mean(), clean.mean()), 45);
 }
 
 TEST(Denoise, NeedsFeatures) {
   Picture picture = noisy_fields(8, 8);
   picture.features_a = {};
-  EXPECT_THROW(denoise(picture, 1), Error);
+  EXPECT_THROW(denoise(picture, {}), Error);
 }
 
 TEST(Denoise, SameBytesAtAnyThreadCount) {
   const Picture noisy = torso(8, 4);
   set_thread_count(1);
-  const Picture one = denoise(noisy, 1);
+  const Picture one = denoise(noisy, {});
   set_thread_count(2);
-  const Picture two = denoise(noisy, 1);
+  const Picture two = denoise(noisy, {});
   set_thread_count(0);
   EXPECT_EQ(one.half_a.data, two.half_a.data);
   EXPECT_EQ(one.half_b.data, two.half_b.data);

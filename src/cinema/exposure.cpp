@@ -12,7 +12,7 @@ float automatic_exposure(const CinemaScene& scene, const Sphere& sphere) {
   constexpr int kViews = 6;
   constexpr float kLeastAlpha = 0.5f;
   constexpr double kBright = 0.9;  // quantile of what is seen …
-  constexpr float kShown = 0.6f;   // … and the linear light that it is shown with
+  constexpr float kShown = 0.6f;   // … and the share of a display's light that shows it
   PictureOptions options;
   options.spp = 16;
   std::vector<float> luminances;
@@ -34,7 +34,8 @@ float automatic_exposure(const CinemaScene& scene, const Sphere& sphere) {
       luminances.begin() +
       static_cast<std::ptrdiff_t>(kBright * static_cast<double>(luminances.size() - 1));
   std::nth_element(luminances.begin(), bright, luminances.end());
-  return *bright > 0 ? std::clamp(kShown / *bright, Preset::kLeastExposure, Preset::kMostExposure)
+  const float shown = untoned(kShown, scene.preset().tone);
+  return *bright > 0 ? std::clamp(shown / *bright, Preset::kLeastExposure, Preset::kMostExposure)
                      : scene.preset().exposure;
 }
 

@@ -13,9 +13,12 @@ TEST(AutomaticExposure, MakesUpForTheLight) {
   const Volume ball = make_ball(24, 9, 1, 0);
   for (const float light : {0.1f, 1.0f, 20.0f}) {
     const LightRig rig{Vec3(light), Vec3(light), Vec3(light), {}};
-    const CinemaScene scene(
-        ball, test::make_preset({test::point(0.4f, 0), test::point(0.6f, 20)}, rig, 3));
-    EXPECT_NEAR(automatic_exposure(scene, {Vec3(0), 10}) * light, 0.6f, 0.06f);
+    Preset preset = test::make_preset({test::point(0.4f, 0), test::point(0.6f, 20)}, rig, 3);
+    for (const ToneCurve tone : {ToneCurve::kSrgb, ToneCurve::kFilmic}) {
+      preset.tone = tone;
+      const float exposure = automatic_exposure(CinemaScene(ball, preset), {Vec3(0), 10});
+      EXPECT_NEAR(toned(exposure * light, tone), 0.6f, 0.06f);
+    }
   }
 }
 

@@ -178,14 +178,14 @@ class Maker {
     options.features = training && options_.denoise;
     const Picture picture = render_picture(scene_, frame.camera, frame.plane, options);
     write_picture(frame.file,
-                  options.features ? denoise(picture, scene_.preset().exposure) : picture);
-    return {noise_floor(picture, scene_.preset().exposure),
-            masked_noise_floor(picture, scene_.preset().exposure)};
+                  options.features ? denoise(picture, scene_.preset().display()) : picture);
+    return {noise_floor(picture, scene_.preset().display()),
+            masked_noise_floor(picture, scene_.preset().display())};
   }
 
  private:
   void write_picture(const std::string& file, const Picture& picture) const {
-    write_png(folder_ / file, display(picture.mean(), scene_.preset().exposure));
+    write_png(folder_ / file, display(picture.mean(), scene_.preset().display()));
   }
 
   CinemaScene scene_;
@@ -247,6 +247,9 @@ void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook&
         {"world_from_index", matrix_of(world_from_index(volume))}}},
       {"depth_scale", maker.depth_scale()},
       {"frames", OrderedJson::array()}};
+  if (preset.tone != ToneCurve::kSrgb) {
+    json["tone"] = tone_name(preset.tone);
+  }
   for (const Frame& frame : frames) {
     json["frames"].push_back(frame_json(frame));
   }

@@ -36,7 +36,7 @@ class Rendering {
             const PictureOptions& options)
       : tracer_(scene, camera, cut, options.max_bounces,
                 {options.lens, options.floor, options.features}),
-        exposure_(scene.preset().exposure),
+        transform_(scene.preset().display()),
         background_(options.floor ? 1.0f : 0.0f),  // shadows are black
         options_(options),
         width_(camera.width),
@@ -229,13 +229,14 @@ class Rendering {
     flush();
   }
 
-  // Over the background, as displayed: alpha · sRGB(exposure · radiance / alpha) + …
+  // Over the background, as displayed: alpha · sRGB(tone(exposure · radiance / alpha)) + …
   Vec3 shown(const Vec4& sum, int samples) const {
     const float alpha = sum.w / static_cast<float>(samples);
     Vec3 rgb((1 - alpha) * background_);
     if (sum.w > 0) {
       for (int c = 0; c < 3; ++c) {
-        rgb[c] += alpha * srgb_from_linear(exposure_ * sum[c] / sum.w);
+        rgb[c] +=
+            alpha * display_from_linear(transform_.exposure * sum[c] / sum.w, transform_.tone);
       }
     }
     return rgb;
@@ -287,7 +288,7 @@ class Rendering {
   }
 
   PathTracer tracer_;
-  float exposure_;
+  DisplayTransform transform_;
   float background_;
   PictureOptions options_;
   int width_;
@@ -342,14 +343,14 @@ Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cu
   return depth;
 }
 
-Image display(const Image& premultiplied, float exposure) {
+Image display(const Image& premultiplied, const DisplayTransform& transform) {
   Image image(premultiplied.width, premultiplied.height, 4);
   for (size_t i = 0; i < image.pixels(); ++i) {
     const float* in = &premultiplied.data[4 * i];
     float* out = &image.data[4 * i];
     if (in[3] > 0) {
       for (int c = 0; c < 3; ++c) {
-        out[c] = srgb_from_linear(exposure * in[c] / in[3]);
+        out[c] = display_from_linear(transform.exposure * in[c] / in[3], transform.tone);
       }
       out[3] = std::min(in[3], 1.0f);
     }
@@ -360,9 +361,10 @@ Image display(const Image& premultiplied, float exposure) {
 namespace {
 
 // Of the pixels whose alpha exceeds `least_alpha`.
-float noise_floor(const Picture& picture, float exposure, float background, float least_alpha) {
-  const Image a = composite(display(picture.half_a, exposure), background, background, background);
-  const Image b = composite(display(picture.half_b, exposure), background, background, background);
+float noise_floor(const Picture& picture, const DisplayTransform& transform, float background,
+                  float least_alpha) {
+  const Image a = composite(display(picture.half_a, transform), background, background, background);
+  const Image b = composite(display(picture.half_b, transform), background, background, background);
   double sum = 0;
   double count = 0;
   for (size_t i = 0; i < a.pixels(); ++i) {
@@ -380,12 +382,12 @@ float noise_floor(const Picture& picture, float exposure, float background, floa
 
 }  // namespace
 
-float noise_floor(const Picture& picture, float exposure, float background) {
-  return noise_floor(picture, exposure, background, -1);
+float noise_floor(const Picture& picture, const DisplayTransform& transform, float background) {
+  return noise_floor(picture, transform, background, -1);
 }
 
-float masked_noise_floor(const Picture& picture, float exposure) {
-  return noise_floor(picture, exposure, 0, kMaskAlpha);
+float masked_noise_floor(const Picture& picture, const DisplayTransform& transform) {
+  return noise_floor(picture, transform, 0, kMaskAlpha);
 }
 
 }  // namespace clipgs

@@ -9,6 +9,7 @@
 #include "core/camera.h"
 #include "core/cut.h"
 #include "core/image.h"
+#include "core/tone.h"
 
 namespace clipgs {
 
@@ -53,19 +54,19 @@ Picture render_picture(const CinemaScene& scene, const Camera& camera, const Cut
 /// matter (median over what it meets), 0 for background. [height, width, 1].
 Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cut);
 
-/// Display transform: straight-alpha sRGB RGBA in [0, 1]. The colour is what the matter in a pixel
-/// looks like by itself, sRGB(exposure · radiance / alpha); alpha then blends it in display space,
-/// as every viewer of PNGs and every splat renderer does. Opaque pixels show sRGB(exposure ·
-/// radiance) exactly.
-Image display(const Image& premultiplied, float exposure);
+/// As displayed: straight-alpha sRGB RGBA in [0, 1]. The colour is what the matter in a pixel looks
+/// like by itself, sRGB(tone(exposure · radiance / alpha)); alpha then blends it in display space,
+/// as every viewer of PNGs and every splat renderer does. Opaque pixels show
+/// sRGB(tone(exposure · radiance)) exactly.
+Image display(const Image& premultiplied, const DisplayTransform& transform);
 
 /// Noise floor of the displayed picture over a background of this grey, in dB: −10·log10(MSE(A,
 /// B)/4), for the error of the mean of two halves with independent errors is a quarter of their
 /// mean squared difference. No PSNR against the picture can be trusted above it. At most kNoNoise.
-float noise_floor(const Picture& picture, float exposure, float background = 0);
+float noise_floor(const Picture& picture, const DisplayTransform& transform, float background = 0);
 
 /// The same over black, of the pixels alone that a masked PSNR counts: alpha above kMaskAlpha.
-float masked_noise_floor(const Picture& picture, float exposure);
+float masked_noise_floor(const Picture& picture, const DisplayTransform& transform);
 
 constexpr float kNoNoise = 99;
 

@@ -31,7 +31,7 @@ struct PictureFixture {
     return render_picture(scene, camera, plane, options);
   }
   Image shown(const Picture& picture) const {
-    return composite(display(picture.mean(), preset.exposure), 0, 0, 0);
+    return composite(display(picture.mean(), preset.display()), 0, 0, 0);
   }
 };
 
@@ -75,7 +75,7 @@ TEST(Picture, NoiseFloorIsTheRealError) {
   for (std::uint64_t seed = 0; seed < kPictures; ++seed) {
     const Picture picture = f.render(64, 0, seed);
     real += mean_squared_error(f.shown(picture), truth) / kPictures;
-    estimated += std::pow(10, -0.1 * noise_floor(picture, f.preset.exposure)) / kPictures;
+    estimated += std::pow(10, -0.1 * noise_floor(picture, f.preset.display())) / kPictures;
   }
   EXPECT_NEAR(10 * std::log10(estimated / real), 0, 0.6);
 }
@@ -84,9 +84,9 @@ TEST(Picture, SamplesGoOnUntilTheNoiseFloorIsReached) {
   const PictureFixture f;
   const Picture coarse = f.render(100000, 33);
   const Picture fine = f.render(100000, 42);
-  EXPECT_GE(noise_floor(coarse, f.preset.exposure), 33);
-  EXPECT_GE(noise_floor(fine, f.preset.exposure), 42);
-  EXPECT_LT(noise_floor(fine, f.preset.exposure), 44);
+  EXPECT_GE(noise_floor(coarse, f.preset.display()), 33);
+  EXPECT_GE(noise_floor(fine, f.preset.display()), 42);
+  EXPECT_LT(noise_floor(fine, f.preset.display()), 44);
   EXPECT_GT(fine.samples, 3 * coarse.samples);
 }
 
@@ -116,8 +116,8 @@ TEST(Picture, CutFacesHaveNoSpeckle) {
   const auto shown = [&](int spp) {
     PictureOptions options;
     options.spp = spp;
-    return composite(display(render_picture(scene, camera, plane, options).mean(), preset.exposure),
-                     0, 0, 0);
+    return composite(
+        display(render_picture(scene, camera, plane, options).mean(), preset.display()), 0, 0, 0);
   };
   const Image few = shown(16);
   const Image many = shown(150);
@@ -146,11 +146,21 @@ TEST(Picture, CutFacesHaveNoSpeckle) {
 TEST(Picture, DisplayKeepsAlphaStraight) {
   Image hdr(2, 1, 4);
   hdr.data = {0.1f, 0.05f, 0, 0.5f, 0, 0, 0, 0};
-  const Image image = display(hdr, 2);
+  const Image image = display(hdr, {2});
   EXPECT_FLOAT_EQ(image.data[0], srgb_from_linear(0.4f));
   EXPECT_FLOAT_EQ(image.data[1], srgb_from_linear(0.2f));
   EXPECT_FLOAT_EQ(image.data[3], 0.5f);
   EXPECT_FLOAT_EQ(image.data[7], 0);
+}
+
+TEST(Picture, DisplayFollowsTheToneCurve) {
+  Image hdr(1, 1, 4);
+  hdr.data = {0.1f, 0.45f, 0.7f, 0.5f};
+  const Image image = display(hdr, {2, ToneCurve::kFilmic});
+  EXPECT_FLOAT_EQ(image.data[0], display_from_linear(0.4f, ToneCurve::kFilmic));
+  EXPECT_LT(image.data[1], image.data[2]);  // by plain sRGB both are white
+  EXPECT_LT(image.data[2], 1);
+  EXPECT_FLOAT_EQ(image.data[3], 0.5f);
 }
 
 TEST(Picture, DepthIsDistanceFromTheCamera) {

@@ -177,7 +177,8 @@ std::vector<SeedPoint> sample_seed_points(const Volume& volume, const Preset& pr
           SeedPoint point;
           point.position = volume.world_from_index(index);
           for (int c = 0; c < 3; ++c) {
-            point.color[c] = srgb_from_linear(preset.exposure * albedo[c] * light[c]);
+            point.color[c] =
+                display_from_linear(preset.exposure * albedo[c] * light[c], preset.tone);
           }
           point.spacing = static_cast<float>(std::cbrt(voxel_volume / expected));
           found[z].push_back(point);

@@ -38,7 +38,7 @@ Image draw(const Volume& volume, const Preset& preset) {
   PictureOptions options;
   options.spp = 192;
   return display(render_picture(CinemaScene(volume, preset), camera, std::nullopt, options).mean(),
-                 preset.exposure);
+                 preset.display());
 }
 
 /// PSNR, dB, of what both show as solid.

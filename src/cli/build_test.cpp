@@ -149,6 +149,30 @@ TEST_F(BuildTest, SeveralPresetsMakeACaseEachOfOneVolume) {
   EXPECT_NE(skin.at("description"), skeleton.at("description"));
 }
 
+TEST_F(BuildTest, CasesNameTheToneCurveThatTheyAreShownBy) {
+  const auto tone_of = [](const std::string& path) {
+    const Finished info = run_clipgs({"info", path, "--json"});
+    const nlohmann::json json = nlohmann::json::parse(info.out);
+    return json.at(json.contains("section") ? "/section/tone"_json_pointer : "/tone"_json_pointer)
+        .get<std::string>();
+  };
+  ASSERT_EQ(run_clipgs(tiny_build("case.sog", {})).status, 0);
+  const std::string plain = read_text(at("case.sog"));
+  EXPECT_EQ(tone_of(at("case.sog")), "srgb");
+  EXPECT_THAT(run_clipgs(tiny_build("case.sog", {"--tone", "srgb"})).err, Not(HasSubstr("again")));
+  EXPECT_TRUE(read_text(at("case.sog")) == plain);
+  expect_seen(tiny_build("case.sog", {"--tone", "filmic"}), "tone");
+  EXPECT_EQ(tone_of(at("case.sog")), "filmic");
+  EXPECT_EQ(tone_of(at("case.clipgs-work/dataset")), "filmic");
+
+  std::string index = read_text(at("case.clipgs-work/dataset/transforms.json"));
+  index.replace(index.find("filmic"), 6, "sepia!");
+  write_text(at("case.clipgs-work/dataset/transforms.json"), index);
+  const Finished newer = run_clipgs({"info", at("case.clipgs-work/dataset")});
+  EXPECT_EQ(newer.status, 1);
+  EXPECT_THAT(newer.err, HasSubstr("one of srgb, filmic"));
+}
+
 TEST_F(BuildTest, TheSecondInAWorkFolderIsToldWhoIsAtWork) {
   const std::string work = at("case.clipgs-work");
   const std::string me = "process " + std::to_string(getpid()) + " on ";

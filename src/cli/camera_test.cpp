@@ -111,8 +111,10 @@ TEST_F(CameraTest, NumbersAreBounded) {
         .status;
   };
   EXPECT_EQ(status("--exposure", "2"), 0);
+  EXPECT_EQ(status("--tone", "filmic"), 0);
   for (const auto& [option, value] : {std::pair{"--exposure", "0"},
                                       {"--exposure", "1e9"},
+                                      {"--tone", "agfa"},
                                       {"--view", "0,0,1e9"},
                                       {"--view", "1e30,0"},
                                       {"--focus", "1e30,0,0"},

@@ -88,9 +88,9 @@ void run_cinema(const CinemaArguments& arguments) {
     options.lens.focus = camera.to_camera(focus).z;
     const Picture picture = render_picture(scene, camera, kept, options);
     samples += picture.samples;
-    noise = std::min(noise, noise_floor(picture, preset.exposure, options.floor ? 1 : 0));
-    const Picture clean = arguments.denoise ? denoise(picture, preset.exposure) : picture;
-    const Image image = display(clean.mean(), preset.exposure);
+    noise = std::min(noise, noise_floor(picture, preset.display(), options.floor ? 1 : 0));
+    const Picture clean = arguments.denoise ? denoise(picture, preset.display()) : picture;
+    const Image image = display(clean.mean(), preset.display());
     return background.empty() ? image
                               : composite(image, background[0], background[1], background[2]);
   };

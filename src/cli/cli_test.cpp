@@ -379,6 +379,21 @@ TEST_F(CliTest, GradientOpacityThinsPicturesButNotSections) {
                  "--no-section", at("thin.clipgs-work"));
 }
 
+TEST_F(CliTest, FilmicKeepsWhatIsBrighterThanWhiteApart) {
+  const auto white = [&](const std::string& tone) {
+    EXPECT_EQ(run_clipgs({"cinema", phantom(), "-o", at("bright.png"), "--size", "48", "--spp", "8",
+                          "--exposure", "1.9", "--tone", tone})
+                  .status,
+              0);
+    const Image image = read_png(at("bright.png"));
+    return std::ranges::count(image.data, 1.0f);
+  };
+  EXPECT_GT(white("srgb"), white("filmic") + 100);
+  const Finished unknown = run_clipgs({"cinema", phantom(), "-o", at("x.png"), "--tone", "agfa"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("{srgb,filmic}"));
+}
+
 TEST_F(CliTest, WindowsOfACaseAreThoseOfItsModality) {
   std::vector<std::string> build = small_build("mr.sog");
   build.insert(build.end(), {"--modality", "mr"});

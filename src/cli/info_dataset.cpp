@@ -11,7 +11,8 @@ bool is_dataset(const std::filesystem::path& path) {
 
 nlohmann::ordered_json describe_dataset(const std::filesystem::path& path) {
   const Dataset dataset = load_dataset(path);
-  nlohmann::ordered_json json = {{"kind", "dataset"}, {"preset", dataset.preset}};
+  nlohmann::ordered_json json = {
+      {"kind", "dataset"}, {"preset", dataset.preset}, {"tone", tone_name(dataset.tone)}};
   for (const Split split : kSplits) {
     const std::vector<const Frame*> frames = dataset.split(split);
     double noise = 0;

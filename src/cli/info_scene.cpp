@@ -52,7 +52,9 @@ Json describe_case(const std::filesystem::path& path) {
   }
   if (info.section) {
     const IVec3& dims = info.section->dims;
-    json["section"] = {{"dims", {dims.x, dims.y, dims.z}}, {"bytes", info.section->bytes}};
+    json["section"] = {{"dims", {dims.x, dims.y, dims.z}},
+                       {"bytes", info.section->bytes},
+                       {"tone", tone_name(info.section->tone)}};
   }
   json["thumbnail"] = !info.thumbnail.empty();
   json["generator"] = info.generator;

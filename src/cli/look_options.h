@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <string>
+#include <vector>
 
 #include "cinema/exposure.h"
 #include "cinema/visible_matter.h"
@@ -14,18 +15,19 @@
 
 namespace clipgs {
 
-/// --preset, --rig, --exposure, --gradient-opacity and what label_options.h adds.
+/// --preset, --rig, --exposure, --tone, --gradient-opacity and what label_options.h adds.
 struct LookArguments {
   std::string preset = "auto";
   std::string rig;               ///< empty: the preset's own
   std::string exposure;          ///< a factor or "auto"; empty: the preset's own
+  std::string tone;              ///< empty: the preset's own
   std::string gradient_opacity;  ///< empty: the preset's own
   bool as_scanned = false;       ///< no upsampling
   LabelArguments labels;
 };
 
-/// Adds --preset, --rig, --exposure and --gradient-opacity, which every command that path-traces
-/// understands. `look` must outlive the parsing.
+/// Adds --preset, --rig, --exposure, --tone and --gradient-opacity, which every command that
+/// path-traces understands. `look` must outlive the parsing.
 inline void add_look_options(CLI::App& command, LookArguments& look) {
   command.add_option("--preset", look.preset, "Look: a preset's name, a JSON file, or auto")
       ->capture_default_str();
@@ -37,6 +39,11 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       "--exposure", look.exposure,
       "Brightness: a factor, or auto: what is bright is shown bright under any light "
       "(default: the preset's own, or auto where --rig is a panorama)");
+  command
+      .add_option("--tone", look.tone,
+                  "Display: srgb clips what is brighter than white, filmic lets it fade into white "
+                  "(default: the preset's own)")
+      ->check(CLI::IsMember(std::vector<std::string>(kToneNames.begin(), kToneNames.end())));
   command.add_option(
       "--gradient-opacity", look.gradient_opacity,
       "FROM,TO[,FLOOR]: matter keeps the share FLOOR (default 0) of its extinction where values "
@@ -67,6 +74,9 @@ inline Preset load_look(const LookArguments& look, const Volume& volume) {
   }
   if (!look.gradient_opacity.empty()) {
     preset.gradient_opacity = parse_gradient_opacity(look.gradient_opacity);
+  }
+  if (!look.tone.empty()) {
+    preset.tone = tone_of_name(look.tone).value();
   }
   preset.labels = load_label_looks(look.labels, volume);
   const bool automatic =

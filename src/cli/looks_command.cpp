@@ -77,10 +77,10 @@ Camera tight_camera(const VisibleMatter& matter, const View& view, int size) {
 
 Image draw_look(const CinemaScene& scene, const Camera& camera, const Cut& cut,
                 const PictureOptions& options) {
-  const float exposure = scene.preset().exposure;
-  const Picture picture = denoise(render_picture(scene, camera, cut, options), exposure);
+  const DisplayTransform transform = scene.preset().display();
+  const Picture picture = denoise(render_picture(scene, camera, cut, options), transform);
   const auto& [r, g, b] = kTileBackground;
-  return composite(display(picture.mean(), exposure), r, g, b);
+  return composite(display(picture.mean(), transform), r, g, b);
 }
 
 /// With a veil as thin as glass made solid: cameras would frame what it veils alone, and its edge

@@ -133,6 +133,7 @@ TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {
       lines("volume"));
   expect_again("preset", [](Input& i) { i.preset.surface_strength *= 2; }, lines("preset"));
   expect_again("lights", [](Input& i) { i.preset.rig = load_rig("ambient"); }, lines("lights"));
+  expect_again("tone", [](Input& i) { i.preset.tone = ToneCurve::kFilmic; }, lines("tone"));
   expect_as_from_scratch();
 }
 

@@ -16,29 +16,31 @@
 namespace clipgs {
 namespace {
 
-/// srgb_from_linear() by a table over the square root, which spreads the dark end: within 1e-5.
+/// display_from_linear() by a table over the square root, which spreads the dark end: within 1e-5.
 class DisplayCurve {
  public:
-  DisplayCurve() {
+  explicit DisplayCurve(ToneCurve tone) : white_(untoned(1, tone)) {
     for (size_t i = 0; i < values_.size(); ++i) {
       const float root = static_cast<float>(i) / kSteps;
-      values_[i] = srgb_from_linear(root * root);
+      values_[i] = display_from_linear(white_ * root * root, tone);
     }
   }
   float operator()(float linear) const {
-    const float at = kSteps * std::sqrt(std::clamp(linear, 0.0f, 1.0f));
+    const float at = kSteps * std::sqrt(std::clamp(linear / white_, 0.0f, 1.0f));
     const size_t low = std::min(static_cast<size_t>(at), static_cast<size_t>(kSteps) - 1);
     return values_[low] + (at - static_cast<float>(low)) * (values_[low + 1] - values_[low]);
   }
 
  private:
   static constexpr float kSteps = 1024;
+  float white_;  // light from which on all is white
   std::array<float, static_cast<size_t>(kSteps) + 1> values_;
 };
 
-float display(float linear) {
-  static const DisplayCurve curve;
-  return curve(linear);
+const DisplayCurve& display_curve(ToneCurve tone) {
+  static const DisplayCurve srgb(ToneCurve::kSrgb);
+  static const DisplayCurve filmic(ToneCurve::kFilmic);
+  return tone == ToneCurve::kFilmic ? filmic : srgb;
 }
 
 /// Linear RGB, of neutral walls behind grey faces: grey is for values.
@@ -89,7 +91,11 @@ class PixelSum {
  public:
   PixelSum(const Section& section, const FaceRays& rays, const PictureOpenings& openings,
            const FaceStyle& style)
-      : section_(section), rays_(rays), openings_(openings), style_(style) {}
+      : section_(section),
+        rays_(rays),
+        openings_(openings),
+        style_(style),
+        display_(display_curve(section.tone)) {}
 
   void add(const FaceRay& ray) {
     const Vec3 entry = rays_.index_at(ray, ray.enter);
@@ -190,7 +196,7 @@ class PixelSum {
       return Vec4(0);
     }
     const Vec3 light = section_.exposure / seen.alpha * seen.light;
-    return seen.alpha * Vec4(display(light.r), display(light.g), display(light.b), 1);
+    return seen.alpha * Vec4(display_(light.r), display_(light.g), display_(light.b), 1);
   }
 
   // Gloss changes slowly: one lobe, of the mean roughness, is right for a pixel's part of a face.
@@ -207,6 +213,7 @@ class PixelSum {
   const FaceRays& rays_;
   const PictureOpenings& openings_;
   const FaceStyle& style_;
+  const DisplayCurve& display_;
   const Face* face_ = nullptr;
   Vec3 out_{0};  // towards the camera
   Seen seen_;    // of tissue, and of walls where the face is not grey

@@ -177,6 +177,7 @@ TEST(Faces, FastIsTheReference) {
   Preset preset = opaque(0.05f);
   Rng rng(5);
   for (const float extinction : {0.5f, 4.0f}) {
+    preset.tone = extinction < 1 ? ToneCurve::kSrgb : ToneCurve::kFilmic;
     std::vector<TransferPoint> points = preset.transfer.points();
     for (size_t i = 1; i < points.size(); ++i) {
       points[i].material.extinction = extinction;
@@ -193,6 +194,26 @@ TEST(Faces, FastIsTheReference) {
       EXPECT_LT(rms(few, reference), 0.025) << "extinction " << extinction << " plane " << i;
     }
   }
+}
+
+TEST(Faces, AreDisplayedByTheToneCurve) {
+  Section section = make_section(make_body(), opaque(0.05f), {64});
+  const Plane plane{Vec3(0, 0, 1), 2};
+  const Camera camera = frame_sphere({Vec3(0), 20}, Vec3(0.2f, 0.1f, -1), 1, 48, 48);
+  const Image plain = draw_faces(section, camera, plane, {8, 1});
+  section.tone = ToneCurve::kFilmic;
+  const Image filmic = draw_faces(section, camera, plane, {8, 1});
+  section.exposure = 3;
+  const Image bright = draw_faces(section, camera, plane, {8, 1});
+  size_t opaque_pixels = 0;
+  for (size_t i = 0; i < plain.data.size(); i += 4) {
+    for (size_t c = i; c < i + 3 && plain.data[i + 3] == 1; ++c, ++opaque_pixels) {
+      const float light = linear_from_srgb(plain.data[c]);
+      EXPECT_NEAR(filmic.data[c], display_from_linear(light, section.tone), 3e-5f);
+      EXPECT_NEAR(bright.data[c], display_from_linear(3 * light, section.tone), 3e-5f);
+    }
+  }
+  EXPECT_GT(opaque_pixels, 1000U);
 }
 
 TEST(Faces, SameBytesAtAnyThreadCount) {

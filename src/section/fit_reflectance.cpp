@@ -111,9 +111,10 @@ void for_face_pixels(const Section& section, const Dataset& dataset, const Frame
       }
       const Pixel pixel = pixel_of(section, rays, x, y);
       if (pixel.alpha > kOpaque) {
-        use(pixel,
-            Vec3(linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])) /
-                section.exposure);
+        use(pixel, Vec3(linear_from_display(rgba[0], section.tone),
+                        linear_from_display(rgba[1], section.tone),
+                        linear_from_display(rgba[2], section.tone)) /
+                       section.exposure);
       }
     }
   }
@@ -140,10 +141,12 @@ std::vector<const Frame*> frames_with_faces(const Section& section, const Datase
 }
 
 /// ∂(display sRGB)/∂(linear light before exposure).
-float display_slope(float linear, float exposure) {
+float display_slope(float linear, const Section& section) {
   constexpr float kStep = 1e-3f;
-  const float at = std::clamp(exposure * linear, kStep, 1 - kStep);
-  return exposure * (srgb_from_linear(at + kStep) - srgb_from_linear(at - kStep)) / (2 * kStep);
+  const float at = std::clamp(section.exposure * linear, kStep, untoned(1, section.tone) - kStep);
+  const float change =
+      display_from_linear(at + kStep, section.tone) - display_from_linear(at - kStep, section.tone);
+  return section.exposure * change / (2 * kStep);
 }
 
 /// Gains near 1 where pixels say little, and alike at neighbouring knots.
@@ -195,7 +198,7 @@ ReflectanceFit fit_reflectance(Section& section, const Dataset& dataset) {
   const auto read = [&](size_t i) {
     for_face_pixels(section, dataset, *frames[i], [&](const Pixel& pixel, const Vec3& truth) {
       for (int c = 0; c < 3; ++c) {
-        const float slope = display_slope(truth[c], section.exposure);
+        const float slope = display_slope(truth[c], section);
         sums[i].normals[static_cast<size_t>(c)].add(pixel.rows[static_cast<size_t>(c)],
                                                     truth[c] - pixel.gloss[c], slope * slope);
       }

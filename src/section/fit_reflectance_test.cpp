@@ -24,12 +24,18 @@ Preset translucent() {
                      rig, 0.02f);
 }
 
-TEST(FitReflectance, LearnsWhatLightDoesBeneathTheFace) {
+class FitReflectanceTest : public testing::TestWithParam<ToneCurve> {};
+INSTANTIATE_TEST_SUITE_P(Tones, FitReflectanceTest,
+                         testing::Values(ToneCurve::kSrgb, ToneCurve::kFilmic),
+                         [](const auto& tone) { return tone_name(tone.param); });
+
+TEST_P(FitReflectanceTest, LearnsWhatLightDoesBeneathTheFace) {
   const Volume volume = make_volume(IVec3(32), [](const IVec3& at) {
     const Vec3 p = Vec3(at) - 15.5f;
     return glm::length(p) < 12 ? 100 + 50 * std::sin(0.5f * p.x) * std::cos(0.4f * p.z) : 0.0f;
   });
-  const Preset preset = translucent();
+  Preset preset = translucent();
+  preset.tone = GetParam();
   DatasetOptions options;
   options.size = 32;
   options.train_frames = 40;

@@ -105,9 +105,11 @@ std::vector<std::uint8_t> outside(const Field& field, const IsAir& is_air) {
 /// How a value looks on a face: display sRGB under white light, and opacity of half a voxel.
 Vec4 look(const Preset& preset, float value, float half_voxel) {
   const Material& m = preset.transfer.at(value);
-  return {srgb_from_linear(preset.exposure * m.albedo.r),
-          srgb_from_linear(preset.exposure * m.albedo.g),
-          srgb_from_linear(preset.exposure * m.albedo.b), 1 - std::exp(-m.extinction * half_voxel)};
+  const auto shown = [&](float albedo) {
+    return display_from_linear(preset.exposure * albedo, preset.tone);
+  };
+  return {shown(m.albedo.r), shown(m.albedo.g), shown(m.albedo.b),
+          1 - std::exp(-m.extinction * half_voxel)};
 }
 
 ValueCurve curve_for(const std::vector<float>& values, const Preset& preset, float half_voxel) {
@@ -244,6 +246,7 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
   section.source_spacing = volume.spacing;
   section.rig = preset.rig;
   section.exposure = preset.exposure;
+  section.tone = preset.tone;
   if (volume.rgb.empty()) {
     fill_scalar(section, volume, preset, grid);
   } else {

@@ -264,9 +264,11 @@ Gaussians skin_splats() {
 TEST(Relight, ChangesNothingUnderTheSameLight) {
   const Scenery scenery;
   const Gaussians splats = skin_splats();
-  const Gaussians same = relit(splats, OpenedLight(scenery.openings, Cut()));
-  for (size_t i = 0; i < splats.data().size(); ++i) {
-    EXPECT_NEAR(same.data()[i], splats.data()[i], 1e-5f);
+  for (const ToneCurve tone : {ToneCurve::kSrgb, ToneCurve::kFilmic}) {
+    const Gaussians same = relit(splats, OpenedLight(scenery.openings, Cut()), tone);
+    for (size_t i = 0; i < splats.data().size(); ++i) {
+      EXPECT_NEAR(same.data()[i], splats.data()[i], 1e-5f);
+    }
   }
 }
 
@@ -280,14 +282,17 @@ TEST(Relight, FollowsTheRig) {
   rig.sky_bottom *= 2;
   rig.keys[0].radiance *= 2;
   scenery.openings.set_rig(rig);
-  const Gaussians brighter = relit(splats, OpenedLight(scenery.openings, Cut()));
-  const float y0 = 0.28209479f;
-  for (size_t i = 0; i < splats.size(); ++i) {
-    const float before = 0.5f + y0 * splats.plane(Gaussians::kSh)[i];
-    const float after = 0.5f + y0 * brighter.plane(Gaussians::kSh)[i];
-    EXPECT_NEAR(after, srgb_from_linear(2 * linear_from_srgb(before)), 0.01f) << i;
-    EXPECT_NEAR(brighter.plane(Gaussians::kSh + 3)[i] / splats.plane(Gaussians::kSh + 3)[i],
-                after / before, 1e-4f);
+  for (const ToneCurve tone : {ToneCurve::kSrgb, ToneCurve::kFilmic}) {
+    const Gaussians brighter = relit(splats, OpenedLight(scenery.openings, Cut()), tone);
+    const float y0 = 0.28209479f;
+    for (size_t i = 0; i < splats.size(); ++i) {
+      const float before = 0.5f + y0 * splats.plane(Gaussians::kSh)[i];
+      const float after = 0.5f + y0 * brighter.plane(Gaussians::kSh)[i];
+      const float expected = display_from_linear(2 * linear_from_display(before, tone), tone);
+      EXPECT_NEAR(after, expected, 0.01f) << i;
+      EXPECT_NEAR(brighter.plane(Gaussians::kSh + 3)[i] / splats.plane(Gaussians::kSh + 3)[i],
+                  after / before, 1e-4f);
+    }
   }
   // A lamp from below, and nothing else: what looks down is lit.
   rig.sky_top = rig.sky_horizon = rig.sky_bottom = Vec3(0.02f);

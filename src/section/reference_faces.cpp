@@ -143,7 +143,7 @@ Image draw_faces_reference(const Section& section, const Camera& camera, const C
       float* out = image.at(x, y);
       for (int c = 0; c < 3 && sum.a > 0; ++c) {
         const auto straight = static_cast<float>(section.exposure * sum[c] / sum.a);
-        out[c] = static_cast<float>(sum.a) * srgb_from_linear(straight);
+        out[c] = static_cast<float>(sum.a) * display_from_linear(straight, section.tone);
       }
       out[3] = static_cast<float>(sum.a);
     }

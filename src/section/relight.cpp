@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/image.h"
 #include "core/parallel.h"
 
 namespace clipgs {
@@ -17,15 +16,15 @@ Vec3 shortest_axis(const Gaussians& gaussians, size_t i) {
 }
 
 /// A factor of linear light as one of a colour in display sRGB.
-float display_gain(float gain, float color) {
+float display_gain(float gain, float color, ToneCurve tone) {
   constexpr float kBlack = 0.001f;  // darker colours change as this one does
   const float bounded = std::clamp(color, kBlack, 1.0f);
-  return srgb_from_linear(gain * linear_from_srgb(bounded)) / bounded;
+  return display_from_linear(gain * linear_from_display(bounded, tone), tone) / bounded;
 }
 
 }  // namespace
 
-Gaussians relit(const Gaussians& gaussians, const OpenedLight& light) {
+Gaussians relit(const Gaussians& gaussians, const OpenedLight& light, ToneCurve tone) {
   Gaussians result = gaussians;
   const int coefficients = sh_coefficients(gaussians.sh_degree());
   parallel_for(gaussians.size(), 1024, [&](size_t begin, size_t end) {
@@ -35,7 +34,7 @@ Gaussians relit(const Gaussians& gaussians, const OpenedLight& light) {
         // Colour is ½ + Σ Yₖ·cₖ: half of it is no coefficient.
         float& constant = result.plane(Gaussians::kSh + c)[i];
         const float color = 0.5f + kY0 * constant;
-        const float gain = display_gain(light_gain[c], color);
+        const float gain = display_gain(light_gain[c], color, tone);
         constant = (gain * color - 0.5f) / kY0;
         for (int k = 1; k < coefficients; ++k) {
           result.plane(Gaussians::kSh + 3 * k + c)[i] *= gain;

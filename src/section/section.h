@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry.h"
+#include "core/tone.h"
 #include "section/value_curve.h"
 #include "volume/light_rig.h"
 #include "volume/volume.h"
@@ -55,6 +56,7 @@ struct Section {
   std::array<FaceMaterial, ValueCurve::kCodes> materials{};
   LightRig rig;
   float exposure = 1;
+  ToneCurve tone = ToneCurve::kSrgb;
 
   size_t voxel_count() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
   size_t offset(int x, int y, int z) const {

@@ -211,6 +211,14 @@ ValueUnits parse_units(const std::string& text, const std::string& where) {
               text);
 }
 
+ToneCurve parse_tone(const std::string& text, const std::string& where) {
+  const std::optional<ToneCurve> known = tone_of_name(text);
+  if (!known) {
+    throw Error("{}: tone \"{}\" is none of {}", where, text, tone_names());
+  }
+  return *known;
+}
+
 /// `phase`: of a point that has none of its own.
 TransferPoint parse_point(Reader reader, ValueUnits units, float phase) {
   TransferPoint point;
@@ -362,6 +370,7 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
     preset.gradient_opacity = parse_gradient_opacity(reader.child("gradient_opacity"));
   }
   preset.exposure = reader.number("exposure", kExposure, 1);
+  preset.tone = parse_tone(reader.text("tone", tone_name(ToneCurve::kSrgb)), where);
 
   std::vector<TransferPoint> points;
   for (const Reader& point : reader.children("points", kMostPoints)) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/tone.h"
 #include "volume/gradient_opacity.h"
 #include "volume/label_looks.h"
 #include "volume/light_rig.h"
@@ -35,8 +36,11 @@ struct Preset {
   float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
   std::optional<GradientOpacity> gradient_opacity;  ///< nothing: a factor of 1 everywhere
   LightRig rig;
-  float exposure = 1;  ///< linear factor before the sRGB curve
-  LabelLooks labels;   ///< of a volume with labels; no part of a preset's file
+  float exposure = 1;  ///< linear factor before the tone curve
+  ToneCurve tone = ToneCurve::kSrgb;
+  LabelLooks labels;  ///< of a volume with labels; no part of a preset's file
+
+  DisplayTransform display() const { return {exposure, tone}; }
 };
 
 /// Names of the built-in light rigs, sorted.

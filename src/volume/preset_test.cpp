@@ -44,6 +44,7 @@ TEST(Preset, ReadsEveryKey) {
   EXPECT_EQ(preset.modality, Modality::kCt);
   EXPECT_EQ(preset.surface_strength, 0.5f);
   EXPECT_EQ(preset.exposure, 2);
+  EXPECT_EQ(preset.tone, ToneCurve::kSrgb);
   const Material& m = preset.transfer.at(100);
   EXPECT_NEAR(m.albedo.g, linear_from_srgb(0.5f), 1e-6f);
   EXPECT_EQ(m.extinction, 2);
@@ -126,6 +127,10 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
               HasSubstr("modality \"xray\" is none of ct, mr, photo, pet, us, any"));
   EXPECT_THAT(parse_error(with("\"hu\"", "\"lumens\"")), HasSubstr("units"));
   EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"exposure\": 0")), HasSubstr("exposure"));
+  EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"tone\": \"agfa\"")),
+              HasSubstr("small.json: tone \"agfa\" is none of srgb, filmic"));
+  EXPECT_THAT(parse_error(with("\"exposure\": 2", "\"tone\": 2")),
+              HasSubstr("tone must be a string"));
   EXPECT_THAT(parse_error(with("\"phase\": -0.2", "\"phase\": -1")),
               HasSubstr("points[1].phase is -1, at least -0.99"));
   EXPECT_THAT(parse_error(with("\"phase_g\": 0.6", "\"phase_g\": 1")), HasSubstr("phase_g"));

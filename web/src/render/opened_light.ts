@@ -161,7 +161,7 @@ export class OpenedLight {
     const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
     this.#state = "drawn";
     this.#faces.setOpenings(openings);
-    this.#mesh.setOwnLight(textures.own, ownLight.scale, cells, cellFromPatient);
+    this.#mesh.setOwnLight(textures.own, ownLight.scale, cells, cellFromPatient, section.tone);
   }
 
   /** Hands texels to the GPU. Returns whether anybody still wants them. */

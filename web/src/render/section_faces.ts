@@ -180,13 +180,17 @@ function transposed([x, y, z]: Section["axes"]): [
 type FaceMesh = Mesh<BufferGeometry, RawShaderMaterial>;
 
 /** Faces where no splat is seen behind them, or those elsewhere. */
-function faceMesh(uniforms: Record<string, IUniform>, opaque: boolean, channels: number): FaceMesh {
+function faceMesh(
+  uniforms: Record<string, IUniform>,
+  opaque: boolean,
+  { channels, tone }: Section,
+): FaceMesh {
   const material = new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: shader("face.vert.glsl"),
     fragmentShader: shader("face.frag.glsl"),
     uniforms,
-    defines: { kOpaque: opaque ? 1 : 0, kChannels: channels, kColumns },
+    defines: { kOpaque: opaque ? 1 : 0, kChannels: channels, kFilmic: tone === "filmic" ? 1 : 0, kColumns },
     depthWrite: opaque,
     depthFunc: LessDepth,
     transparent: !opaque,
@@ -265,8 +269,8 @@ export class SectionFaces {
         },
       },
     };
-    this.opaque = faceMesh(this.#uniforms, true, section.channels);
-    this.partial = faceMesh(this.#uniforms, false, section.channels);
+    this.opaque = faceMesh(this.#uniforms, true, section);
+    this.partial = faceMesh(this.#uniforms, false, section);
     this.ends = sectionEnds(section);
   }
 

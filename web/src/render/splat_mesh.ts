@@ -21,6 +21,7 @@ import { type FaceGain, gainAt } from "../model/face_gain";
 import type { Plane } from "../model/geometry";
 import type { LayerSwitch } from "../model/states";
 import type { Hull } from "../sog/hull";
+import type { ToneCurve } from "../sog/section";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
 import { FullScreenPass } from "./full_screen";
 import { type GpuScene, kWidthBits } from "./gpu_scene";
@@ -163,6 +164,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
             cells: new Vector3(1, 1, 1),
             scale: 1,
             ownScale: 1,
+            filmic: false,
           },
         },
         uLight: { value: null },
@@ -253,17 +255,22 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     }
   }
 
-  /** Takes the light of surfaces that the case was made in, of cells, in which 1 stands for `scale`. */
+  /**
+   * Takes the light of surfaces that the case was made in, of cells, in which 1 stands for `scale`, and the tone curve
+   * of its pictures.
+   */
   setOwnLight(
     own: Data3DTexture,
     scale: number,
     cells: readonly [number, number, number],
     cellFromPatient: Matrix4,
+    tone: ToneCurve,
   ): void {
     const { uSplatLight, uOwnLight } = this.#colorPass.uniforms;
     uSplatLight!.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
     uSplatLight!.value.cells.set(...cells);
     uSplatLight!.value.ownScale = scale;
+    uSplatLight!.value.filmic = tone === "filmic";
     uOwnLight!.value = own;
   }
 

@@ -64,7 +64,7 @@ void main() {
     vec3 s = vec3(dot(g.axes[0], g.axes[0]), dot(g.axes[1], g.axes[1]), dot(g.axes[2], g.axes[2]));
     int shortest = s.x <= s.y && s.x <= s.z ? 0 : (s.y <= s.z ? 1 : 2);
     vec3 changed = lightGain(g.mean, g.axes[shortest], uSplatLight, uLight, uOwnLight);
-    color = displayGain(changed, meanColor) * max(color, 0.0);
+    color = displayGain(changed, meanColor, uSplatLight.filmic) * max(color, 0.0);
   }
   for (int i = 0; i < uPlaneCount; ++i) {
     float share = faceShare(g, uPlanes[i], uEye);

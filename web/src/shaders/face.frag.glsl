@@ -7,6 +7,7 @@ precision highp sampler2D;
 precision highp sampler3D;
 
 #include "face.glsl"
+#include "tone.glsl"
 
 in vec3 vPosition;
 flat in vec3 vOutward;
@@ -36,7 +37,7 @@ out vec4 fragColor;
 
 // Premultiplied display sRGB of a sum of linear RGB.
 vec4 exposed(vec3 light, float alpha) {
-  return alpha > 0.0 ? alpha * vec4(srgbFromLinear(uExposure / alpha * light), 1.0) : vec4(0.0);
+  return alpha > 0.0 ? alpha * vec4(displayFromLinear(uExposure / alpha * light, kFilmic == 1), 1.0) : vec4(0.0);
 }
 
 // Premultiplied display sRGB of lit tissue, and of walls that are seen as such.

@@ -1,7 +1,7 @@
 // How splats follow the light: of another rig, and of the cut, whose shadows are others. The twin of OpenedLight::gain
 // in src/section/openings.cpp and of src/section/relight.cpp.
 
-#include "srgb.glsl"
+#include "tone.glsl"
 
 const float kDim = 0.001;
 const float kMostGain = 10.0;
@@ -13,6 +13,7 @@ struct SplatLight {
   vec3 cells;
   float scale;          // what 1 in the texture of the light stands for …
   float ownScale;       // … and in that of the light that the case was made in
+  bool filmic;          // the tone curve of the case's pictures
 };
 
 // A factor of linear RGB for what lies at a point (scene space) with its shortest axis along `axis`.
@@ -36,7 +37,7 @@ vec3 lightGain(vec3 position, vec3 axis, SplatLight l, highp sampler3D light, hi
 }
 
 // A factor of linear light as one of a color in display sRGB.
-vec3 displayGain(vec3 gain, vec3 color) {
+vec3 displayGain(vec3 gain, vec3 color, bool filmic) {
   vec3 bounded = clamp(color, kBlack, 1.0);
-  return srgbFromLinear(gain * linearFromSrgb(bounded)) / bounded;
+  return displayFromLinear(gain * linearFromDisplay(bounded, filmic), filmic) / bounded;
 }

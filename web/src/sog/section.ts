@@ -12,11 +12,17 @@ const kMaxSide = 1024;
 const kMaxImage = 16383;
 const kBlock = 16;
 export const kErrorBands = 16;
+/** 2: with a tone curve, which viewers that know version 1 alone would leave out. */
+const kVersions = new Set<unknown>([1, 2]);
 const kMaxExtinction = 1e6;
 const kMaxReflectance = 100;
 
 export const kModalities = ["CT", "MR", "photographs", "PET", "ultrasound", "unknown"] as const;
 export type Modality = (typeof kModalities)[number];
+
+/** How light is brought into the range of a display before the sRGB curve: not at all, or with a soft shoulder. */
+export const kToneCurves = ["srgb", "filmic"] as const;
+export type ToneCurve = (typeof kToneCurves)[number];
 
 /** Linear RGB. The sky's colour runs linearly along S; keys are discs of an angular radius (radians). */
 export interface LightRig {
@@ -54,6 +60,7 @@ export interface SectionInfo {
   materials: FaceMaterials;
   rig: LightRig;
   exposure: number;
+  tone: ToneCurve;
 }
 
 /** The volume that faces are drawn from. */
@@ -135,6 +142,18 @@ function readRig(reader: JsonReader): LightRig {
   };
 }
 
+/** Absent in sections that are displayed by the sRGB curve alone. */
+function readTone(lights: JsonReader): ToneCurve {
+  const name = lights.has("tone") ? lights.text("tone") : "srgb";
+  const known = kToneCurves.find((tone) => tone === name);
+  if (!known) {
+    throw new CaseError(
+      `the case is shown by a tone curve "${name}" that this viewer does not know; use a newer clipgs`,
+    );
+  }
+  return known;
+}
+
 /** The section that the `clipgs` block of a case names; null where there is none. Throws CaseError. */
 export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unknown>): SectionInfo | null {
   const block = (clipgs as { section?: unknown } | null | undefined)?.section;
@@ -142,7 +161,7 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
     return null;
   }
   const reader = new JsonReader(block, "clipgs.section");
-  if (reader.value("version") !== 1) {
+  if (!kVersions.has(reader.value("version"))) {
     throw new CaseError(
       "the case's section is of a version that this viewer does not know; use a newer clipgs",
     );
@@ -177,6 +196,7 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
     materials: readMaterials(reader.child("materials")),
     rig: readRig(lights),
     exposure: lights.number("exposure", Number.MIN_VALUE),
+    tone: readTone(lights),
   };
 }
 

@@ -78,6 +78,9 @@ const kShots: Shot[] = [
   { view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact", section: "volume", rig: "rim" },
   { view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact", section: "volume", rig: "rim", turn: 70 },
   { view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume", lamp: [0.5, 0.8, 0.3] },
+  // A tone curve, of faces and of splats in other lights.
+  { name: "filmic", view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume" },
+  { name: "filmic", view: [35, 20, 1], plane: null, clip: "exact", section: "volume", rig: "rim" },
   // Face colours, at one plane and at three.
   ...(["hard", "soft", "exact"] as const).map(
     (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),

@@ -7,7 +7,7 @@ import { clipgs, missing } from "./program";
 
 declare module "vitest" {
   interface ProvidedContext {
-    /** A folder with the phantom's scene.ply, and phantom.sog, solid.sog, layered.sog and photo.sog in `cases`. */
+    /** A folder with the phantom's scene.ply, and phantom.sog, solid.sog, layered.sog, filmic.sog and photo.sog in `cases`. */
     made: string;
   }
 }
@@ -23,6 +23,7 @@ export default async function makeCases({ provide }: TestProject): Promise<(() =
   await makePhantomCase(made, join(cases, "phantom.sog"));
   await makeSolidCase(made, join(cases, "solid.sog"));
   await makeLayeredCase(made, join(cases, "layered.sog"));
+  await makeFilmicCase(made, join(made, "filmic"), join(cases, "filmic.sog"));
   await makePhotoCase(join(made, "photo"), join(cases, "photo.sog"));
   provide("made", made);
   return () => rmSync(made, { recursive: true });
@@ -35,6 +36,7 @@ async function makeCase(
   title: string,
   work: string,
   out: string,
+  ...look: string[]
 ): Promise<void> {
   const dataset = join(work, "dataset");
   const scene = join(work, "scene.ply");
@@ -47,6 +49,7 @@ async function makeCase(
     dataset,
     "--preset",
     preset,
+    ...look,
     ...pictures.split(" "),
     "--points",
     "20000",
@@ -59,6 +62,13 @@ async function makePhantomCase(work: string, out: string): Promise<void> {
   const volume = join(work, "phantom.nii.gz");
   await clipgs("phantom", volume, "--size", "96");
   await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
+}
+
+/** A case of the same volume with a tone curve, lit so that much is brighter than white. */
+async function makeFilmicCase(made: string, work: string, out: string): Promise<void> {
+  const look = "--tone filmic --exposure 2".split(" ");
+  mkdirSync(work);
+  await makeCase(join(made, "phantom.nii.gz"), "skin-and-bone", "Filmic phantom", work, out, ...look);
 }
 
 /** A case of the same pictures without a section: its splats are solid and have face colours. */

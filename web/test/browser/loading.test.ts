@@ -48,8 +48,8 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
 
     await alert.getByRole("button", { name: "Choose a case" }).click();
     const menu = visitor.getByRole("dialog", { name: "Cases" });
-    await menu.locator(".card").nth(6).waitFor(); // the list is fetched anew when the menu opens
-    expect(await menu.locator(".card").count()).toBe(7);
+    await menu.locator(".card").nth(7).waitFor(); // the list is fetched anew when the menu opens
+    expect(await menu.locator(".card").count()).toBe(8);
     expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
     await menu.locator('[data-case="page"]').click();
     await expect.poll(() => alert.textContent()).toContain("page");

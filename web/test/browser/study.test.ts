@@ -32,7 +32,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await session.start(
       () => {
         copyMadeCases(session);
-        ["layered.sog", "photo.sog"].forEach((name) => rmSync(join(session.cases, name)));
+        ["filmic.sog", "layered.sog", "photo.sog"].forEach((name) => rmSync(join(session.cases, name)));
         mkdirSync(folder);
         writeFileSync(join(folder, "short.json"), JSON.stringify(shortPlan()));
       },

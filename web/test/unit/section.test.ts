@@ -21,6 +21,7 @@ describe("parseSection", () => {
     expect(info.materials.interior[0][255]).toBeCloseTo(1.9);
     expect(info.rig.keys).toHaveLength(3);
     expect(info.exposure).toBe(1.2);
+    expect(info.tone).toBe("srgb");
   });
 
   it("takes cases without one, and modalities that it does not know", () => {
@@ -30,8 +31,13 @@ describe("parseSection", () => {
     expect(parse(withValue(makeSectionBlock(), "modality", "thermography")).modality).toBe("unknown");
   });
 
+  it("reads the tone curve of version 2", () => {
+    const block = withValue({ ...makeSectionBlock(), version: 2 }, "lights.tone", "filmic");
+    expect(parse(block).tone).toBe("filmic");
+  });
+
   it.each([
-    ["version", 2, /version/],
+    ["version", 3, /version/],
     ["version", undefined, /section\.version/],
     ["file", undefined, /section\.file/],
     ["file", "nowhere.webp", /nowhere\.webp is missing/],
@@ -70,6 +76,8 @@ describe("parseSection", () => {
     ["lights.keys.0.radiance", [1, 1], /keys\[0\]\.radiance/],
     ["lights.keys.0.angular_radius", 2, /keys\[0\]\.angular_radius/],
     ["lights.exposure", 0, /lights\.exposure/],
+    ["lights.tone", "agfa", /tone curve "agfa" that this viewer does not know; use a newer clipgs/],
+    ["lights.tone", 2, /lights\.tone/],
   ])("refuses %s = %j", (path, value, message) => {
     const block = withValue(makeSectionBlock(), path, value);
     expect(() => parse(block)).toThrow(CaseError);
