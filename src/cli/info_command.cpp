@@ -71,7 +71,8 @@ void write_histogram(const Volume& volume, const InfoOptions& options) {
   const Vec2 values = histogram_values(preset);
   const std::string unit = volume.modality == Modality::kCt ? "HU" : "";
   write_sheet(options.histogram,
-              draw_histogram(steepness_histogram(volume, values.x, values.y), preset, unit));
+              draw_histogram(steepness_histogram(volume, values.x, values.y, options.path.string()),
+                             preset, unit));
 }
 
 Json describe_volume(const InfoOptions& options) {

@@ -93,12 +93,13 @@ float nearly_steepest(const Volume& volume, float low, float high) {
 
 }  // namespace
 
-SteepnessHistogram steepness_histogram(const Volume& volume, float low, float high) {
+SteepnessHistogram steepness_histogram(const Volume& volume, float low, float high,
+                                       const std::string& where) {
   const auto [least, most] = volume.values.range();
   if (!(least < most)) {
     throw Error(
-        "every voxel has the value {:g}: there is no histogram of value and gradient to draw",
-        least);
+        "{}: every voxel has the value {:g}, there is no histogram of value and gradient to draw",
+        where, least);
   }
   SteepnessHistogram result;
   result.low = std::max(low, least);
@@ -108,9 +109,10 @@ SteepnessHistogram steepness_histogram(const Volume& volume, float low, float hi
   }
   if (!(result.low < result.high) || result.steepest <= 0) {
     throw Error(
-        "between the values {:g} and {:g} the volume, of {:g} to {:g}, has no gradient to draw; "
+        "{}: between the values {:g} and {:g} the volume, of {:g} to {:g}, has no gradient to "
+        "draw; "
         "choose another --preset",
-        low, high, least, most);
+        where, low, high, least, most);
   }
   constexpr int kLastColumn = SteepnessHistogram::kColumns - 1;
   const float across = SteepnessHistogram::kColumns / (result.high - result.low);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "volume/volume.h"
 
@@ -25,7 +26,9 @@ struct SteepnessHistogram {
 /// larger volumes at some eight million of them). Values and ‖∇v‖ are those that pictures of the
 /// voxels as scanned have: trilinear, by central differences over a voxel to either side. Upwards
 /// it reaches to where one place in a thousand is steeper, which are left out. Throws Error for a
-/// volume of one value, and where it has none, or no steep ones, between the two.
-SteepnessHistogram steepness_histogram(const Volume& volume, float low, float high);
+/// volume of one value, and where it has none, or no steep ones, between the two; `where` names the
+/// volume in errors.
+SteepnessHistogram steepness_histogram(const Volume& volume, float low, float high,
+                                       const std::string& where);
 
 }  // namespace clipgs

@@ -36,7 +36,7 @@ std::uint64_t counted(const SteepnessHistogram& histogram) {
 
 TEST(SteepnessHistogram, TellsEvenMatterFromItsBorders) {
   const Volume volume = step_volume();
-  const SteepnessHistogram histogram = steepness_histogram(volume, -1000, 1000);
+  const SteepnessHistogram histogram = steepness_histogram(volume, -1000, 1000, "here");
   EXPECT_EQ(histogram.low, 100);
   EXPECT_EQ(histogram.high, 300);
   EXPECT_GE(histogram.steepest, 50);
@@ -54,7 +54,7 @@ TEST(SteepnessHistogram, TellsEvenMatterFromItsBorders) {
 }
 
 TEST(SteepnessHistogram, CountsTheValuesThatAreAskedFor) {
-  const SteepnessHistogram histogram = steepness_histogram(step_volume(), 200, 400);
+  const SteepnessHistogram histogram = steepness_histogram(step_volume(), 200, 400, "here");
   EXPECT_EQ(histogram.low, 200);
   EXPECT_EQ(histogram.high, 300);
   EXPECT_NEAR(counted(histogram), 8 * 9 * 20, 0.05 * 8 * 9 * 20);
@@ -63,15 +63,15 @@ TEST(SteepnessHistogram, CountsTheValuesThatAreAskedFor) {
 TEST(SteepnessHistogram, IsTheSameAtAnyThreadCount) {
   const Volume volume = step_volume();
   set_thread_count(1);
-  const SteepnessHistogram one = steepness_histogram(volume, 0, 400);
+  const SteepnessHistogram one = steepness_histogram(volume, 0, 400, "here");
   set_thread_count(0);
-  EXPECT_EQ(*one.counts, *steepness_histogram(volume, 0, 400).counts);
+  EXPECT_EQ(*one.counts, *steepness_histogram(volume, 0, 400, "here").counts);
 }
 
 TEST(SteepnessHistogram, WhereThereIsNoneIsAnError) {
   const auto error = [](const Volume& volume, float low, float high) -> std::string {
     try {
-      steepness_histogram(volume, low, high);
+      steepness_histogram(volume, low, high, "here");
     } catch (const Error& e) {
       return e.what();
     }
@@ -79,8 +79,8 @@ TEST(SteepnessHistogram, WhereThereIsNoneIsAnError) {
   };
   Volume constant = step_volume();
   constant.values = VoxelValues(std::vector<float>(constant.voxels(), 7.0f));
-  EXPECT_THAT(error(constant, 0, 100), HasSubstr("every voxel has the value 7"));
-  EXPECT_THAT(error(step_volume(), 400, 500), HasSubstr("between the values 400 and 500"));
+  EXPECT_THAT(error(constant, 0, 100), HasSubstr("here: every voxel has the value 7"));
+  EXPECT_THAT(error(step_volume(), 400, 500), HasSubstr("here: between the values 400 and 500"));
 }
 
 }  // namespace
