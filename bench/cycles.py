@@ -213,6 +213,7 @@ def main():
     color = preset["points"][2]["color"]
     preset |= {"surface_strength": 0, "phase_g": 0}
     preset.pop("gradient_opacity", None)
+    preset.pop("boundary", None)
     preset["points"] = [{"value": p["value"], "color": color, "extinction": p["extinction"]}
                         for p in preset["points"]]
     rig["sky"] = {part: {"color": "#ffffff", "intensity": SKY} for part in rig["sky"]}

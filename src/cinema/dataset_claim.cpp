@@ -76,21 +76,30 @@ std::string digest_of_lights(const LightRig& rig) {
   return digest.hex();
 }
 
+void add_points(Digest& digest, const TransferFunction& transfer) {
+  for (const TransferPoint& point : transfer.points()) {
+    const auto& [value, material] = point;
+    const auto& [albedo, extinction, specular, roughness, phase] = material;
+    digest.add(value).add(albedo).add(extinction).add(specular).add(roughness).add(phase);
+  }
+}
+
 /// All of a preset but what has a name of its own in the claim.
 std::string digest_of_preset(const Preset& preset) {
   [[maybe_unused]] const auto& [name, title, description, modality, units, transfer,
-                                surface_strength, gradient_opacity, rig, exposure, tone, labels] =
-      preset;
+                                surface_strength, gradient_opacity, boundary, rig, exposure, tone,
+                                labels] = preset;
   Digest digest;
   digest.add(name).add(units).add(surface_strength).add(gradient_opacity.has_value());
   if (gradient_opacity) {
     const auto& [from, to, floor] = *gradient_opacity;
     digest.add(from).add(to).add(floor);
   }
-  for (const TransferPoint& point : transfer.points()) {
-    const auto& [value, material] = point;
-    const auto& [albedo, extinction, specular, roughness, phase] = material;
-    digest.add(value).add(albedo).add(extinction).add(specular).add(roughness).add(phase);
+  add_points(digest, transfer);
+  if (boundary) {  // presets without keep their digest
+    const auto& [from, to, steep] = *boundary;
+    digest.add(from).add(to);
+    add_points(digest, steep);
   }
   return digest.hex();
 }

@@ -197,6 +197,7 @@ class Kernel {
         grid_(scene_.grid()),
         labels_(scene_.labels()),
         thinning_(scene_.preset().gradient_opacity ? &*scene_.preset().gradient_opacity : nullptr),
+        boundary_(scene_.preset().boundary ? &*scene_.preset().boundary : nullptr),
         majorants_(scene_.majorants()),
         lights_(scene_.lights()),
         batch_(batch),
@@ -275,19 +276,23 @@ class Kernel {
   /// Of the extinction, for the steepness of the values.
   HWY_NOINLINE Float gradient_factor(Float3 p) const {
     const GradientOpacity& g = *thinning_;
-    const Float3 slope = gradient(p);
-    const Float rise = (sqrt(dot(slope, slope)) - Float(g.from)) * Float(1 / (g.to - g.from));
-    return Float(g.floor) + Float(1 - g.floor) * min(max(rise, Float(0)), Float(1));
+    return Float(g.floor) + Float(1 - g.floor) * rise(gradient(p), g.from, g.to);
   }
+  /// 0 where a gradient is `from` or less, 1 from `to` on, linear between.
+  static HWY_INLINE Float rise(Float3 slope, float from, float to) {
+    const Float steepness = sqrt(dot(slope, slope));
+    return min(max((steepness - Float(from)) * Float(1 / (to - from)), Float(0)), Float(1));
+  }
+  /// gradient(), for presets with a boundary's look: inlined once more it would slow down all
+  /// others.
+  HWY_NOINLINE Float3 gradient_of_boundary(Float3 p) const { return gradient(p); }
 
   HWY_INLINE Int entry(Float code) const {
     const Float t = code * Float(scene_.entry_scale()) + Float(scene_.entry_offset());
     return truncate(min(max(t, Float(0)), Float(TransferFunction::kTableSize - 1)));
   }
 
-  HWY_INLINE Material material(Float code, Float3 voxel) const {
-    const Int at = entry(code);
-    const MaterialTables& tables = scene_.materials();
+  static HWY_INLINE Material look_up(const MaterialTables& tables, Int at) {
     Material m;
     m.albedo = {lanes::gather(tables.albedo[0].data(), at),
                 lanes::gather(tables.albedo[1].data(), at),
@@ -295,6 +300,18 @@ class Kernel {
     m.specular = lanes::gather(tables.specular.data(), at);
     m.roughness = lanes::gather(tables.roughness.data(), at);
     m.phase = lanes::gather(tables.phase.data(), at);
+    return m;
+  }
+  /// `boundary`: share of the boundary's look, if the preset has one.
+  HWY_INLINE Material material(Float code, Float3 voxel, Float boundary) const {
+    const Int at = entry(code);
+    Material m = look_up(scene_.materials(), at);
+    if (boundary_ != nullptr) {
+      const Material steep = look_up(*scene_.boundary_materials(), at);
+      m.albedo = m.albedo + boundary * (steep.albedo - m.albedo);
+      m.specular = m.specular + boundary * (steep.specular - m.specular);
+      m.roughness = m.roughness + boundary * (steep.roughness - m.roughness);
+    }
     if (scene_.has_photo()) {
       m.albedo = m.albedo * photo(voxel);
     }
@@ -786,7 +803,16 @@ class Kernel {
       const Float3 voxel =
           gather(rays_.origin, at) +
           lanes::gather(rays_.t.data(), at) * (direction * Float3(scene_.inverse_spacing()));
-      Material material = this->material(lanes::gather(rays_.code.data(), at), voxel);
+      Float3 slope(Vec3(0));  // of the values, if the look asks for it
+      Float boundary(0);
+      if (boundary_ != nullptr) {
+        slope = gradient_of_boundary(voxel);
+        boundary = rise(slope, boundary_->from, boundary_->to);
+        if (bounce == 0) {
+          boundary = or_zero(~is_behind_face(voxel, direction), boundary);
+        }
+      }
+      Material material = this->material(lanes::gather(rays_.code.data(), at), voxel, boundary);
       if (labels_ != nullptr) {
         material.albedo =
             label_albedo(as_int(lanes::gather(rays_.label.data(), at)), material.albedo);
@@ -803,7 +829,8 @@ class Kernel {
           continue;
         }
       }
-      const Vertex vertex = vertex_at(voxel, direction, material, draws, valid);
+      const Vertex vertex = vertex_at(voxel, boundary_ != nullptr ? slope : gradient(voxel),
+                                      direction, material, draws, valid);
       if (bounce == 0 && view_.features) {
         scatter(vertex.normal, batch_.normal, select(valid, path, Int(PathBatch::kCapacity)));
       }
@@ -885,6 +912,26 @@ class Kernel {
     return met;
   }
 
+  /// Whether a camera ray came to a place through matter that begins at a face, and not far: see
+  /// BoundaryLook::kFaceVoxels.
+  HWY_NOINLINE Mask is_behind_face(Float3 voxel, Float3 direction) const {
+    Float nearest(kFar);  // mm back to the face that was passed last
+    for (size_t i = 0; i < view_.face_count; ++i) {
+      const BlockFace& face = view_.faces[i];
+      const Float depth = Float(face.offset) - dot(Float3(face.gradient), voxel);
+      const Float slope = -dot(direction, Float3(face.outward));
+      const Mask nearer = (slope > Float(0)) & (depth < nearest * slope);
+      nearest = select(nearer, depth / slope, nearest);
+    }
+    const Mask near = nearest < Float(view_.face_reach);
+    if (!any(near)) {
+      return near;
+    }
+    const Float3 entered = voxel - nearest * (direction * Float3(scene_.inverse_spacing()));
+    const Int at = entry(sample(or_zero(near, entered)));
+    return near & (lanes::gather(scene_.materials().extinction.data(), at) > Float(0));
+  }
+
   /// Lights::Key::sample.
   HWY_INLINE LightSample illuminate(const Lights::Key& key, Float3 voxel, Float2 on_disc) const {
     const auto [u, v] = on_disc;
@@ -903,14 +950,13 @@ class Kernel {
             Float3(key.irradiance)};
   }
 
-  HWY_INLINE Vertex vertex_at(Float3 voxel, Float3 direction, const Material& material,
-                              Draws& draws, Mask valid) const {
+  HWY_INLINE Vertex vertex_at(Float3 voxel, Float3 slope, Float3 direction,
+                              const Material& material, Draws& draws, Mask valid) const {
     Vertex vertex;
     vertex.voxel = voxel;
     vertex.before = direction;
     vertex.material = material;
     // Surface or phase: P = 1 − exp(−k·‖∇v‖).
-    const Float3 slope = gradient(voxel);
     const Float steepness = sqrt(dot(slope, slope));
     const Float u = draws.first(path_draws::kSurface, valid);
     vertex.surface = Float(scene_.preset().surface_strength) * steepness > free_path(u);
@@ -1032,6 +1078,7 @@ class Kernel {
   const VoxelGrid& grid_;
   const LabelGrid* labels_;          // null: none
   const GradientOpacity* thinning_;  // null: none
+  const BoundaryLook* boundary_;     // null: none
   const MajorantGrid& majorants_;
   const Lights& lights_;
   PathBatch& batch_;

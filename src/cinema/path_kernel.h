@@ -32,6 +32,7 @@ struct PathView {
   size_t plane_count = 0;
   size_t face_count = 0;
   float face_depth = 0;  // mm: what lies less deep below a face is lit as the face itself
+  float face_reach = 0;  // mm along a ray behind a face: BoundaryLook::kFaceVoxels
   std::array<BlockFace, Cut::kMostPlanes + 6> faces;  // of the planes, then of the box
   // The shadow catcher, in the grid frame.
   bool has_floor = false;

@@ -38,7 +38,9 @@ PathTracer::PathTracer(const CinemaScene& scene, const Camera& camera, const Cut
   view_.box_min = occupied.min;
   view_.box_max = occupied.max;
   const Vec3 spacing = scene.volume().spacing;
-  view_.face_depth = 0.5f * mean_spacing(scene.volume().scanned_spacing());
+  const float voxel = mean_spacing(scene.volume().scanned_spacing());
+  view_.face_depth = 0.5f * voxel;
+  view_.face_reach = BoundaryLook::kFaceVoxels * voxel;
   for (const Plane& plane : cut.planes()) {
     const Vec3 normal = scene.frame_from_world(plane.normal);
     add_face(-normal, -normal * spacing,

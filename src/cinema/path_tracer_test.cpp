@@ -292,6 +292,63 @@ TEST(PathTracer, AgreesWithTheReferenceOnGradientOpacity) {
   expect_agreement(e);
 }
 
+// Green and gloss change most, and by the value too.
+BoundaryLook steep_look() {
+  return {100, 500,
+          TransferFunction({point(-500, 0, Vec3(0.9f), 0.4f), point(0, 0, Vec3(0.05f)),
+                            point(340, 0, Vec3(0.1f), 0.2f), point(500, 0, Vec3(0.95f), 0.7f)})};
+}
+
+TEST(PathTracer, AgreesWithTheReferenceOnBoundaries) {
+  Everything e(two_keys());
+  e.preset.boundary = steep_look();
+  expect_agreement(e);
+  e.preset.gradient_opacity = GradientOpacity{100, 500, 0.1f};
+  e.volume.label_numbers = {0, 3};
+  label_where(e.volume, [](const IVec3& v) { return (v.x / 5 + v.y / 5 + v.z / 5) % 2; });
+  e.preset.labels = {{3, {Vec3(0.9f, 0.1f, 0.2f), 0.6f}}};
+  expect_agreement(e);
+}
+
+// Black where it is steep: a ball's surface, but not the face where it is cut, nor even matter.
+TEST(PathTracer, BoundariesLookIsOfSurfacesAlone) {
+  const Volume ball = make_ball(48, 18, 100, 0);
+  Preset preset = make_preset({point(20, 0, Vec3(1)), point(50, 20, Vec3(1))}, test::white_sky(),
+                              /*surface_strength=*/100);
+  const CinemaScene plain(ball, preset);
+  preset.boundary = BoundaryLook{5, 20, TransferFunction({point(20, 0, Vec3(0))})};
+  const CinemaScene scene(ball, preset);
+  const Camera camera = camera_from({80, 0, 0});
+  const auto first = [&](const CinemaScene& s, const Cut& cut) {
+    PathOptions options;
+    options.features = true;
+    Mean albedo;
+    for (const PathSample& sample : PathTracer(s, camera, cut, 1, options).trace(starts(500, 10))) {
+      albedo.add(sample.albedo.y);
+    }
+    return albedo.value();
+  };
+  EXPECT_LT(first(scene, {}), 0.05);
+  EXPECT_NEAR(first(scene, Plane{Vec3(-1, 0, 0), 0}), 1, 1e-6);
+  // Where the plane runs along the surface, before it, the surface is none of the plane's faces.
+  EXPECT_LT(first(scene, Plane{Vec3(-1, 0, 0), -20}), 0.05);
+  EXPECT_NEAR(first(plain, {}), 1, 1e-6);
+}
+
+TEST(PathTracer, MatterOfOneValueHasNoBoundary) {
+  const Volume even = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
+  Preset preset =
+      make_preset({point(0, 0, Vec3(0.7f)), point(1, 0.1f, Vec3(0.7f))}, test::white_keys());
+  const CinemaScene plain(even, preset);
+  preset.boundary = BoundaryLook{0, 1, TransferFunction({point(0, 0, Vec3(0))})};
+  const CinemaScene scene(even, preset);
+  const Camera camera = camera_from({80, 10, 20});
+  const Means with = trace(PathTracer(scene, camera, {}, 8), 2000);
+  const Means without = trace(PathTracer(plain, camera, {}, 8), 2000);
+  EXPECT_EQ(with.radiance.value(), without.radiance.value());
+  EXPECT_GT(with.radiance.value(), 0.1);
+}
+
 TEST(PathTracer, EvenMatterKeepsTheFloorOfItsExtinction) {
   const Volume slab = make_volume({24, 20, 20}, [](const IVec3&) { return 1.0f; });
   Preset preset = make_preset({point(0, 0), point(1, 0.13f)}, test::white_sky());

@@ -170,16 +170,48 @@ double ReferenceTracer::visibility(const DVec3& voxel, const Vec3& direction, Rn
   return inside && track(voxel, DVec3(direction), t0, t1, rng, collision) ? 0.0 : 1.0;
 }
 
+// Of a face of the kept block, mm.
+double ReferenceTracer::depth_below(size_t face, const DVec3& voxel) const {
+  const DVec3 outward(outward_[face]);
+  const double offset = face < planes_.size()
+                            ? -static_cast<double>(planes_[face].offset)
+                            : glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
+  return offset - glm::dot(outward, voxel * spacing_);
+}
+
+// Whether a camera ray came here through matter that begins at a face, and not far.
+bool ReferenceTracer::is_behind_face(const DVec3& voxel, const DVec3& direction) const {
+  double nearest = std::numeric_limits<double>::max();
+  for (size_t i = 0; i < outward_.size(); ++i) {
+    const double slope = -glm::dot(DVec3(outward_[i]), direction);
+    if (slope > 0) {
+      nearest = std::min(nearest, depth_below(i, voxel) / slope);
+    }
+  }
+  if (nearest >= double{BoundaryLook::kFaceVoxels} * voxel_) {
+    return false;
+  }
+  const double entered = value_at(voxel_at(voxel, direction, -nearest));
+  return preset_.transfer.at(static_cast<float>(entered)).extinction > 0;
+}
+
+Material ReferenceTracer::material_at(const DVec3& voxel, double value, bool by_value_alone) const {
+  const auto v = static_cast<float>(value);
+  Material m = preset_.transfer.at(v);
+  if (preset_.boundary && !by_value_alone) {
+    const auto steepness = static_cast<float>(glm::length(gradient_at(voxel)));
+    m = preset_.boundary->mixed(m, v, preset_.boundary->share(steepness));
+  }
+  m.albedo *= photo_at(voxel);
+  return m;
+}
+
 const Vec3* ReferenceTracer::face_at(const DVec3& voxel, const DVec3& direction) const {
   const Vec3* passed = nullptr;
   double nearest = std::numeric_limits<double>::max();
   for (size_t i = 0; i < outward_.size(); ++i) {
-    const DVec3 outward(outward_[i]);
-    const double offset = i < planes_.size()
-                              ? -static_cast<double>(planes_[i].offset)
-                              : glm::dot(glm::max(outward, DVec3(0)), last_ * spacing_);
-    const double depth = offset - glm::dot(outward, voxel * spacing_);
-    const double slope = -glm::dot(outward, direction);
+    const double depth = depth_below(i, voxel);
+    const double slope = -glm::dot(DVec3(outward_[i]), direction);
     if (depth < 0.5 * voxel_ && slope > 0 && depth / slope < nearest) {
       nearest = depth / slope;
       passed = &outward_[i];
@@ -209,9 +241,8 @@ PathSample ReferenceTracer::trace(float x, float y, Rng& rng) const {
     sample.alpha = 1;
     const DVec3 voxel = voxel_at(origin, DVec3(direction), collision.t);
     const Vec3 out = -direction;
-    Material m = preset_.transfer.at(static_cast<float>(collision.value));
-    m.albedo *= photo_at(voxel);
-    m = collision.label.applied_to(m);
+    const bool behind_face = bounce == 0 && is_behind_face(voxel, DVec3(direction));
+    Material m = collision.label.applied_to(material_at(voxel, collision.value, behind_face));
 
     const Vec3* const face = bounce == 0 ? face_at(voxel, DVec3(direction)) : nullptr;
     DVec3 start = voxel;

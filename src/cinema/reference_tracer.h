@@ -43,7 +43,10 @@ class ReferenceTracer {
   bool track(const DVec3& origin, const DVec3& direction, double t0, double t1, Rng& rng,
              Collision& collision) const;
   double visibility(const DVec3& voxel, const Vec3& direction, Rng& rng) const;
+  double depth_below(size_t face, const DVec3& voxel) const;
   const Vec3* face_at(const DVec3& voxel, const DVec3& direction) const;
+  bool is_behind_face(const DVec3& voxel, const DVec3& direction) const;
+  Material material_at(const DVec3& voxel, double value, bool by_value_alone) const;
 
   const Volume& volume_;
   const Preset& preset_;

@@ -13,11 +13,13 @@ namespace {
 // The interval of values that 16-bit codes cover: the volume's own, but not further beyond the
 // transfer function's than twice its width, so that a few extreme values (metal, padding) do not
 // coarsen all others. Values beyond only shape the interpolation towards such voxels, and
-// gradients: one that is cut off there still is as steep as gradient opacity asks for.
+// gradients: one that is cut off there still is as steep as gradient opacity and the boundary's
+// look ask for.
 Vec2 coded_interval(const Volume& volume, const Preset& preset) {
   const TransferFunction& transfer = preset.transfer;
   const auto [lowest, highest] = volume.values.range();
-  const float steepest = preset.gradient_opacity ? preset.gradient_opacity->to : 0.0f;
+  const float steepest = std::max(preset.gradient_opacity ? preset.gradient_opacity->to : 0.0f,
+                                  preset.boundary ? preset.boundary->to : 0.0f);
   const Vec3& s = volume.spacing;
   const float margin = std::max({2.0f * (transfer.max_value() - transfer.min_value()), 1.0f,
                                  2.0f * steepest * std::max({s.x, s.y, s.z})});
@@ -28,6 +30,27 @@ Vec2 coded_interval(const Volume& volume, const Preset& preset) {
 VoxelGrid make_grid(const Volume& volume, const Preset& preset) {
   const Vec2 interval = coded_interval(volume, preset);
   return {volume, interval.x, interval.y};
+}
+
+/// `material_of(value)` at every entry.
+template <typename Materials>
+std::unique_ptr<MaterialTables> make_tables(const TransferFunction& transfer,
+                                            const Materials& material_of) {
+  auto tables = std::make_unique<MaterialTables>();
+  const float range = transfer.max_value() - transfer.min_value();
+  for (int i = 0; i < TransferFunction::kTableSize; ++i) {
+    const Material material = material_of(
+        transfer.min_value() + range * static_cast<float>(i) / (TransferFunction::kTableSize - 1));
+    const auto entry = static_cast<size_t>(i);
+    tables->extinction[entry] = material.extinction;
+    for (int c = 0; c < 3; ++c) {
+      tables->albedo[static_cast<size_t>(c)][entry] = material.albedo[c];
+    }
+    tables->specular[entry] = material.specular;
+    tables->roughness[entry] = material.roughness;
+    tables->phase[entry] = material.phase;
+  }
+  return tables;
 }
 
 std::array<float, 256> linear_table() {
@@ -65,25 +88,17 @@ CinemaScene::CinemaScene(const Volume& volume, const Preset& preset)
       inverse_spacing_(1.0f / volume.spacing),
       lift_(mean_spacing(volume.scanned_spacing()) * inverse_spacing_),
       gradient_scale_(grid_.step() / volume.spacing),
-      tables_(std::make_unique<MaterialTables>()),
+      tables_(make_tables(preset.transfer, [&](float value) { return preset.transfer.at(value); })),
       photo_(matter_colors(volume, preset.transfer)) {
   const TransferFunction& transfer = preset_.transfer;
   const float range = transfer.max_value() - transfer.min_value();
   const float per_value = range > 0 ? (TransferFunction::kTableSize - 1) / range : 0.0f;
   entry_scale_ = grid_.step() * per_value;
   entry_offset_ = (grid_.low() - transfer.min_value()) * per_value + 0.5f;
-  for (int i = 0; i < TransferFunction::kTableSize; ++i) {
-    const float value =
-        transfer.min_value() + range * static_cast<float>(i) / (TransferFunction::kTableSize - 1);
-    const Material& material = transfer.at(value);
-    const auto entry = static_cast<size_t>(i);
-    tables_->extinction[entry] = material.extinction;
-    for (int c = 0; c < 3; ++c) {
-      tables_->albedo[static_cast<size_t>(c)][entry] = material.albedo[c];
-    }
-    tables_->specular[entry] = material.specular;
-    tables_->roughness[entry] = material.roughness;
-    tables_->phase[entry] = material.phase;
+  if (preset_.boundary) {
+    boundary_tables_ = make_tables(transfer, [&](float value) {
+      return preset_.boundary->mixed(transfer.at(value), value, 1);
+    });
   }
 }
 

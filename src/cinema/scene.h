@@ -52,6 +52,8 @@ class CinemaScene {
   /// values are even.
   float extinction(const Vec3& voxel) const;
   const MaterialTables& materials() const { return *tables_; }
+  /// What they are where values are steepest; null for presets without a boundary's look.
+  const MaterialTables* boundary_materials() const { return boundary_tables_.get(); }
   /// Entry of the tables at an interpolated code: its integer part after scale and offset, clamped.
   float entry_scale() const { return entry_scale_; }
   float entry_offset() const { return entry_offset_; }
@@ -91,6 +93,7 @@ class CinemaScene {
   float entry_scale_ = 0;
   float entry_offset_ = 0;
   std::unique_ptr<MaterialTables> tables_;
+  std::unique_ptr<MaterialTables> boundary_tables_;
   std::vector<std::uint8_t> photo_;  // [nz, ny, nx, 3] sRGB; empty without colours
 };
 

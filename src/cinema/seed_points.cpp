@@ -43,24 +43,24 @@ class Looks {
  public:
   Looks(const Volume& volume, const Preset& preset)
       : volume_(volume),
-        transfer_(preset.transfer),
+        preset_(preset),
         labels_(looks_of_labels(volume, preset.labels)),
-        gradient_opacity_(preset.gradient_opacity),
         colors_(matter_colors(volume, preset.transfer)),
         thickness_(mean_spacing(volume.spacing)) {}
 
   // Colour times opacity, opacity; photographs' colours do not count.
   Vec4 at(int x, int y, int z) const {
     const size_t voxel = volume_.offset(x, y, z);
-    const Material m = labelled(transfer_.at(volume_.values[voxel]), voxel);
-    const float factor = gradient_opacity_ ? gradient_opacity_->factor(steepness(x, y, z)) : 1.0f;
+    const Material m = labelled(material_at(x, y, z), voxel);
+    const float factor =
+        preset_.gradient_opacity ? preset_.gradient_opacity->factor(steepness(x, y, z)) : 1.0f;
     const float opacity = 1.0f - std::exp(-factor * m.extinction * thickness_);
     return {m.albedo * opacity, opacity};
   }
 
   Vec3 albedo_at(int x, int y, int z) const {
     const size_t voxel = volume_.offset(x, y, z);
-    Material m = transfer_.at(volume_.values[voxel]);
+    Material m = material_at(x, y, z);
     if (!colors_.empty()) {
       const std::uint8_t* rgb = &colors_[3 * voxel];
       for (int c = 0; c < 3; ++c) {
@@ -71,6 +71,14 @@ class Looks {
   }
 
  private:
+  // Neither photographs' colours nor labels count.
+  Material material_at(int x, int y, int z) const {
+    const float value = volume_.at(x, y, z);
+    const Material& plain = preset_.transfer.at(value);
+    return preset_.boundary
+               ? preset_.boundary->mixed(plain, value, preset_.boundary->share(steepness(x, y, z)))
+               : plain;
+  }
   // ‖∇v‖ by central differences, value units per mm.
   float steepness(int x, int y, int z) const {
     const IVec3 at(x, y, z);
@@ -90,9 +98,8 @@ class Looks {
   }
 
   const Volume& volume_;
-  const TransferFunction& transfer_;
-  std::vector<LabelLook> labels_;  // by the volume's indices; empty without labels
-  std::optional<GradientOpacity> gradient_opacity_;
+  const Preset& preset_;
+  std::vector<LabelLook> labels_;     // by the volume's indices; empty without labels
   std::vector<std::uint8_t> colors_;  // of photographs' matter
   float thickness_;
 };

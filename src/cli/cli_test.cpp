@@ -125,6 +125,33 @@ TEST_F(CliTest, InfoListsWhatWasDoneToAVolume) {
   EXPECT_EQ(run_clipgs({"info", phantom(), "--denoise-volume", "-3"}).status, 2);
 }
 
+TEST_F(CliTest, InfoDrawsTheHistogramOfValueAndGradient) {
+  for (const char* const name : {"values.png", "values.webp"}) {
+    const Finished info =
+        run_clipgs({"info", phantom(), "--json", "--histogram", at(name), "--preset", "anatomy"});
+    ASSERT_EQ(info.status, 0) << info.err;
+    EXPECT_EQ(nlohmann::json::parse(info.out).at("histogram"), at(name));
+    EXPECT_GT(std::filesystem::file_size(at(name)), 10000);
+  }
+  const Image picture = read_png(at("values.png"));
+  EXPECT_GT(picture.width, 800);
+  EXPECT_GT(picture.height, 450);
+
+  const std::string out = at("none.png");
+  write_text(at("constant.nrrd"),
+             "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nspace: right-anterior-superior\n"
+             "space directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n" +
+                 std::string(512, 42));
+  for (const char* const preset : {"auto", "anatomy", "mr"}) {  // "mr" is of percentiles
+    expect_failure({"info", at("constant.nrrd"), "--histogram", out, "--preset", preset},
+                   "constant.nrrd: every voxel has the value 42", out);
+  }
+  expect_failure({"info", phantom(), "--histogram", out, "--preset", "nonesuch"}, "no preset", out);
+  expect_failure({"info", phantom(), "--histogram", at("no/such.png")}, "such.png");
+  EXPECT_EQ(run_clipgs({"info", phantom(), "--histogram", at("values.jpg")}).status, 2);
+  EXPECT_EQ(run_clipgs({"info", phantom(), "--preset", "anatomy"}).status, 2);
+}
+
 TEST_F(CliTest, InfoListsTheSeriesAndPhasesOfAFolder) {
   FixtureSlice slice;
   for (const int phase : {1, 2}) {

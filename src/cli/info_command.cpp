@@ -6,12 +6,19 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/histogram_picture.h"
 #include "cli/info_kinds.h"
+#include "cli/sheet.h"
 #include "cli/volume_options.h"
+#include "core/error.h"
+#include "core/file.h"
 #include "train/model_file.h"
 #include "volume/identify.h"
 #include "volume/load.h"
+#include "volume/preset.h"
+#include "volume/steepness_histogram.h"
 
 namespace clipgs {
 namespace {
@@ -23,6 +30,8 @@ struct InfoOptions {
   fs::path path;
   LoadOptions load;
   bool json = false;
+  std::string histogram;  ///< file to draw it to; empty: none
+  std::string preset;     ///< whose colours it has
 };
 
 Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -57,9 +66,21 @@ Json describe_preparation(const std::vector<PreparationStep>& steps) {
   return list;
 }
 
+void write_histogram(const Volume& volume, const InfoOptions& options) {
+  const Preset preset = load_preset(options.preset, volume);
+  const Vec2 values = histogram_values(preset);
+  const std::string unit = volume.modality == Modality::kCt ? "HU" : "";
+  write_sheet(options.histogram,
+              draw_histogram(steepness_histogram(volume, values.x, values.y, options.path.string()),
+                             preset, unit));
+}
+
 Json describe_volume(const InfoOptions& options) {
   const LoadedVolume loaded = load_with_series(options.path, options.load);
   const Volume& volume = loaded.volume;
+  if (!options.histogram.empty()) {
+    write_histogram(volume, options);
+  }
   const auto [low, high] = volume.values.range();
   Json json;
   json["kind"] = "volume";
@@ -84,6 +105,9 @@ Json describe_volume(const InfoOptions& options) {
   }
   if (!loaded.prepared.empty()) {
     json["prepared"] = describe_preparation(loaded.prepared);
+  }
+  if (!options.histogram.empty()) {
+    json["histogram"] = options.histogram;
   }
   if (!loaded.series.empty()) {
     json["series"] = describe_series(loaded.series);
@@ -133,6 +157,12 @@ std::string as_text(const Json& value) {
 void run_info(const InfoOptions& options) {
   const auto* const kind =
       std::ranges::find_if(kKinds, [&](const InfoKind& k) { return k.matches(options.path); });
+  if (!options.histogram.empty()) {
+    if (kind != &kKinds.back()) {
+      throw Error("{}: no volume; --histogram draws the values of one", options.path.string());
+    }
+    require_writable(options.histogram);
+  }
   const Json json = kind->describe(options);
   if (options.json) {
     fmt::print("{}\n", json.dump(2));
@@ -157,7 +187,8 @@ void add_info_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Say what a file or folder is");
   command->footer(
       "Example: clipgs info ct-folder/ --json\n"
-      "         clipgs info signal.nrrd --modality mr");
+      "         clipgs info signal.nrrd --modality mr\n"
+      "         clipgs info ct.nii.gz --histogram values.png --preset anatomy");
   command
       ->add_option("FILE", options->path,
                    "Volume (DICOM folder, file or .zip, NIfTI, NRRD, MetaImage), dataset folder, "
@@ -165,6 +196,18 @@ void add_info_command(CLI::App& app) {
                    "scene or model (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
+  CLI::Option* const histogram =
+      command
+          ->add_option("--histogram", options->histogram,
+                       "Draw how often values occur with which gradient, over a preset's colours "
+                       "(.png or .webp)")
+          ->check(ends_in({".png", ".webp"}));
+  options->preset = "auto";
+  command
+      ->add_option("--preset", options->preset,
+                   "Whose colours and values the histogram has: a preset's name or .json file")
+      ->needs(histogram)
+      ->capture_default_str();
   add_volume_options(*command, options->load);
   options->load.warn_of_size = true;
   command->callback([options] { run_info(*options); });

@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "asset/webp.h"
 #include "cinema/denoise.h"
 #include "cinema/picture.h"
 #include "cinema/visible_matter.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/looks_sheet.h"
+#include "cli/sheet.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -184,16 +184,6 @@ std::optional<std::string> build_all_line(const LooksArguments& arguments,
 
 std::string cinema_line(const LooksArguments& arguments, const Preset& preset) {
   return command_line("cinema", preset.name + ".png", arguments, preset.name);
-}
-
-void write_sheet(const std::filesystem::path& path, const Image& sheet) {
-  if (path.extension() == ".png") {
-    write_png(path, sheet);
-    return;
-  }
-  constexpr float kQuality = 90;  // text stays sharp
-  const Bytes bytes = encode_webp(sheet, kQuality);
-  write_file(path, bytes.data(), bytes.size());
 }
 
 void print_looks(const LooksArguments& arguments, const Identity& identity,

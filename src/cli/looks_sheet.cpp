@@ -1,13 +1,10 @@
 #include "cli/looks_sheet.h"
 
 #include <algorithm>
-#include <cairo.h>
 #include <cmath>
-#include <cstdint>
-#include <memory>
 
+#include "cli/sheet.h"
 #include "core/draw_text.h"
-#include "core/error.h"
 
 namespace clipgs {
 namespace {
@@ -16,7 +13,6 @@ namespace {
 constexpr int kGap = 16;    // between tiles
 constexpr int kHead = 48;   // the heading
 constexpr int kLabel = 44;  // under a tile: name and title
-constexpr int kBytes = 4;   // a pixel of cairo's surfaces: blue, green, red and nothing
 constexpr float kSheetBackground[] = {0.05f, 0.055f, 0.07f};
 constexpr double kInk = 0.93;
 constexpr double kQuiet = 0.66;
@@ -41,51 +37,11 @@ struct SheetLayout {
   int top(int tile) const { return kHead + tile / columns * (tile_height + kGap); }
 };
 
-void fill(Image& sheet, const float (&color)[3], int left, int top, int width, int height) {
-  for (int y = top; y < top + height; ++y) {
-    for (int x = left; x < left + width; ++x) {
-      std::ranges::copy(color, sheet.at(x, y));
-    }
-  }
-}
-
 void put(Image& sheet, const Image& picture, int left, int top) {
   for (int y = 0; y < picture.height; ++y) {
     std::copy_n(picture.at(0, y), 3 * static_cast<size_t>(picture.width), sheet.at(left, top + y));
   }
 }
-
-using Cairo = std::unique_ptr<cairo_t, void (*)(cairo_t*)>;
-using CairoSurface = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
-
-/// A transparent sheet on which draw(cairo) writes grey text.
-template <typename Draw>
-void write_over(Image& sheet, const Draw& draw) {
-  const CairoSurface surface(
-      cairo_image_surface_create(CAIRO_FORMAT_ARGB32, sheet.width, sheet.height),
-      cairo_surface_destroy);
-  draw(Cairo(cairo_create(surface.get()), cairo_destroy).get());
-  cairo_surface_flush(surface.get());
-  const cairo_status_t status = cairo_surface_status(surface.get());
-  if (status != CAIRO_STATUS_SUCCESS) {
-    throw Error("the sheet's text cannot be drawn: {}; choose a smaller --size",
-                cairo_status_to_string(status));
-  }
-  const std::uint8_t* const text = cairo_image_surface_get_data(surface.get());
-  const int stride = cairo_image_surface_get_stride(surface.get());
-  for (int y = 0; y < sheet.height; ++y) {
-    for (int x = 0; x < sheet.width; ++x) {
-      const std::uint8_t* const ink = text + static_cast<size_t>(y) * stride + kBytes * x;
-      for (int c = 0; c < 3; ++c) {
-        float& value = sheet.at(x, y)[c];
-        value = static_cast<float>(ink[2 - c]) / 255 +
-                value * (1 - static_cast<float>(ink[3]) / 255);  // premultiplied by alpha
-      }
-    }
-  }
-}
-
-void grey(cairo_t* cairo, double value) { cairo_set_source_rgb(cairo, value, value, value); }
 
 }  // namespace
 

@@ -107,6 +107,38 @@ TEST(Faces, OpaqueLambertMatterLooksAsTheTracerShowsIt) {
   }
 }
 
+// Faces are of values alone, in the section and in the truth: of matter as dense as presets' too,
+// of which one ray in eight comes deeper than what is lit as the face itself.
+TEST(Faces, HaveNothingOfABoundarysLook) {
+  const Volume volume = make_body();
+  for (const float extinction : {60.0f, 4.0f}) {
+    Preset preset = opaque();
+    std::vector<TransferPoint> points = preset.transfer.points();
+    for (size_t i = 1; i < points.size(); ++i) {
+      points[i].material.extinction = extinction;
+    }
+    preset.transfer = TransferFunction(points);
+    const CinemaScene plain(volume, preset);
+    preset.boundary =
+        BoundaryLook{1, 6, TransferFunction({point(20, 0, Vec3(0.1f, 0.2f, 0.9f), 0.3f)})};
+    const CinemaScene scene(volume, preset);
+    Rng rng(4);
+    for (int i = 0; i < 8; ++i) {
+      const Plane plane = random_plane(rng);
+      const Camera camera = facing(plane, rng, 32);
+      const Section section = make_section(volume, preset, {64});
+      Difference with;
+      Difference without;
+      compare(section, scene, plane, camera, static_cast<std::uint64_t>(i), with);
+      compare(section, plain, plane, camera, static_cast<std::uint64_t>(i), without);
+      const auto n = static_cast<double>(with.count);
+      EXPECT_NEAR(with.sum / n, without.sum / n, 0.003) << extinction << " plane " << i;
+      EXPECT_NEAR(std::sqrt(with.squares / n), std::sqrt(without.squares / n), 0.003)
+          << extinction << " plane " << i;
+    }
+  }
+}
+
 TEST(Faces, OfSeveralPlanesLookAsTheTracerShowsThem) {
   const Volume volume = make_body();
   const Preset preset = opaque();

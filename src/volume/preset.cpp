@@ -134,8 +134,10 @@ class Reader {
   void refuse_unknown_keys() const {
     for (const auto& [key, value] : object_.items()) {
       if (!known_.contains(key)) {
-        throw Error("{}: unknown key \"{}\"; known here: {}", where(), key,
-                    fmt::join(known_, ", "));
+        throw Error(
+            "{}: unknown key \"{}\": misspelt, or made for a newer version of clipgs; known here: "
+            "{}",
+            where(), key, fmt::join(known_, ", "));
       }
     }
   }
@@ -238,6 +240,42 @@ GradientOpacity parse_gradient_opacity(Reader reader) {
   if (!result.valid()) {
     reader.fail("to", "is {:g}, which must be more than \"from\"", result.to);
   }
+  reader.refuse_unknown_keys();
+  return result;
+}
+
+/// A point of a boundary's curve. It has no extinction of its own.
+TransferPoint parse_boundary_point(Reader reader, ValueUnits units) {
+  TransferPoint point;
+  point.value = reader.number("value", units == ValueUnits::kStored ? kAny : kPercentile);
+  point.material.albedo = reader.color("color");
+  point.material.specular = reader.number("specular", kShare, 0);
+  point.material.roughness = reader.number("roughness", kRoughness, 0.5f);
+  reader.refuse_unknown_keys();
+  return point;
+}
+
+/// `plain`: the curve that says where matter is.
+BoundaryLook parse_boundary(Reader reader, ValueUnits units, const TransferFunction& plain) {
+  BoundaryLook result;
+  result.from = reader.number("from", kSteepness);
+  result.to = reader.number("to", kSteepness);
+  if (result.to <= result.from) {
+    reader.fail("to", "is {:g}, which must be more than \"from\"", result.to);
+  }
+  std::vector<TransferPoint> points;
+  for (const Reader& entry : reader.children("points", kMostPoints)) {
+    points.push_back(parse_boundary_point(entry, units));
+    const float value = points.back().value;
+    if (value < plain.min_value() || value > plain.max_value()) {
+      entry.fail("value", "is {:g}, beyond those of the preset's \"points\", {:g} to {:g}", value,
+                 plain.min_value(), plain.max_value());
+    }
+  }
+  if (points.empty()) {
+    reader.fail("points", "holds no entries, at least 1");
+  }
+  result.transfer = TransferFunction(std::move(points));
   reader.refuse_unknown_keys();
   return result;
 }
@@ -380,6 +418,9 @@ Preset read_preset(const json& object, const std::string& name, const std::strin
     preset.transfer = TransferFunction(std::move(points));
   } catch (const Error& e) {
     throw Error("{}: {}", where, e.what());
+  }
+  if (reader.find("boundary") != nullptr) {
+    preset.boundary = parse_boundary(reader.child("boundary"), preset.units, preset.transfer);
   }
   const json& lights = reader.get("lights");
   preset.rig =
@@ -525,17 +566,25 @@ void resolve_percentiles(Preset& preset, const Volume& volume) {
   }
   const Histogram h = histogram(volume);
   const float threshold = otsu_threshold(h);
-  std::vector<TransferPoint> points = preset.transfer.points();
-  for (TransferPoint& point : points) {
-    point.value =
-        h.quantile(point.value / 100, preset.units == ValueUnits::kPercentile ? threshold : h.min);
-  }
-  preset.transfer = TransferFunction(std::move(points));
-  const float range = h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold);
-  preset.surface_strength /= std::max(range, 1e-6f);
+  const auto resolved = [&](const TransferFunction& transfer) {
+    std::vector<TransferPoint> points = transfer.points();
+    for (TransferPoint& point : points) {
+      point.value = h.quantile(point.value / 100,
+                               preset.units == ValueUnits::kPercentile ? threshold : h.min);
+    }
+    return TransferFunction(std::move(points));
+  };
+  preset.transfer = resolved(preset.transfer);
+  const float range = std::max(h.quantile(0.99f, threshold) - h.quantile(0.01f, threshold), 1e-6f);
+  preset.surface_strength /= range;
   if (preset.gradient_opacity) {
-    preset.gradient_opacity->from *= std::max(range, 1e-6f);
-    preset.gradient_opacity->to *= std::max(range, 1e-6f);
+    preset.gradient_opacity->from *= range;
+    preset.gradient_opacity->to *= range;
+  }
+  if (preset.boundary) {
+    preset.boundary->transfer = resolved(preset.boundary->transfer);
+    preset.boundary->from *= range;
+    preset.boundary->to *= range;
   }
   preset.units = ValueUnits::kStored;
 }

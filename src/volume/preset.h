@@ -7,6 +7,7 @@
 
 #include "core/image.h"
 #include "core/tone.h"
+#include "volume/boundary_look.h"
 #include "volume/gradient_opacity.h"
 #include "volume/label_looks.h"
 #include "volume/light_rig.h"
@@ -35,6 +36,7 @@ struct Preset {
   TransferFunction transfer;
   float surface_strength = 1;  ///< k of P(surface) = 1 − exp(−k·‖∇v‖), per (value unit / mm)
   std::optional<GradientOpacity> gradient_opacity;  ///< nothing: a factor of 1 everywhere
+  std::optional<BoundaryLook> boundary;             ///< nothing: the value alone says it
   LightRig rig;
   float exposure = 1;  ///< linear factor before the tone curve
   ToneCurve tone = ToneCurve::kSrgb;
@@ -61,8 +63,9 @@ std::vector<std::string> preset_names();
 Preset load_preset(const std::string& name_or_path);
 
 /// Turns percentiles of the foreground (values above Otsu's threshold), or of all voxels, into the
-/// volume's values, and surface_strength and gradient_opacity from "per p1–p99 range" into "per
-/// value unit". Other presets are left as they are.
+/// volume's values, and surface_strength, gradient_opacity and the boundary's ends from "per p1–p99
+/// range" into "per value unit". Of a volume of one value every percentile is that value, and no
+/// place of it is steep. Other presets are left as they are.
 void resolve_percentiles(Preset& preset, const Volume& volume);
 
 /// The preset that suits the volume's modality and histogram, ready to use on it.

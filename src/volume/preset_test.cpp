@@ -81,6 +81,68 @@ TEST(Preset, ReadsGradientOpacity) {
   EXPECT_THAT(parse_error(text(R"({"from": 0, "to": 1, "flor": 0})")), HasSubstr("\"flor\""));
 }
 
+TEST(Preset, ReadsABoundarysLook) {
+  EXPECT_FALSE(parse_preset(kSmall, "small", "here").boundary);
+  const auto text = [](const std::string& value) {
+    return with("\"exposure\": 2", "\"exposure\": 2, \"boundary\": " + value);
+  };
+  const Preset preset =
+      parse_preset(text(R"({"from": 20, "to": 60, "points": [{"value": 0, "color": "#ffffff"},
+               {"value": 100, "color": "#000000", "specular": 0.8, "roughness": 0.1}]})"),
+                   "s", "here");
+  const BoundaryLook& look = preset.boundary.value();
+  EXPECT_EQ(look.share(0), 0);
+  EXPECT_EQ(look.share(20), 0);
+  EXPECT_FLOAT_EQ(look.share(50), 0.75f);
+  EXPECT_EQ(look.share(1000), 1);
+  const Material plain = preset.transfer.at(100);
+  const Material mixed = look.mixed(plain, 100, 0.5f);
+  EXPECT_FLOAT_EQ(mixed.albedo.r, 0.5f * plain.albedo.r);
+  EXPECT_FLOAT_EQ(mixed.specular, 0.5f * (plain.specular + 0.8f));
+  EXPECT_FLOAT_EQ(mixed.roughness, 0.5f * (plain.roughness + 0.1f));
+  EXPECT_EQ(mixed.extinction, plain.extinction);
+  EXPECT_EQ(mixed.phase, plain.phase);
+}
+
+TEST(Preset, WrongBoundariesSayWhatIsWrong) {
+  const auto error = [](const std::string& value) {
+    return parse_error(with("\"exposure\": 2", "\"exposure\": 2, \"boundary\": " + value));
+  };
+  const std::string point = R"({"value": 50, "color": "#ffffff"})";
+  EXPECT_THAT(error(R"({"from": 60, "to": 60, "points": [)" + point + "]}"),
+              HasSubstr("small.json: boundary.to is 60, which must be more than \"from\""));
+  EXPECT_THAT(error(R"({"from": -1, "to": 60, "points": [)" + point + "]}"),
+              HasSubstr("boundary.from is -1, at least 0 per mm"));
+  EXPECT_THAT(error(R"({"from": 1, "to": 60})"), HasSubstr("boundary.points is missing"));
+  EXPECT_THAT(error(R"({"from": 1, "to": 60, "points": []})"), HasSubstr("at least 1"));
+  EXPECT_THAT(error(R"({"from": 1, "to": 60, "points": [{"value": 101, "color": "#ffffff"}]})"),
+              HasSubstr("boundary.points[0].value is 101, beyond those of the preset's \"points\", "
+                        "0 to 100"));
+  EXPECT_THAT(error(R"({"from": 1, "to": 60, "points": [{"value": 5, "color": "#ffffff",
+                       "extinction": 3}]})"),
+              HasSubstr("boundary.points[0]: unknown key \"extinction\""));
+  EXPECT_THAT(error("[1, 2]"), HasSubstr("boundary: expected an object"));
+}
+
+TEST(Preset, BoundariesAreScaledAsTheValuesAre) {
+  std::string text = with("\"hu\"", "\"percentile\"");
+  text.replace(text.find("\"exposure\": 2"), 13,
+               R"("exposure": 2, "boundary": {"from": 0.1, "to": 0.5,
+                  "points": [{"value": 0, "color": "#ffffff"}, {"value": 100, "color": "#ff0000"}]})");
+  const Preset written = parse_preset(text, "small", "small.json");
+  Preset preset = written;
+  resolve_percentiles(preset, make_ball(24, 8, 500, 0));
+  EXPECT_EQ(preset.boundary->transfer.max_value(), preset.transfer.max_value());
+  EXPECT_NEAR(preset.boundary->to / preset.boundary->from, 5, 1e-4);
+  EXPECT_NEAR(preset.surface_strength * preset.boundary->to, 0.5f * 0.5f, 1e-4);
+
+  // Of one value: nothing of it is steep.
+  preset = written;
+  resolve_percentiles(preset, make_ball(24, 8, 500, 500));
+  EXPECT_EQ(preset.boundary->transfer.min_value(), 500);
+  EXPECT_EQ(preset.boundary->share(0), 0);
+}
+
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {
   const std::vector<std::string> names = rig_names();
   EXPECT_THAT(names, testing::ElementsAre("ambient", "dome", "portrait", "rim", "softbox", "studio",
@@ -117,7 +179,10 @@ TEST(Preset, ErrorsSayWhereAndWhat) {
               HasSubstr("small.json: points[1].extinction is -2, at least 0 1/mm"));
   EXPECT_THAT(parse_error(with("\"extinction\": 2", "\"extinctoin\": 2")),
               HasSubstr("small.json: points[1].extinction is missing"));
-  EXPECT_THAT(parse_error(with("\"specular\"", "\"shine\"")), HasSubstr("unknown key \"shine\""));
+  EXPECT_THAT(
+      parse_error(with("\"specular\"", "\"shine\"")),
+      HasSubstr("small.json: points[1]: unknown key \"shine\": misspelt, or made for a newer "
+                "version of clipgs; known here: color, extinction"));
   EXPECT_THAT(parse_error(with("#000000", "black")), HasSubstr("points[0].color must be"));
   EXPECT_THAT(parse_error(with("[1, 0.5, 0]", "[1, 2, 0]")),
               HasSubstr("points[1].color is 2, at most 1"));
