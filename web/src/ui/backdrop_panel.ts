@@ -13,8 +13,12 @@ export class BackdropPanel {
     this.#viewer = viewer;
     this.#backdrop = h(
       "select",
-      { onchange: () => viewer.setBackdrop(this.#backdrop.value || null) },
-      h("option", { value: "" }, "As the page is"),
+      {
+        title: "What lies behind the case",
+        "aria-label": "Background",
+        onchange: () => viewer.setBackdrop(this.#backdrop.value || null),
+      },
+      h("option", { value: "" }, "Background"),
       ...[...kBackdrops].map(([name, { title }]) => h("option", { value: name }, title)),
     );
     this.#depth = h("input", {
@@ -26,12 +30,7 @@ export class BackdropPanel {
       "aria-label": "Depth: how much what is far away fades",
       oninput: () => viewer.setDepthCue(this.#depth.valueAsNumber),
     });
-    this.element = h(
-      "div",
-      {},
-      h("label", { class: "light" }, "Background", this.#backdrop),
-      h("div", { class: "blend two" }, h("span", {}, "Depth"), this.#depth),
-    );
+    this.element = h("div", { class: "blend backdrop" }, this.#backdrop, h("span", {}, "Depth"), this.#depth);
   }
 
   update(): void {
