@@ -1,5 +1,7 @@
 #include "asset/draw_case.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/json_reader.h"
 #include "section/relight.h"
@@ -25,6 +27,53 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
   face_options.style = options.style;
   face_options.light = light;
   return draw_faces(*contents.section, camera, cut, face_options);
+}
+
+/// What `faces` shows after a depth cue, or, `covering`, how much of it is left: of premultiplied
+/// colours, or of their alpha. It hides as much as ever of what lies behind.
+Image faded(const Image& faces, const Image& distances, const DepthCue& cue, bool covering) {
+  Image out = faces;
+  for (size_t i = 0; i < out.pixels(); ++i) {
+    float* const pixel = &out.data[4 * i];
+    const float kept = cue.kept(distances.data[i]);
+    for (int c = 0; c < 3; ++c) {
+      pixel[c] = kept * (covering ? pixel[3] : pixel[c]);
+    }
+  }
+  return out;
+}
+
+/// The same Gaussians, all of them white.
+Gaussians whitened(const Gaussians& gaussians) {
+  constexpr float kWhite = 0.5f / 0.28209479f;  // colour = 0.5 + Y₀·c₀
+  Gaussians white = gaussians.reshaped(0, false);
+  std::fill_n(white.plane(Gaussians::kSh), 3 * white.size(), kWhite);
+  return white;
+}
+
+/// Draws as draw_case() says, by draw(gaussians, gain, front). With a cue twice: how a splat hides
+/// what is behind it must not change, so what is left of the covering has a picture of its own, in
+/// which all is white. Over any background the result then fades towards that.
+template <typename Draw>
+Image draw_cued(const Gaussians& gaussians, const FaceGain& gain, const std::optional<Image>& faces,
+                const std::optional<Image>& distances, const DepthCue& cue, const Draw& draw) {
+  if (cue.strength == 0) {
+    return draw(gaussians, gain, faces);
+  }
+  const auto front = [&](bool covering) {
+    return faces ? std::optional(faded(*faces, *distances, cue, covering)) : std::nullopt;
+  };
+  Image picture = draw(gaussians, gain, front(false));
+  const Image covering = draw(whitened(gaussians), FaceGain(), front(true));
+  for (size_t i = 0; i < picture.pixels(); ++i) {
+    float* const pixel = &picture.data[4 * i];
+    const float kept = covering.data[4 * i];
+    for (int c = 0; c < 3; ++c) {
+      pixel[c] = kept > 0 ? std::min(1.0f, pixel[c] / kept) : 0.0f;
+    }
+    pixel[3] *= kept;
+  }
+  return picture;
 }
 
 /// The planes that a model can draw have this normal to within a part of a degree.
@@ -73,17 +122,28 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
   }
   const std::optional<Image> faces =
       faces_of(contents, camera, cut, light ? &*light : nullptr, options);
-  const auto draw = options.reference ? render_reference : render;
+  const std::optional<Image> distances =
+      faces && options.cue.strength > 0
+          ? std::optional(face_distances(*contents.section, camera, cut))
+          : std::nullopt;
+  const auto draw = [&](const Gaussians& gaussians, const FaceGain& gain, const Cut& kept,
+                        const LayerSwitch& switched) {
+    return draw_cued(gaussians, gain, faces, distances, options.cue,
+                     [&](const Gaussians& shown, const FaceGain& by, const auto& front) {
+                       return (options.reference ? render_reference : render)(
+                           shown, camera, kept, options.clip, front ? &*front : nullptr, by,
+                           switched, options.cue);
+                     });
+  };
   if (contents.model) {
     UniaxialState state;
     make_state(contents.scene.gaussians, *contents.model,
                cut.empty() ? std::nullopt : std::optional(cut.planes()[0].offset), state);
-    return draw(state.gaussians, camera, Cut(), options.clip, faces ? &*faces : nullptr, {}, {});
+    return draw(state.gaussians, {}, Cut(), {});
   }
   return draw(light ? relit(contents.scene.gaussians, *light, contents.section->tone)
                     : contents.scene.gaussians,
-              camera, cut, options.clip, faces ? &*faces : nullptr, contents.scene.face_gain,
-              layers);
+              contents.scene.face_gain, cut, layers);
 }
 
 Image make_thumbnail(const Case& contents) {

@@ -4,6 +4,7 @@
 
 #include "asset/case.h"
 #include "core/cut.h"
+#include "core/depth_cue.h"
 #include "section/faces.h"
 #include "splat/render.h"
 
@@ -19,6 +20,7 @@ struct DrawOptions {
   ClipOperator clip = ClipOperator::kExact;
   FaceSource faces = FaceSource::kVolume;  ///< splats where the case has no section
   FaceStyle style = {};
+  DepthCue cue = {};       ///< what is far away becomes transparent
   bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
 };
 

@@ -768,7 +768,7 @@ class Kernel {
                                               Float v, Int& at) {
     constexpr int kTexels = EnvironmentMap::kSide * EnvironmentMap::kSide;
     const Float scaled = pick * Float(kTexels);
-    at = truncate(scaled);
+    at = min(truncate(scaled), Int(kTexels - 1));  // a pick just below 1 may have been rounded up
     const Mask kept = (scaled - to_float(at)) < lanes::gather(map.tables().keep.data(), at);
     at = select(kept, at, lanes::gather(map.tables().alias.data(), at));
     static_assert(EnvironmentMap::kSide == 1 << 8);

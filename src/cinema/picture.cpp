@@ -308,6 +308,18 @@ Image Picture::mean() const {
   return image;
 }
 
+Image Picture::depth() const {
+  Image depth(half_a.width, half_a.height, 1);
+  for (size_t i = 0; i < depth.pixels(); ++i) {
+    const float a = half_a.data[4 * i + 3];
+    const float b = half_b.data[4 * i + 3];
+    if (a + b > 0) {
+      depth.data[i] = (a * features_a.depth.data[i] + b * features_b.depth.data[i]) / (a + b);
+    }
+  }
+  return depth;
+}
+
 Picture render_picture(const CinemaScene& scene, const Camera& camera, const Cut& cut,
                        const PictureOptions& options) {
   Rendering rendering(scene, camera, cut, options);
@@ -356,6 +368,12 @@ Image display(const Image& premultiplied, const DisplayTransform& transform) {
     }
   }
   return image;
+}
+
+void fade(Image& straight, const Image& depth, const DepthCue& cue) {
+  for (size_t i = 0; i < straight.pixels(); ++i) {
+    straight.data[4 * i + 3] *= cue.kept(depth.data[i]);
+  }
 }
 
 namespace {

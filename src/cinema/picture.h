@@ -8,6 +8,7 @@
 #include "cinema/scene.h"
 #include "core/camera.h"
 #include "core/cut.h"
+#include "core/depth_cue.h"
 #include "core/image.h"
 #include "core/tone.h"
 
@@ -43,6 +44,9 @@ struct Picture {
 
   /// Mean of the halves: linear premultiplied RGBA.
   Image mean() const;
+  /// Mean distance from the camera of what its rays met first, mm; 0 where they met nothing. A
+  /// floor counts as at the camera. [height, width, 1]; needs the features.
+  Image depth() const;
 };
 
 /// Renders what `camera` sees of what `cut` keeps of the scene. Samples go where the noise is; the
@@ -59,6 +63,10 @@ Image render_depth(const CinemaScene& scene, const Camera& camera, const Cut& cu
 /// as every viewer of PNGs and every splat renderer does. Opaque pixels show
 /// sRGB(tone(exposure · radiance)) exactly.
 Image display(const Image& premultiplied, const DisplayTransform& transform);
+
+/// Takes off a displayed picture's alpha what a depth cue takes off matter at these distances (mm,
+/// [height, width, 1]): over any background it then fades towards that.
+void fade(Image& straight, const Image& depth, const DepthCue& cue);
 
 /// Noise floor of the displayed picture over a background of this grey, in dB: −10·log10(MSE(A,
 /// B)/4), for the error of the mean of two halves with independent errors is a quarter of their

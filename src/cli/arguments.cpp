@@ -94,6 +94,56 @@ GradientOpacity parse_gradient_opacity(const std::string& text) {
 
 namespace {
 
+/// "#rrggbb" or a name.
+Background parse_backdrop(const std::string& text) {
+  if (const std::optional<Background> named = find_background(text)) {
+    return *named;
+  }
+  unsigned rgb = 0;
+  const char* const end = text.data() + text.size();
+  if (text.size() != 7 || text[0] != '#' ||
+      std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) {
+    throw CLI::ValidationError(
+        "--background", fmt::format("\"{}\" is no colour; give r,g,b in 0..1, #rrggbb or one of {}",
+                                    text, fmt::join(background_names(), ", ")));
+  }
+  const Vec3 color = Vec3(rgb >> 16U, rgb >> 8U & 255U, rgb & 255U) / 255.0f;
+  return {color, color};
+}
+
+}  // namespace
+
+std::optional<Background> parse_background(const std::string& text) {
+  if (text.empty()) {
+    return std::nullopt;
+  }
+  if (text.find_first_not_of("+-.,0123456789eE") == std::string::npos) {
+    const std::vector<float> n = parse_numbers(text, 3, 3, "--background", {0, 1});
+    const Vec3 color(n[0], n[1], n[2]);
+    return Background{color, color};
+  }
+  const size_t comma = text.find(',');
+  const Background first = parse_backdrop(text.substr(0, comma));
+  return comma == std::string::npos
+             ? first
+             : Background{first.top, parse_backdrop(text.substr(comma + 1)).bottom};
+}
+
+void add_backdrop_options(CLI::App& command, BackdropArguments& arguments) {
+  command.add_option("--background", arguments.background,
+                     "Behind the picture: r,g,b in 0..1 (sRGB), #rrggbb, black, white, studio or "
+                     "paper, or two of these but numbers from top to bottom, as #202830,black; "
+                     "transparent if not given");
+  command
+      .add_option("--depth-cue", arguments.depth_cue,
+                  "How much what is farther away fades towards the background, from 0 (not at all) "
+                  "to 1 (wholly at the far end)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+namespace {
+
 /// The plane of the first four numbers.
 Plane plane_of(const std::vector<float>& n, const std::string& option) {
   const Vec3 normal(n[0], n[1], n[2]);

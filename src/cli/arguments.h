@@ -1,9 +1,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/background.h"
 #include "core/camera.h"
 #include "core/cut.h"
 #include "section/faces.h"
@@ -22,6 +24,19 @@ View parse_view(const std::string& text);
 
 /// "from,to[,floor]" of --gradient-opacity, volume's units per mm.
 GradientOpacity parse_gradient_opacity(const std::string& text);
+
+/// --background and --depth-cue, of commands that draw one picture.
+struct BackdropArguments {
+  std::string background;  ///< empty: transparent
+  float depth_cue = 0;
+};
+
+/// Adds the options; `arguments` must outlive the parsing.
+void add_backdrop_options(CLI::App& command, BackdropArguments& arguments);
+
+/// "r,g,b" in 0…1, "#rrggbb", a background's name, or two of the latter with a comma between:
+/// from the upper edge to the lower. Nothing: transparent.
+std::optional<Background> parse_background(const std::string& text);
 
 /// --plane and --slab, as often as they were given.
 struct CutArguments {

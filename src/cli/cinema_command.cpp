@@ -35,7 +35,7 @@ struct CinemaArguments {
   ViewArguments view{"30,15"};
   CutArguments cut;
   AnimationArguments animation;
-  std::string background;
+  BackdropArguments backdrop;
   std::string focus;
   std::string floor;
   PictureOptions picture;
@@ -54,10 +54,7 @@ Floor make_floor(const VisibleMatter& matter, const Vec3& side) {
 void run_cinema(const CinemaArguments& arguments) {
   const Viewpoint viewpoint = parse_viewpoint(arguments.view);
   const Cut cut = parse_cut(arguments.cut);
-  std::vector<float> background;
-  if (!arguments.background.empty()) {
-    background = parse_numbers(arguments.background, 3, 3, "--background", {0, 1});
-  }
+  const std::optional<Background> background = parse_background(arguments.backdrop.background);
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
   Volume volume = load_volume(arguments.volume, arguments.load);
@@ -69,7 +66,7 @@ void run_cinema(const CinemaArguments& arguments) {
   }
   const CinemaScene scene(volume, preset);
   PictureOptions options = arguments.picture;
-  options.features = arguments.denoise;
+  options.features = arguments.denoise || arguments.backdrop.depth_cue > 0;
   if (!arguments.animation.any()) {
     options.progress = "cinema";
   }
@@ -90,9 +87,13 @@ void run_cinema(const CinemaArguments& arguments) {
     samples += picture.samples;
     noise = std::min(noise, noise_floor(picture, preset.display(), options.floor ? 1 : 0));
     const Picture clean = arguments.denoise ? denoise(picture, preset.display()) : picture;
-    const Image image = display(clean.mean(), preset.display());
-    return background.empty() ? image
-                              : composite(image, background[0], background[1], background[2]);
+    Image image = display(clean.mean(), preset.display());
+    const DepthCue cue =
+        DepthCue::over(matter.sphere, camera.position, arguments.backdrop.depth_cue);
+    if (cue.strength > 0) {
+      fade(image, picture.depth(), cue);
+    }
+    return background ? composite(image, *background) : image;
   };
   const auto start = std::chrono::steady_clock::now();
   if (arguments.animation.any()) {
@@ -127,7 +128,8 @@ void add_cinema_command(CLI::App& app) {
       app.add_subcommand("cinema", "Path-trace a picture of a volume, or an animation");
   command->footer(
       "Example: clipgs cinema ct.nii.gz -o cut.png --preset bone --view 30,20 --plane 0,0,-1,40\n"
-      "         clipgs cinema ct.nii.gz -o cut.webp --rig rim --sweep --size 320");
+      "         clipgs cinema ct.nii.gz -o cut.webp --rig rim --sweep --size 320\n"
+      "         clipgs cinema ct.nii.gz -o deep.png --background studio --depth-cue 0.7");
   const auto arguments = std::make_shared<CinemaArguments>();
   add_volume_argument(*command, arguments->volume);
   command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
@@ -164,8 +166,7 @@ void add_cinema_command(CLI::App& app) {
                    "inferior, posterior, left, right, anterior or superior")
       ->check(CLI::IsMember(&kSides));
   command->add_option("--seed", arguments->picture.seed, "Random seed")->capture_default_str();
-  command->add_option("--background", arguments->background,
-                      "r,g,b in 0..1 (sRGB) behind the picture; transparent if not given");
+  add_backdrop_options(*command, arguments->backdrop);
   command->add_option("--bits", arguments->bits, "Bits a channel")
       ->check(CLI::IsMember({8, 16}))
       ->capture_default_str();

@@ -33,7 +33,7 @@ inline void add_look_options(CLI::App& command, LookArguments& look) {
       ->capture_default_str();
   command.add_option("--rig", look.rig,
                      "Lights: studio, portrait, theatre, softbox, rim, dome, ambient, a JSON file, "
-                     "or a panorama (.hdr; "
+                     "or a panorama (.hdr, .pfm; "
                      "default: the preset's own)");
   command.add_option(
       "--exposure", look.exposure,

@@ -23,6 +23,7 @@ struct RenderArguments {
   std::string output;
   ViewArguments view{"0,0"};
   CutArguments cut;
+  BackdropArguments backdrop;
   std::optional<int> state;
   AnimationArguments animation;
   std::string clip = "exact";
@@ -96,6 +97,7 @@ Cut cut_of_state(int state, const Scene& scene, const std::string& name) {
 void run_render(const RenderArguments& arguments) {
   const Viewpoint viewpoint = parse_viewpoint(arguments.view);
   Cut cut = parse_cut(arguments.cut);
+  const std::optional<Background> background = parse_background(arguments.backdrop.background);
   DrawOptions options;
   options.clip = parse_clip_operator(arguments.clip);
   options.style.grey = arguments.grey;
@@ -132,11 +134,13 @@ void run_render(const RenderArguments& arguments) {
   }
   const auto draw = [&](const View& from, const Cut& kept) {
     const Camera camera = viewpoint.camera(contents.scene.sphere, from);
+    options.cue =
+        DepthCue::over(contents.scene.sphere, camera.position, arguments.backdrop.depth_cue);
     Image picture = draw_case(contents, camera, kept, options);
     if (arguments.annotate) {
       annotate(picture, *contents.section, camera, kept, options.style, pins);
     }
-    return picture;
+    return background ? composite(picture, *background) : picture;
   };
   if (arguments.animation.any()) {
     const auto extent = [&](const Vec3& n) { return project_box(contents.scene.bounds, n); };
@@ -211,6 +215,7 @@ void add_render_command(CLI::App& app) {
                    "Print the value at a point: R,A,S in mm; may be given again")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_backdrop_options(*command, arguments->backdrop);
   command->add_flag("--reference", arguments->reference,
                     "Draw with the slow double-precision reference renderers (cinematic faces)");
   command->footer(
@@ -219,7 +224,8 @@ void add_render_command(CLI::App& app) {
       "bone --annotate\n"
       "         clipgs render mr.sog -o mr.png --grey 1 --window auto --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o state.png --view 30,20 --state 120 --clip layers\n"
-      "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40");
+      "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40\n"
+      "         clipgs render case.sog -o deep.png --background #202830,black --depth-cue 0.7");
   command->callback([arguments] { run_render(*arguments); });
 }
 

@@ -5,24 +5,14 @@
 #include <memory>
 #include <spng.h>
 
+#include "core/background.h"
 #include "core/error.h"
 #include "core/file.h"
 
 namespace clipgs {
 
 Image composite(const Image& rgba, float r, float g, float b) {
-  if (rgba.channels == 3) {
-    return rgba;
-  }
-  const float background[3] = {r, g, b};
-  Image out(rgba.width, rgba.height, 3);
-  for (size_t i = 0; i < rgba.pixels(); ++i) {
-    const float* in = &rgba.data[i * 4];
-    for (int c = 0; c < 3; ++c) {
-      out.data[i * 3 + c] = in[c] * in[3] + background[c] * (1.0f - in[3]);
-    }
-  }
-  return out;
+  return composite(rgba, Background{Vec3(r, g, b), Vec3(r, g, b)});
 }
 
 namespace {

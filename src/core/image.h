@@ -38,6 +38,10 @@ Image read_png(const std::filesystem::path& path);
 /// Reads a Radiance HDR picture: 3 channels, linear. Throws Error.
 Image read_hdr(const std::filesystem::path& path);
 
+/// Reads a portable float map (PFM) of one or three channels: 3 channels, linear, whatever floats
+/// it holds, NaN among them. Of the scale in its header only the sign counts. Throws Error.
+Image read_pfm(const std::filesystem::path& path);
+
 /// Writes 1, 3 or 4 channels in [0, 1] (clamped, rounded) as PNG with 8 or 16 bits a channel,
 /// atomically (see write_file). Throws Error.
 void write_png(const std::filesystem::path& path, const Image& image, int bits = 8);

@@ -1,4 +1,4 @@
-// libFuzzer's entry to the readers of pictures: PNG, and Radiance HDR.
+// libFuzzer's entry to the readers of pictures: PNG, Radiance HDR and PFM.
 #include "core/file.h"
 #include "core/fuzz.h"
 #include "core/image.h"
@@ -25,12 +25,16 @@ std::vector<Bytes> seeds() {
   result.push_back(
       bytes_of("#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\nabc\x80"
                "def\x81"));
+  result.push_back(bytes_of("PF\n2 1\n-1.0\n0123456789abcdefghijklmn"));
+  result.push_back(bytes_of("Pf\n1 2\n1.0\n01234567"));
   return result;
 }
 
 void read(std::span<const std::uint8_t> input) {
   if (!input.empty() && input[0] == '#') {
     read_hdr(as_file(input, "input.hdr"));
+  } else if (!input.empty() && input[0] == 'P') {
+    read_pfm(as_file(input, "input.pfm"));
   } else {
     read_png(as_file(input, "input.png"));
   }

@@ -1,5 +1,6 @@
 #include "core/image.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -95,6 +96,32 @@ TEST(Image, PackedHdrIsRead) {
     EXPECT_THROW(read(damaged), Error);
   }
   fs::remove(path);
+}
+
+// Rows from the lowest up; floats of either order of bytes; grey in all channels.
+TEST(Image, PfmIsRead) {
+  const fs::path path = fs::path(testing::TempDir()) / fmt::format("clipgs-{}.pfm", getpid());
+  const auto read = [&](const std::string& text) {
+    write_text(path, text);
+    return read_pfm(path);
+  };
+  const std::string one("\0\0\x80\x3f", 4);
+  const std::string nan("\0\0\xc0\x7f", 4);
+  const Image image = read("PF\n1 2\n-1.0\n" + one + one + one + nan + one + one);
+  ASSERT_EQ(image.width, 1);
+  ASSERT_EQ(image.height, 2);
+  EXPECT_TRUE(std::isnan(image.at(0, 0)[0]));
+  EXPECT_EQ(image.at(0, 1)[0], 1);
+  const Image grey = read("Pf 2 1 1 " + std::string("\x3f\x80\0\0\x40\0\0\0", 8));
+  EXPECT_EQ(grey.data, (std::vector<float>{1, 1, 1, 2, 2, 2}));
+  for (const std::string& damaged :
+       {std::string(), std::string("PF"), "PG 1 1 -1 " + one, "Pf 1 1 0 " + one,
+        "Pf 1 1 nan " + one, "Pf 0 1 -1 " + one, "Pf 1 99999 -1 " + one, "Pf 2 1 -1 " + one,
+        "PF 16384 16384 -1 " + one, "Pf 1 -1 -1 " + one, "Pf 1x 1 -1 " + one}) {
+    EXPECT_THROW(read(damaged), Error) << damaged;
+  }
+  fs::remove(path);
+  EXPECT_THROW(read_pfm(path), Error);
 }
 
 TEST(Image, CompositeUsesStraightAlpha) {

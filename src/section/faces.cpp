@@ -307,4 +307,25 @@ Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
   return image;
 }
 
+Image face_distances(const Section& section, const Camera& camera, const Cut& cut) {
+  Image image(camera.width, camera.height, 1);
+  const FaceRays rays(section, camera, cut, FaceOptions().taps);
+  if (!rays.any()) {
+    return image;
+  }
+  const PixelBox box = rays.covered();
+  for (int y = box.low.y; y < box.high.y; ++y) {
+    for (int x = box.low.x; x < box.high.x; ++x) {
+      float sum = 0;
+      int count = 0;
+      rays.for_rays(x, y, FaceOptions::kMostRays, [&](const FaceRay& ray) {
+        sum += ray.enter;
+        ++count;
+      });
+      *image.at(x, y) = count > 0 ? sum / static_cast<float>(count) : 0;
+    }
+  }
+  return image;
+}
+
 }  // namespace clipgs

@@ -45,7 +45,12 @@ struct FaceOptions {
 Image draw_faces(const Section& section, const Camera& camera, const Cut& cut,
                  const FaceOptions& options = {});
 
-/// The same in double precision by many small steps, `rays` a pixel: what the fast one is held to.
+/// How far from the camera each pixel's face is, mm, mean over its rays; 0 where there is none.
+/// [height, width, 1].
+Image face_distances(const Section& section, const Camera& camera, const Cut& cut);
+
+/// The same as draw_faces() in double precision by many small steps, `rays` a pixel: what the fast
+/// one is held to.
 Image draw_faces_reference(const Section& section, const Camera& camera, const Cut& cut, int rays);
 
 }  // namespace clipgs

@@ -262,7 +262,8 @@ bool project(const Gaussians& gaussians, size_t i, const Camera& camera,
   const Vec3 direction = glm::normalize(mean - camera.position);
   const FaceLight light = face_light(gaussians, i, p, mean, direction, planes);
   const Vec3 own = sh_color(gaussians, i, direction);
-  const Vec3 color = (own + light.added) * light.factor;
+  const float kept = options.cue.kept(glm::length(mean - camera.position));
+  const Vec3 color = kept * (own + light.added) * light.factor;
   splat.r = std::max(0.0f, color.x);
   splat.g = std::max(0.0f, color.y);
   splat.b = std::max(0.0f, color.z);

@@ -5,6 +5,7 @@
 
 #include "core/camera.h"
 #include "core/cut.h"
+#include "core/depth_cue.h"
 #include "splat/face_gain.h"
 #include "splat/gaussians.h"
 #include "splat/layer_switch.h"
@@ -22,6 +23,7 @@ struct RasterOptions {
   float clip_sigma = 3.0f;          ///< exact: Gaussians further from the plane are not cut
   FaceGain face_gain;               ///< of the Gaussians that are drawn
   LayerSwitch layers;               ///< the same
+  DepthCue cue;                     ///< of their colours: they fade to black; not trained with
   bool kept_share = false;          ///< exact: planes seen along themselves end all, see KeptShare
 };
 

@@ -176,6 +176,7 @@ class ReferenceScene {
     if (options.clip == ClipOperator::kSoft) {
       out.opacity *= share_of_planes(planes, [&](size_t k) { return shares[k]; });
     }
+    const double kept = options.cue.kept(static_cast<float>(glm::length(mean - position)));
     double y[sh_coefficients(kMaxShDegree)];
     basis(shape_.sh_degree(), direction, y);
     for (int c = 0; c < 3; ++c) {
@@ -183,7 +184,7 @@ class ReferenceScene {
       for (int k = 0; k < sh_coefficients(shape_.sh_degree()); ++k) {
         value += y[k] * plane(Gaussians::kSh + 3 * k + c, i);
       }
-      out.color[c] = std::max(0.0, (value + face[c]) * gain[c]);
+      out.color[c] = kept * std::max(0.0, (value + face[c]) * gain[c]);
     }
     return true;
   }

@@ -53,12 +53,14 @@ const char* clip_operator_name(ClipOperator clip) {
 }
 
 Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, ClipOperator clip,
-             const Image* front, const FaceGain& gain, const LayerSwitch& layers) {
+             const Image* front, const FaceGain& gain, const LayerSwitch& layers,
+             const DepthCue& cue) {
   Rasterizer rasterizer;
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
+  options.cue = cue;
   options.kept_share = clip == ClipOperator::kExact;
   const Image& image = rasterizer.forward(gaussians, camera, cut, options, front);
   return straighten(image.data.data(), image.width, image.height);
@@ -66,11 +68,12 @@ Image render(const Gaussians& gaussians, const Camera& camera, const Cut& cut, C
 
 Image render_reference(const Gaussians& gaussians, const Camera& camera, const Cut& cut,
                        ClipOperator clip, const Image* front, const FaceGain& gain,
-                       const LayerSwitch& layers) {
+                       const LayerSwitch& layers, const DepthCue& cue) {
   RasterOptions options;
   options.clip = clip;
   options.face_gain = gain;
   options.layers = layers;
+  options.cue = cue;
   options.kept_share = clip == ClipOperator::kExact;
   const std::vector<double> parameters(gaussians.data().begin(), gaussians.data().end());
   std::vector<double> image = reference_render(parameters, gaussians, camera, cut, options);

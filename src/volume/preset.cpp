@@ -51,6 +51,7 @@ constexpr Range kLabel = {-0x1p24f, 0x1p24f};
 constexpr size_t kMostPoints = 1000;
 constexpr size_t kMostLooks = 100000;
 constexpr float kBrightest = 1e10f;  // radiance of a panorama
+constexpr float kBlack = 1e-20f;     // less in all of it cannot be made bright
 
 /// Reads one JSON object and refuses keys that nothing asked for: a misspelt key must not be
 /// silently ignored. Errors name the file and the path of the key in it.
@@ -311,11 +312,37 @@ KeyLight parse_key(Reader reader) {
   return key;
 }
 
+bool is_panorama(const std::filesystem::path& file) {
+  return file.extension() == ".hdr" || file.extension() == ".pfm";
+}
+
+// What no light is; it would make every picture black, or all of it NaN.
+void check_radiance(const Image& panorama, const std::filesystem::path& file) {
+  const auto is_light = [](float v) { return v >= 0 && v <= kBrightest; };  // NaN is none
+  const auto wrong = std::ranges::find_if_not(panorama.data, is_light);
+  if (wrong != panorama.data.end()) {
+    const auto pixel = static_cast<int>((wrong - panorama.data.begin()) / panorama.channels);
+    throw Error(
+        "{}: the radiance of pixel {}, {} (from the top left) is {:g}, but must be 0 to "
+        "{:g}; mend it there, or write the panorama again",
+        file.string(), pixel % panorama.width, pixel / panorama.width, *wrong, kBrightest);
+  }
+  if (std::ranges::max(panorama.data) < kBlack) {
+    throw Error("{}: the panorama is black; give one that has light", file.string());
+  }
+}
+
 Image read_panorama(const std::filesystem::path& file) {
-  Image panorama = read_hdr(file);
-  if (std::ranges::max(panorama.data) > kBrightest) {
-    throw Error("{}: a radiance is {:g}, at most {:g}", file.string(),
-                std::ranges::max(panorama.data), kBrightest);
+  if (!is_panorama(file)) {
+    throw Error("{}: no panorama; give a .hdr or .pfm file", file.string());
+  }
+  Image panorama = file.extension() == ".pfm" ? read_pfm(file) : read_hdr(file);
+  check_radiance(panorama, file);
+  if (panorama.width != 2 * panorama.height) {
+    warn(
+        fmt::format("{}: {} x {} pixels; a panorama of longitude over latitude is twice as wide "
+                    "as high, and anything else is stretched",
+                    file.string(), panorama.width, panorama.height));
   }
   return panorama;
 }
@@ -443,9 +470,6 @@ LightRig rig_of_panorama(const std::filesystem::path& path) {
       weights += weight;
     }
   }
-  if (sum <= 0) {
-    throw Error("{}: the panorama is black", path.string());
-  }
   const auto scale = static_cast<float>(kMean * weights / sum);
   for (float& value : panorama.data) {
     value *= scale;
@@ -523,12 +547,12 @@ LabelLooks load_label_table(const std::filesystem::path& path) {
 std::vector<std::string> rig_names() { return names_of(built_in_rigs()); }
 
 LightRig load_rig(const std::string& name_or_path) {
-  if (std::filesystem::path(name_or_path).extension() == ".hdr") {
+  if (is_panorama(name_or_path)) {
     return rig_of_panorama(name_or_path);
   }
   const std::optional<Source> source = find_source(built_in_rigs(), "rig", name_or_path);
   if (!source) {
-    throw Error("no light rig \"{}\": use one of {}, or the path of a .json or .hdr file",
+    throw Error("no light rig \"{}\": use one of {}, or the path of a .json, .hdr or .pfm file",
                 name_or_path, fmt::join(rig_names(), ", "));
   }
   const json rig = parse_json(source->text, source->where);

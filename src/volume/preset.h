@@ -48,8 +48,9 @@ struct Preset {
 /// Names of the built-in light rigs, sorted.
 std::vector<std::string> rig_names();
 
-/// A built-in light rig by name, a JSON file, or a panorama (.hdr, made as bright as `studio` is)
-/// by path. Throws Error that lists the names.
+/// A built-in light rig by name, a JSON file, or a panorama by path (.hdr or .pfm, finite and not
+/// black, made as bright as `studio` is; a warning unless it is twice as wide as high). Throws
+/// Error that lists the names.
 LightRig load_rig(const std::string& name_or_path);
 
 /// Parses a preset; `where` names the source in errors. Throws Error.

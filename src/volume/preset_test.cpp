@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -259,8 +260,31 @@ TEST(LightRig, PanoramasAreBounded) {
   // One pixel of 2^119: a float, but no light.
   write_text(folder / "sky.hdr",
              "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\xf8");
-  EXPECT_THAT(rig("\"intensity\": 1"), HasSubstr("sky.hdr: a radiance is"));
-  EXPECT_THAT(error_of([&] { load_rig((folder / "sky.hdr").string()); }), HasSubstr("at most"));
+  EXPECT_THAT(rig("\"intensity\": 1"), HasSubstr("sky.hdr: the radiance of pixel 0, 0"));
+  EXPECT_THAT(error_of([&] { load_rig((folder / "sky.hdr").string()); }), HasSubstr("to 1e+10;"));
+}
+
+// The error says which pixel, counted as pictures are: PFM has its lowest row first.
+TEST(LightRig, PanoramasAreLight) {
+  const TestFolder folder;
+  const auto error = [&](float value) {
+    std::vector<float> pixels(4 * 2, 1.0f);
+    pixels[1] = value;
+    write_text(folder / "sky.pfm",
+               "Pf\n4 2\n-1\n" + std::string(reinterpret_cast<const char*>(pixels.data()),
+                                             sizeof(float) * pixels.size()));
+    return error_of([&] { load_rig((folder / "sky.pfm").string()); });
+  };
+  EXPECT_EQ(error(2), "");
+  EXPECT_THAT(error(std::numeric_limits<float>::quiet_NaN()),
+              HasSubstr("sky.pfm: the radiance of pixel 1, 1 (from the top left) is nan, but must "
+                        "be 0 to 1e+10; mend it"));
+  EXPECT_THAT(error(std::numeric_limits<float>::infinity()), HasSubstr("pixel 1, 1"));
+  EXPECT_THAT(error(-1e-3f), HasSubstr("is -0.001, but"));
+  write_text(folder / "sky.hdr",
+             "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + std::string(8, '\0'));
+  EXPECT_THAT(error_of([&] { load_rig((folder / "sky.hdr").string()); }), HasSubstr("is black;"));
+  EXPECT_THAT(error_of([&] { load_rig((folder / "sky.exr").string()); }), HasSubstr(".pfm file"));
 }
 
 TEST(LabelTable, NamesTheFieldThatIsWrong) {

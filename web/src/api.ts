@@ -110,6 +110,11 @@ export interface ClipgsApi {
   setTurn(degrees: number): void;
   /** A lamp instead of the rig's: where it shines from (RAS); null: none. */
   setLamp(from: Triple | null): void;
+  /** What lies behind the case: "black", "white", "studio" or "paper"; null: as the page is. Returns whether there is
+   * such a one. */
+  setBackground(background: string | null): boolean;
+  /** How much what is far away fades towards that, from 0 (not at all) to 1 (wholly at the far end). */
+  setDepthCue(strength: number): void;
   /** Values from center − width/2 (black) to center + width/2 (white); null: the case's own. */
   setWindow(window: GreyWindow | null): void;
   /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
@@ -142,6 +147,8 @@ export interface ClipgsApi {
     rig: string | null;
     turn: number;
     lamp: Triple | null;
+    background: string | null;
+    depthCue: number;
     window: GreyWindow | null;
     layers: Layers;
   };

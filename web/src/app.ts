@@ -1,5 +1,6 @@
 import { Actions } from "./actions";
 import type { Surroundings } from "./api";
+import { kBackdrops } from "./model/backdrop";
 import { isSameVolume } from "./model/case_info";
 import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
 import type { Link } from "./model/link";
@@ -8,6 +9,7 @@ import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
 import type { Study } from "./study/study";
 import { Announcer } from "./ui/announcer";
+import { BackdropPanel } from "./ui/backdrop_panel";
 import { h, icon, kIcons } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FacePanel } from "./ui/face_panel";
@@ -70,6 +72,7 @@ export class App {
   readonly #panel: PlanePanel;
   readonly #overlay: FaceOverlay;
   readonly #facePanel: FacePanel;
+  readonly #backdropPanel: BackdropPanel;
   readonly #layers: LayerButtons;
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
@@ -125,7 +128,8 @@ export class App {
     this.#overlay = new FaceOverlay(this.viewer, this.marking);
     this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
     this.#layers = new LayerButtons(this.viewer);
-    const aboutFaces = [this.#facePanel.element, this.#layers.element];
+    this.#backdropPanel = new BackdropPanel(this.viewer);
+    const aboutFaces = [this.#facePanel.element, this.#backdropPanel.element, this.#layers.element];
     this.#panel = new PlanePanel(this.viewer, this.actions, aboutFaces);
     this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
     this.#announcer = new Announcer(this.viewer, this.actions);
@@ -293,6 +297,8 @@ export class App {
     this.viewer.setTurn(link.turn ?? 0);
     this.viewer.setLamp(link.lamp ?? null);
     this.viewer.setPins(link.pins ?? []);
+    this.viewer.setBackdrop(link.background ?? null);
+    this.viewer.setDepthCue(link.depthCue ?? 0);
     if (link.window) {
       this.viewer.setWindow(link.window);
     }
@@ -304,6 +310,7 @@ export class App {
   get link(): Link {
     const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, pins } =
       this.viewer.state;
+    const { backdrop, depthCue } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
     const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
     const style = {
@@ -312,6 +319,8 @@ export class App {
       ...(rig ? { rig } : {}),
       ...(turn ? { turn } : {}),
       ...(lamp ? { lamp } : {}),
+      ...(backdrop ? { background: backdrop } : {}),
+      ...(depthCue ? { depthCue } : {}),
     };
     return { case: name, view, ...cut, clip, section, ...style, pins };
   }
@@ -442,11 +451,17 @@ export class App {
 
   #showTheme(): void {
     const { shown, theme, isFixed } = this.#theme;
-    this.#root.classList.toggle("light", shown === "light");
-    this.viewer.setBackground(this.#pictureOnly ? "black" : shown);
+    this.viewer.setGlow(this.#pictureOnly ? null : shown);
+    this.#showInk();
     this.#themeButton.hidden = isFixed;
     this.#themeButton.title = kThemeTitles[theme];
     this.#themeButton.replaceChildren(icon(kIcons[shown]));
+  }
+
+  /** Text and panels are those that are read on what lies behind the case. */
+  #showInk(): void {
+    const backdrop = kBackdrops.get(this.viewer.state.backdrop ?? "");
+    this.#root.classList.toggle("light", backdrop?.isBright ?? this.#theme.shown === "light");
   }
 
   /** The case is framed in what the card leaves free. */
@@ -496,8 +511,10 @@ export class App {
       this.headset.refresh();
       return;
     }
+    this.#showInk();
     this.#panel.update();
     this.#facePanel.update();
+    this.#backdropPanel.update();
     this.#layers.update();
     this.#cube.update(this.viewer.state.view);
     this.#announcer.update();

@@ -49,6 +49,8 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     setRig: (rig) => viewer.setRig(rig),
     setTurn: (degrees) => viewer.setTurn(degrees),
     setLamp: (from) => viewer.setLamp(from),
+    setBackground: (background) => viewer.setBackdrop(background),
+    setDepthCue: (strength) => viewer.setDepthCue(strength),
     setWindow: (window) => viewer.setWindow(window && { ...window }),
     setLayers: (layers) => viewer.setLayers(layers),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
@@ -75,6 +77,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     },
     get state() {
       const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, layers } = viewer.state;
+      const { backdrop, depthCue } = viewer.state;
       return {
         case: viewer.caseName,
         view: { azimuth: view.azimuth, elevation: view.elevation, zoom: view.zoom },
@@ -92,6 +95,8 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         rig,
         turn,
         lamp,
+        background: backdrop,
+        depthCue,
         window: viewer.window,
         layers: { ...layers },
       };

@@ -4,12 +4,12 @@ import {
   PerspectiveCamera,
   Ray,
   Scene,
-  Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
 
 import type { Picture, ViewerStats } from "./api";
+import { kBackdrops } from "./model/backdrop";
 import { type CaseInfo, isSameVolume } from "./model/case_info";
 import { canDraw, type Cut, planesOf } from "./model/cut";
 import type { FaceEffort } from "./model/face_style";
@@ -25,6 +25,7 @@ import { kRigs } from "./model/rigs";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
 import { type Reading, readSection } from "./model/values";
 import { applyView, focalLength, type Inset, reframed, type View, viewFrom } from "./model/view";
+import { makeBackdrop } from "./render/depth_cue";
 import { FrameRate } from "./render/frame_rate";
 import { FullScreenPass } from "./render/full_screen";
 import { kAtRest, kMoving, OpenCase, type SortResult, type Style } from "./render/open_case";
@@ -42,6 +43,7 @@ export interface ViewerState extends Style {
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
   pins: readonly Pin[]; // points that are marked, the oldest first
+  backdrop: string | null; // what lies behind the case, one of kBackdrops; null: as the page is
 }
 
 /** A picture's size and what panels cover of it, px. */
@@ -51,14 +53,19 @@ interface Frame {
   inset: Inset;
 }
 
-/** Behind the case, display sRGB: three colours, from the middle outwards. */
-const kBackgrounds = {
-  dark: [0.14, 0.175, 0.222, 0.078, 0.1, 0.131, 0.043, 0.055, 0.075],
-  light: [0.965, 0.975, 0.985, 0.9, 0.918, 0.937, 0.82, 0.843, 0.87],
+/** Behind the case where none is chosen, display sRGB: a quiet glow, from its middle outwards. */
+const kGlows = {
+  dark: {
+    inner: new Vector3(0.14, 0.175, 0.222),
+    middle: new Vector3(0.078, 0.1, 0.131),
+    outer: new Vector3(0.043, 0.055, 0.075),
+  },
+  light: {
+    inner: new Vector3(0.965, 0.975, 0.985),
+    middle: new Vector3(0.9, 0.918, 0.937),
+    outer: new Vector3(0.82, 0.843, 0.87),
+  },
 };
-
-/** A quiet gradient, or black. */
-export type Background = keyof typeof kBackgrounds | "black";
 
 /** Why there is no picture, to whoever waited for it. */
 const kNotPictured = "the case was closed, or a headset put on, before its picture was drawn; try again";
@@ -96,7 +103,9 @@ export class Viewer {
     window: null,
     handle: true,
     layers: kAllLayers,
+    depthCue: 0,
     pins: [],
+    backdrop: null,
   };
   readonly stats: ViewerStats = {
     frameMs: 0,
@@ -119,12 +128,9 @@ export class Viewer {
   readonly #scene = new Scene();
   readonly #layer: SplatLayer;
   readonly #widget = new PlaneWidget();
-  readonly #gradient = new FullScreenPass("background.frag.glsl", {
-    uSize: { value: new Vector2() },
-    uCenter: { value: new Vector2() },
-    uColors: { value: kBackgrounds.dark },
-  });
-  #background: Background = "dark";
+  readonly #backdrop = makeBackdrop(); // of the canvas
+  readonly #gradient = new FullScreenPass("background.frag.glsl", { uBackdrop: { value: this.#backdrop } });
+  #glow: keyof typeof kGlows | null = "dark";
   readonly #client: CaseClient;
   #case: OpenCase | null = null;
   #width = 1; // CSS px
@@ -346,12 +352,29 @@ export class Viewer {
     this.#client.prefetch(url);
   }
 
-  setBackground(background: Background): void {
-    this.#background = background;
-    if (background !== "black") {
-      this.#gradient.uniforms["uColors"]!.value = kBackgrounds[background];
+  /** What lies behind the case where none of kBackdrops is chosen: a quiet glow; null: black. */
+  setGlow(glow: keyof typeof kGlows | null): void {
+    if (this.#glow !== glow) {
+      this.#glow = glow;
+      this.#splatsStale = true; // they may fade towards it
+      this.#canvasStale = true;
     }
-    this.#canvasStale = true;
+  }
+
+  /** What lies behind the case: one of kBackdrops; null: as the page is. Returns whether there is such a one. */
+  setBackdrop(backdrop: string | null): boolean {
+    const possible = backdrop === null || kBackdrops.has(backdrop);
+    if (possible) {
+      this.state.backdrop = backdrop;
+      this.#touch();
+    }
+    return possible;
+  }
+
+  /** How much what is far away fades towards what lies behind the case, 0 … 1. */
+  setDepthCue(strength: number): void {
+    this.state.depthCue = Math.min(1, Math.max(0, strength));
+    this.#touch();
   }
 
   /** While something moves, resolution is given up where frames would come late. */
@@ -880,6 +903,8 @@ export class Viewer {
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
     this.#coarse = moving;
     const subject = this.#subject(current, moving ? kMoving : kAtRest, this.#height);
+    this.#placeBackdrop();
+    subject.cue.setBackdrop(this.#backdrop, this.stats.scale);
     this.#layer.draw(subject, this.#camera, this.stats.scale, moving);
   }
 
@@ -894,6 +919,26 @@ export class Viewer {
     return [...planesOf(this.state.cuts), ...(ends ?? [])];
   }
 
+  /** Where the glow is follows the canvas and its panels. */
+  #placeBackdrop(): void {
+    const { size, center, inner, middle, outer } = this.#backdrop;
+    const chosen = kBackdrops.get(this.state.backdrop ?? (this.#glow === null ? "black" : ""));
+    this.#backdrop.isGlow = !chosen;
+    if (chosen) {
+      inner.set(...chosen.top);
+      outer.set(...chosen.bottom);
+    } else {
+      const glow = kGlows[this.#glow!];
+      inner.copy(glow.inner);
+      middle.copy(glow.middle);
+      outer.copy(glow.outer);
+    }
+    this.#renderer.getDrawingBufferSize(size);
+    const ratio = this.#renderer.getPixelRatio();
+    const { right, bottom } = this.#inset;
+    center.set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
+  }
+
   #placeWidget(): void {
     this.#widget.setPlane(this.state.handle && this.#case ? this.cut : null);
   }
@@ -902,14 +947,8 @@ export class Viewer {
     this.#placeWidget();
     this.#widget.update(this.#eye, (2 * Math.tan((this.#camera.fov * Math.PI) / 360)) / this.#height);
     this.#renderer.clear();
-    if (this.#background !== "black") {
-      const { uSize, uCenter } = this.#gradient.uniforms;
-      const ratio = this.#renderer.getPixelRatio();
-      const size = this.#renderer.getDrawingBufferSize(uSize!.value as Vector2);
-      const { right, bottom } = this.#inset;
-      (uCenter!.value as Vector2).set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
-      this.#gradient.render(this.#renderer, null);
-    }
+    this.#placeBackdrop();
+    this.#gradient.render(this.#renderer, null);
     this.#layer.object.visible = this.#case !== null; // its last picture is of a case that may have been refused
     this.#renderer.render(this.#scene, this.#camera);
   }

@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
+import { kBackdrops } from "./backdrop";
 import { canDraw, type Cut, makeCut } from "./cut";
 import { type FaceSource, kFaceSources } from "./faces";
 import type { Triple } from "./geometry";
@@ -30,6 +31,9 @@ export interface Link {
   lamp?: Triple;
   window?: Window;
   pins?: readonly LinkPin[];
+  /** One of kBackdrops. */
+  background?: string;
+  depthCue?: number;
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -75,7 +79,7 @@ function parsePins(parameters: URLSearchParams): LinkPin[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&background=…&depth-cue=…&size=WxH`,
  * planes, slabs and pins any number of times; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -138,6 +142,14 @@ export function parseLink(hash: string): Link {
   const pins = parsePins(parameters);
   if (pins.length > 0) {
     link.pins = pins;
+  }
+  const background = parameters.get("background");
+  if (background && kBackdrops.has(background)) {
+    link.background = background;
+  }
+  const [depthCue] = numbers(parameters.get("depth-cue"), 1, 1) ?? [];
+  if (depthCue !== undefined && depthCue > 0 && depthCue <= 1) {
+    link.depthCue = depthCue;
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -211,6 +223,12 @@ export function formatLink(link: Link): string {
   }
   for (const { point, joined } of link.pins ?? []) {
     parts.push(`${joined ? "to" : "pin"}=${point.toArray().map((v) => rounded(v, 2))}`);
+  }
+  if (link.background) {
+    parts.push(`background=${link.background}`);
+  }
+  if (link.depthCue) {
+    parts.push(`depth-cue=${rounded(link.depthCue, 2)}`);
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

@@ -14,6 +14,7 @@ import type { LightRig, Section } from "../sog/section";
 import type { CaseError } from "../sog/zip";
 import type { CaseClient, DecodedSection } from "../worker/case_client";
 import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
+import { DepthCue } from "./depth_cue";
 import { GpuScene } from "./gpu_scene";
 import { OpenedLight } from "./opened_light";
 import { writeSortView } from "./scene_camera";
@@ -33,6 +34,7 @@ export interface Style extends Lighting {
   grey: number; // 0 cinematic … 1 grey
   openings: GreyOpenings; // in grey faces
   layers: Layers;
+  depthCue: number; // how much what is far away fades, 0 … 1
 }
 
 /** What culling and sorting said last. */
@@ -54,6 +56,8 @@ function hasTextureFor(section: Section, renderer: WebGLRenderer): boolean {
 export class OpenCase {
   readonly name: string;
   readonly info: CaseInfo;
+  /** How what is far away of it fades. */
+  readonly cue: DepthCue;
   readonly mesh: SplatMesh;
   faces: SectionFaces | null = null;
   /** Whether its section is still to come: it is shown whole until then, for behind faces splats are hollow. */
@@ -82,7 +86,8 @@ export class OpenCase {
     this.info = parseCaseInfo(loaded.clipgs);
     const { sceneToPatient, mmPerUnit, faceGain } = this.info;
     const scene = new GpuScene(loaded.scene);
-    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, loaded.hull);
+    this.cue = new DepthCue(this.info.sphere, sceneToPatient, mmPerUnit);
+    this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, loaded.hull, this.cue);
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
@@ -112,7 +117,7 @@ export class OpenCase {
     renderer: WebGLRenderer,
     relit: () => void,
   ): Promise<void> {
-    const faces = hasTextureFor(section, renderer) ? new SectionFaces(section) : null;
+    const faces = hasTextureFor(section, renderer) ? new SectionFaces(section, this.cue) : null;
     this.#coming = faces;
     if (faces && (await faces.upload(renderer))) {
       this.faces = faces;
@@ -194,18 +199,19 @@ export class OpenCase {
   subject(
     camera: PerspectiveCamera,
     height: number,
-    { cuts, clip, section, grey, openings, layers }: Style,
+    { cuts, clip, section, grey, openings, layers, depthCue }: Style,
     window: Window | null,
     effort: FaceEffort,
   ): Subject {
-    const { mesh, faces, info } = this;
+    const { mesh, faces, info, cue } = this;
+    cue.strength = depthCue;
     const planes = this.#planes(cuts);
     this.#setClip(planes, clip);
     mesh.visible = true;
     const byVolume = faces !== null && section === "volume" && layers.faces;
     mesh.relit = byVolume && (this.#light?.relights(planes) ?? false);
     if (!byVolume) {
-      return { mesh, faces: null };
+      return { mesh, faces: null, cue };
     }
     mesh.visible = layers.body || planes.length === 0;
     // A pixel at the far side of the case, mm.
@@ -215,7 +221,7 @@ export class OpenCase {
     faces.setPlanes(planes, effort.rays > 1 ? 2 * pixel : 0, !mesh.visible);
     faces.setStyle(grey, openings, window);
     faces.effort = effort;
-    return { mesh, faces };
+    return { mesh, faces, cue };
   }
 
   /** How planes switch the splats' layers; null: they do not. */

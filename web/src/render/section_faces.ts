@@ -42,6 +42,7 @@ import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo } from "../worker/protocol";
 import { kBehindSplats, kOverSplats } from "./draw_order";
+import type { DepthCue } from "./depth_cue";
 import { shader } from "./shaders";
 import { uploadInPieces } from "./upload";
 
@@ -230,7 +231,7 @@ export class SectionFaces {
   #hasOpenings = false;
   #rig: LightRig;
 
-  constructor(section: Section) {
+  constructor(section: Section, cue: DepthCue) {
     this.section = section;
     this.#rig = section.rig;
     this.bytes = section.voxels.length;
@@ -254,6 +255,8 @@ export class SectionFaces {
       uOpened: { value: false },
       uBlocks: { value: blockTexture({ blocks: new Uint8Array(1), blockDims: [1, 1, 1] }) },
       uLight: { value: null },
+      uCue: { value: cue.faces },
+      uBackdrop: { value: cue.backdrop },
       uOpenings: {
         value: {
           steps: kWallSteps.fine,

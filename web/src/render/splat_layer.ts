@@ -19,6 +19,7 @@ import {
 import type { Picture } from "../api";
 import { kMaxPlanes } from "../model/cut";
 import { kClipOperators } from "../worker/protocol";
+import { type DepthCue, makeBackdrop } from "./depth_cue";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
 import { kHullDirections } from "../sog/hull";
 import { KeptShare } from "./kept_share";
@@ -35,10 +36,24 @@ export function pictureOf(rows: Uint8Array, width: number, height: number): Pict
   return { width, height, data };
 }
 
+/** A picture over black of what a depth cue leaves, by how much of it that is: as much less of its alpha. */
+function faded(picture: Picture, left: Picture): Picture {
+  const { data } = picture;
+  for (let i = 0; i < data.length; i += 4) {
+    const kept = left.data[i]! / 255;
+    for (let c = i; c < i + 3; ++c) {
+      data[c] = kept > 0 ? data[c]! / kept : 0; // clamped by the array
+    }
+    data[i + 3] = data[i + 3]! * kept;
+  }
+  return picture;
+}
+
 /** What a picture shows: the splats and, where they are not left to the splats, the exposed faces. */
 export interface Subject {
   mesh: SplatMesh;
   faces: SectionFaces | null;
+  cue: DepthCue;
 }
 
 /**
@@ -99,8 +114,25 @@ export class SplatLayer {
     (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / canvas.x, 1 / canvas.y);
   }
 
-  /** The picture of exactly width × height px, as `clipgs render` writes it. */
+  /**
+   * The picture of exactly width × height px, as `clipgs render` writes it. What a depth cue takes off is taken off its
+   * alpha: a picture of its own says how much is left, for how splats hide those behind them must not change.
+   */
   async read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+    const { cue } = subject;
+    cue.setBackdrop(makeBackdrop(), 1);
+    const drawn = this.#read(subject, camera, width, height);
+    if (cue.strength === 0) {
+      return drawn;
+    }
+    cue.covering = true;
+    const left = this.#read(subject, camera, width, height);
+    cue.covering = false;
+    return faded(await drawn, await left);
+  }
+
+  /** Draws at once; what was drawn comes later. */
+  async #read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
     this.#draw(subject, camera, this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(

@@ -23,6 +23,7 @@ import type { LayerSwitch } from "../model/states";
 import type { Hull } from "../sog/hull";
 import type { ToneCurve } from "../sog/section";
 import { type ClipOperator, kClipOperators } from "../worker/protocol";
+import type { DepthCue } from "./depth_cue";
 import { FullScreenPass } from "./full_screen";
 import { type GpuScene, kWidthBits } from "./gpu_scene";
 import { makeSceneCamera, type SceneCamera, setSceneCamera } from "./scene_camera";
@@ -97,7 +98,14 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** Splats in the current order. */
   drawn = 0;
 
-  constructor(scene: GpuScene, sceneToPatient: Matrix4, mmPerUnit: number, faceGain: FaceGain, hull: Hull) {
+  constructor(
+    scene: GpuScene,
+    sceneToPatient: Matrix4,
+    mmPerUnit: number,
+    faceGain: FaceGain,
+    hull: Hull,
+    cue: DepthCue,
+  ) {
     const camera = makeSceneCamera();
     const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
     super(
@@ -115,6 +123,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uCount: { value: 0 },
           uPackedScene: { value: packedScene },
           uCamera: { value: camera },
+          uCue: { value: cue.splats },
+          uBackdrop: { value: cue.backdrop },
           uDepthToClip: { value: new Vector2() },
           uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
           uPlaneCount: { value: 0 },

@@ -6,6 +6,7 @@ precision highp int;
 precision highp sampler2D;
 precision highp sampler3D;
 
+#include "depth_cue.glsl"
 #include "face.glsl"
 #include "tone.glsl"
 
@@ -32,6 +33,8 @@ uniform bool uOpened;  // whether walls behind gaps are drawn; splats show them 
 uniform Openings uOpenings;
 uniform sampler3D uBlocks;
 uniform highp sampler3D uLight;
+uniform DepthCue uCue;
+uniform Backdrop uBackdrop;
 
 out vec4 fragColor;
 
@@ -51,6 +54,7 @@ vec4 cinematic(FaceSum sum, vec3 towardsEye) {
 
 void main() {
   vec3 eye = (uPatientFromWorld * vec4(cameraPosition, 1.0)).xyz;
+  vec3 viewer = eye;
   if (!gl_FrontFacing) {
     eye -= 2.0 * dot(eye - vPosition, vOutward) * vOutward;  // from behind a face is seen as in a mirror
   }
@@ -99,5 +103,6 @@ void main() {
   if (color.a <= 0.0 || opaque != (kOpaque == 1)) {
     discard;
   }
-  fragColor = color;
+  vec3 straight = cued(color.rgb / color.a, vPosition, viewer, gl_FragCoord.xy, uCue, uBackdrop);
+  fragColor = vec4(color.a * straight, color.a);
 }

@@ -3,6 +3,7 @@ precision highp float;
 precision highp int;
 precision highp usampler2D;
 
+#include "depth_cue.glsl"
 #include "gaussian.glsl"
 #include "packed.glsl"
 
@@ -14,6 +15,8 @@ uniform usampler2D uColors;  // packed
 uniform uint uCount;
 uniform PackedScene uPackedScene;
 uniform Camera uCamera;
+uniform DepthCue uCue;
+uniform Backdrop uBackdrop;
 uniform vec2 uDepthToClip;  // clip z = x·depth + y, clip w = depth
 uniform vec4 uPlanes[kPlanes];
 uniform int uPlaneCount;
@@ -64,7 +67,9 @@ void main() {
   for (int i = 0; i < kPlanes; ++i) {
     vPlane[i] = s.z[i] + dot(s.slope[i], offset);
   }
-  vColor = vec4(unpackColor(texelFetch(uColors, texel, 0).r), s.opacity);
+  vec3 color = unpackColor(texelFetch(uColors, texel, 0).r);
+  vec2 pixel = vec2(s.center.x, uCamera.size.y - s.center.y);
+  vColor = vec4(cued(color, g.mean, uCamera.position, pixel, uCue, uBackdrop), s.opacity);
   vec2 ndc = 2.0 * (s.center + offset) / uCamera.size - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, (uDepthToClip.x * s.depth + uDepthToClip.y) / s.depth, 1.0);
 }

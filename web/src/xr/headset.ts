@@ -3,6 +3,7 @@ import { PerspectiveCamera, Vector3 } from "three";
 import type { Actions } from "../actions";
 import type { EyePicture, Surroundings } from "../api";
 import type { WallEffort } from "../model/face_style";
+import { makeBackdrop } from "../render/depth_cue";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf } from "../render/splat_layer";
 import type { Marking } from "../model/pins";
@@ -26,6 +27,8 @@ export async function offeredSurroundings(): Promise<Surroundings[]> {
   return all.filter((_, i) => offered[i]);
 }
 
+/** What is far away fades to this: nothing is known of what lies behind a case in a room. */
+const kDarkness = makeBackdrop();
 const kNear = 0.05; // m
 const kFar = 30;
 /** How fast a stick slides the plane, mm or states a second. */
@@ -326,6 +329,7 @@ export class Headset {
       this.#walls = walls;
       const { faces } = shown.subject(camera, height, state, window, { rays: 1, walls });
       shown.faces?.setVisible(faces !== null);
+      shown.cue.setBackdrop(kDarkness, 1);
     }
     shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#eye.copy(this.#both.middle)));
     shown.mesh.extent = extent;

@@ -8,10 +8,11 @@ import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
 import { loseGpu, Session } from "./session";
-import { choose, renderedAndPrinted, type Shot, show } from "./shot";
+import { choose, rendered, renderedAndPrinted, type Shot, show } from "./shot";
 
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
+const kMinCued = 45; // the same where what is faint is rounded twice
 
 describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -111,6 +112,52 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(0);
     await marks.waitFor({ state: "hidden" });
+  });
+
+  it("fades what is far away as clipgs render does, before the background that its panel offers", async () => {
+    const shot = { view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact" } as const;
+    const corner = async () => {
+      const path = join(session.folder, "corner.png");
+      await settled(page);
+      await page.screenshot({ path, clip: { x: 8, y: 200, width: 8, height: 8 } });
+      return [...readPng(path).data.subarray(0, 3)];
+    };
+    for (const section of ["volume", "splats"] as const) {
+      await show(page, { ...shot, view: [...shot.view], plane: [...shot.plane], section });
+      const plain = await pagePicture(page, 210, 154);
+      await page.evaluate(() => window.clipgs.setDepthCue(0.8));
+      const cued = await pagePicture(page, 210, 154);
+      const truth = await rendered(
+        session,
+        { ...shot, view: [...shot.view], plane: [...shot.plane], section },
+        "210x154",
+        ["--depth-cue", "0.8"],
+      );
+      expect(psnr(cued, plain).color, section).toBeLessThan(30);
+      expect(psnr(cued, truth).color, section).toBeGreaterThan(kMinCued);
+      expect(psnr(cued, truth).alpha, section).toBeGreaterThan(kMinCued);
+      await page.evaluate(() => window.clipgs.setDepthCue(0));
+    }
+    const background = page.getByRole("combobox", { name: "Background" });
+    await background.selectOption("White");
+    expect(await page.evaluate(() => window.clipgs.state.background)).toBe("white");
+    expect((await corner()).every((value) => value >= 254)).toBe(true);
+    expect(await page.locator(".viewer.light").count()).toBe(1);
+    await page.getByRole("slider", { name: /^Depth/ }).fill("0.5");
+    expect(await page.evaluate(() => window.clipgs.state.depthCue)).toBe(0.5);
+    await page.waitForFunction(() => location.hash.includes("background=white&depth-cue=0.5"));
+    const linked = await session.open(await hashOf(page), errors);
+    await linked.evaluate(() => window.clipgs.ready);
+    expect(await linked.evaluate(() => window.clipgs.state.background)).toBe("white");
+    expect(await linked.evaluate(() => window.clipgs.state.depthCue)).toBe(0.5);
+    await linked.close();
+    expect(await page.evaluate(() => window.clipgs.setBackground("pink"))).toBe(false);
+    await page.evaluate(() => window.clipgs.setDepthCue(0));
+    await background.selectOption("Black");
+    expect((await corner()).every((value) => value <= 1)).toBe(true);
+    expect(await page.locator(".viewer.light").count()).toBe(0);
+    await background.selectOption({ index: 0 });
+    expect(await page.evaluate(() => window.clipgs.state.background)).toBe(null);
   });
 
   it("offers lights as soon as they can be chosen", async () => {

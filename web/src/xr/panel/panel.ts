@@ -615,6 +615,13 @@ export class Panel {
           }),
         ),
       ),
+      tab(label("Depth: what is far away fades")),
+      tab(
+        slider(
+          this.#live(() => ({ min: 0, max: 1, value: viewer.state.depthCue })),
+          (strength) => viewer.setDepthCue(strength),
+        ),
+      ),
       tab(label("Without the body, the cut faces stand in the room alone.", { quiet: true, size: 15 })),
     ];
   }
