@@ -148,6 +148,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
 
   /** Faces by the splats: frames come sooner, and no picture is looked at here. */
   async function begun(page: Page): Promise<void> {
+    await page.waitForFunction(() => window.clipgs !== undefined); // a server begun anew may be slow
     await page.evaluate(() => window.clipgs.ready);
     await page.evaluate(() => window.clipgs.setSection("splats"));
   }
