@@ -32,7 +32,7 @@ std::vector<std::string_view> background_names() {
 }
 
 std::optional<Background> find_background(std::string_view name) {
-  const auto found = std::ranges::find(named_backgrounds(), name, &NamedBackground::name);
+  const auto* const found = std::ranges::find(named_backgrounds(), name, &NamedBackground::name);
   return found == named_backgrounds().end() ? std::nullopt : std::optional(found->background);
 }
 

@@ -65,9 +65,9 @@ class PfmReader {
 
   int side() {
     const std::string_view text = word();
-    const char* const end = text.data() + text.size();
     int value = 0;
-    if (std::from_chars(text.data(), end, value).ptr != end || value < 1 || value > kMostSide) {
+    if (std::from_chars(text.begin(), text.end(), value).ptr != text.end() || value < 1 ||
+        value > kMostSide) {
       damaged("its size is not said as WIDTH HEIGHT, of 1 to 16384");
     }
     return value;
@@ -76,9 +76,8 @@ class PfmReader {
   /// The scale's size is a unit that nobody agrees on; its sign is all that counts.
   bool is_little_endian() {
     const std::string_view text = word();
-    const char* const end = text.data() + text.size();
     float scale = 0;
-    if (std::from_chars(text.data(), end, scale).ptr != end || scale == 0 ||
+    if (std::from_chars(text.begin(), text.end(), scale).ptr != text.end() || scale == 0 ||
         !std::isfinite(scale)) {
       damaged("its scale is no number other than 0");
     }

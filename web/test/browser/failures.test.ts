@@ -96,7 +96,7 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
     const page = await opened("solid");
     const broken: [(meta: CaseMeta) => void, RegExp][] = [
       [({ section }) => (section.checksum = "00000000"), /section\.webp does not decode to what was written/],
-      [({ section }) => (section.version = 2), /section is of a version .* newer clipgs/],
+      [({ section }) => (section.version = 3), /section is of a version .* newer clipgs/],
       [({ section }) => delete section.materials, /materials/],
       [({ section }) => (section.file = "gone.webp"), /gone\.webp is missing/],
     ];

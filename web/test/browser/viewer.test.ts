@@ -654,7 +654,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("says what it is not for, and keeps the view in the address", async () => {
-    expect(await page.getByText("Not for diagnosis").isVisible()).toBe(true);
+    expect(await page.locator("footer").getByText("Not for diagnosis").isVisible()).toBe(true);
     await show(page, { view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
     await page.waitForFunction(() => location.hash.includes("view=12,34,1.5"));
     expect(await hashOf(page)).toBe("#case=phantom&view=12,34,1.5&plane=0,0,-1,5&clip=hard");
