@@ -10,18 +10,7 @@ export class CaseMenu {
 
   constructor(choose: (name: string) => void) {
     this.#choose = choose;
-    this.element = h(
-      "dialog",
-      { class: "sheet menu", "aria-label": "Cases", autofocus: true },
-      h(
-        "header",
-        {},
-        h("h2", {}, "Cases"),
-        closeButton(() => this.element.close()),
-      ),
-      this.#cards,
-    );
-    closeOnBackdrop(this.element);
+    this.element = sheetDialog("sheet menu", "Cases", "Cases", this.#cards);
   }
 
   show(cases: CaseSummary[], current: string | null): void {
@@ -66,6 +55,28 @@ export class CaseMenu {
   }
 }
 
+/** A sheet with a heading and a button that closes it; a press beside it does, too. */
+export function sheetDialog(
+  classes: string,
+  name: string,
+  heading: string,
+  ...content: HTMLElement[]
+): HTMLDialogElement {
+  const dialog: HTMLDialogElement = h(
+    "dialog",
+    { class: classes, "aria-label": name, autofocus: true },
+    h(
+      "header",
+      {},
+      h("h2", {}, heading),
+      closeButton(() => dialog.close()),
+    ),
+    ...content,
+  );
+  closeOnBackdrop(dialog);
+  return dialog;
+}
+
 /** A case's picture, what it is called and a line about it, or what is wrong with it. */
 export function caseCard(
   one: CaseSummary,
@@ -91,7 +102,7 @@ export function caseCard(
   );
 }
 
-export function closeButton(close: () => void): HTMLElement {
+function closeButton(close: () => void): HTMLElement {
   return h(
     "button",
     { class: "plain", "aria-label": "Close", onclick: close },
@@ -99,7 +110,7 @@ export function closeButton(close: () => void): HTMLElement {
   );
 }
 
-export function closeOnBackdrop(dialog: HTMLDialogElement): void {
+function closeOnBackdrop(dialog: HTMLDialogElement): void {
   dialog.addEventListener("click", (event) => {
     if (event.target === dialog) {
       dialog.close();

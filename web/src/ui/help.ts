@@ -1,4 +1,4 @@
-import { closeButton, closeOnBackdrop } from "./case_menu";
+import { sheetDialog } from "./case_menu";
 import { h } from "./dom";
 
 const kHelp: [string, string][] = [
@@ -34,17 +34,10 @@ const kHelp: [string, string][] = [
 ];
 
 export function helpDialog(): HTMLDialogElement {
-  const dialog = h(
-    "dialog",
-    { class: "sheet help", "aria-label": "Help", autofocus: true },
-    h(
-      "header",
-      {},
-      h("h2", {}, "Controls"),
-      closeButton(() => dialog.close()),
-    ),
+  return sheetDialog(
+    "sheet help",
+    "Help",
+    "Controls",
     h("dl", {}, ...kHelp.flatMap(([key, meaning]) => [h("dt", {}, key), h("dd", {}, meaning)])),
   );
-  closeOnBackdrop(dialog);
-  return dialog;
 }

@@ -1,5 +1,5 @@
 import type { Look } from "../model/looks";
-import { caseCard, closeButton, closeOnBackdrop } from "./case_menu";
+import { caseCard, sheetDialog } from "./case_menu";
 import { h } from "./dom";
 
 /** The looks of one volume with their pictures, and what each shows. */
@@ -10,20 +10,14 @@ export class LooksMenu {
 
   constructor(choose: (name: string) => void) {
     this.#choose = choose;
-    this.element = h(
-      "dialog",
-      { class: "sheet menu looks", "aria-label": "Looks", autofocus: true },
-      h(
-        "header",
-        {},
-        h("h2", {}, "Looks of this volume"),
-        closeButton(() => this.element.close()),
-      ),
+    this.element = sheetDialog(
+      "sheet menu looks",
+      "Looks",
+      "Looks of this volume",
       h("p", { class: "hint" }, "View, cut, window and marks stay as they are."),
       this.#cards,
       h("strong", { class: "warning" }, "Not for diagnosis"),
     );
-    closeOnBackdrop(this.element);
   }
 
   show(looks: readonly Look[], current: string | null): void {
