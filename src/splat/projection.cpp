@@ -91,9 +91,12 @@ Projection project_geometry(const Gaussians& gaussians, size_t i, const Camera& 
   p.a.y = (camera.fy / t.z) * (w1 - p.ly * w2);
   p.b.x = p.a.x * p.m;  // row vector times matrix
   p.b.y = p.a.y * p.m;
-  p.cov = {glm::dot(p.b.x, p.b.x) + kBlurVariance, glm::dot(p.b.x, p.b.y),
-           glm::dot(p.b.y, p.b.y) + kBlurVariance};
-  const float det = p.cov.xx * p.cov.yy - p.cov.xy * p.cov.xy;
+  const float bxx = glm::dot(p.b.x, p.b.x);
+  const float byy = glm::dot(p.b.y, p.b.y);
+  p.cov = {bxx + kBlurVariance, glm::dot(p.b.x, p.b.y), byy + kBlurVariance};
+  // Of needles ΣxxΣyy − Σxy² would be what rounding leaves: |BBᵀ| = |b_x × b_y|² (Cauchy–Binet).
+  const Vec3 cross = glm::cross(p.b.x, p.b.y);
+  const float det = glm::dot(cross, cross) + kBlurVariance * (bxx + byy + kBlurVariance);
   p.conic = {p.cov.yy / det, -p.cov.xy / det, p.cov.xx / det};
   return p;
 }

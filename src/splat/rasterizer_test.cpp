@@ -81,6 +81,34 @@ TEST_P(ClipTest, FastPictureEqualsReference) {
   }
 }
 
+// Hundreds of times as long as they are thick: what is left of their covariance's determinant is
+// blur.
+TEST_P(ClipTest, NeedlesEqualTheReference) {
+  RasterOptions options;
+  options.clip = GetParam();
+  Gaussians needles(6, 0);
+  Rng rng(3);
+  for (size_t i = 0; i < needles.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      needles.plane(Gaussians::kMean + a)[i] = 2 * (rng.uniform() - 0.5f);
+      needles.plane(Gaussians::kLogScale + a)[i] = std::log(a == 0 ? 150.0f : 0.001f);
+      needles.plane(Gaussians::kSh + a)[i] = rng.normal();
+    }
+    for (int a = 0; a < 4; ++a) {
+      needles.plane(Gaussians::kRotation + a)[i] = rng.normal();
+    }
+    needles.plane(Gaussians::kOpacity)[i] = 1;
+  }
+  const Camera camera = frame_sphere({{0, 0, 0}, 45}, View{35, 20, 14}, 64, 64);
+  const Plane far{Vec3(0, 0, 1), -500};
+  const Image image = Rasterizer().forward(needles, camera, far, options);
+  const std::vector<double> expected =
+      reference_render(as_doubles(needles), needles, camera, far, options);
+  for (size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_NEAR(image.data[i], expected[i], 0.002) << i;
+  }
+}
+
 TEST_P(ClipTest, SeveralPlanesEqualTheReference) {
   const Gaussians cloud = random_cloud(300, 1, 9);
   const Camera camera = test_camera(64, 48);

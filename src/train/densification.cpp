@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <unordered_map>
 #include <vector>
 
 #include "core/parallel.h"
@@ -63,11 +65,18 @@ void split(Gaussians& gaussians, std::uint32_t source, std::uint32_t target) {
   }
 }
 
-/// One after the other: a source that is named often is halved again and again.
+/// A source that is named often is halved, then its halves are, and so on, all parts alike: one
+/// that gave a half away a thousand times would be too small for numbers.
 void make_copies(Gaussians& gaussians, Adam& adam, std::vector<float>& need, const Copies& made) {
+  std::unordered_map<std::uint32_t, std::deque<std::uint32_t>> parts;  // the largest first
   for (size_t k = 0; k < made.targets.size(); ++k) {
-    const std::uint32_t source = made.sources[k];
+    std::deque<std::uint32_t>& queue = parts[made.sources[k]];
+    const std::uint32_t source = queue.empty() ? made.sources[k] : queue.front();
     const std::uint32_t target = made.targets[k];
+    if (!queue.empty()) {
+      queue.pop_front();
+    }
+    queue.insert(queue.end(), {source, target});
     split(gaussians, source, target);
     need[source] *= 0.5f;
     need[target] = need[source];

@@ -20,14 +20,14 @@ struct Densification {
   static constexpr float kSplitOpacity = 0.8f;  ///< of a half, relative to the whole's
 };
 
-/// Gaussian targets[k] became half of sources[k].
+/// Gaussian targets[k] became a part of what was sources[k].
 struct Copies {
   std::vector<std::uint32_t> targets, sources;
 };
 
 /// Splits a living Gaussian for every dead one, which becomes its other half. They are drawn with
 /// probability ∝ opacity·need (≥ 0, of each Gaussian: how much the loss pulls at it); a need is
-/// split too. Returns which moved where.
+/// split too, and what is drawn often into parts alike. Returns which moved where.
 Copies relocate_dead(Gaussians& gaussians, Adam& adam, std::vector<float>& need, Rng rng);
 
 /// Adds halves of living Gaussians the same way, at most to `budget`. Returns which.

@@ -73,6 +73,29 @@ TEST(Densification, SplitsWhereThereIsNeed) {
   EXPECT_EQ(grow(g, adam, none, 410, Rng(1)).targets.size(), 10U);
 }
 
+// As where most have died at once, and one of the rest is needed by far the most.
+TEST(Densification, OneThatIsSplitAThousandTimesFallsIntoPartsAlike) {
+  Gaussians g = row_of(1001, 0.001f);
+  g.plane(Gaussians::kOpacity)[7] = logit(0.9f);
+  const Mat3 whole = g.covariance(7);
+  const Vec3 middle = g.mean(7);
+  Adam adam(g);
+  std::vector<float> need = even(g);
+  EXPECT_EQ(relocate_dead(g, adam, need, Rng(1)).targets.size(), 1000U);
+  Mat3 spread(0);
+  for (size_t i = 0; i < g.size(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_GT(g.scale(i)[a], 1.0f) << i;
+      EXPECT_LT(g.scale(i)[a], 1.5f) << i;
+    }
+    const Vec3 offset = g.mean(i) - middle;
+    spread += (g.covariance(i) + glm::outerProduct(offset, offset)) / static_cast<float>(g.size());
+  }
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_NEAR(spread[a][a], whole[a][a], 0.05f * whole[a][a]);
+  }
+}
+
 TEST(Densification, GrowthStopsAtTheBudget) {
   Gaussians g = row_of(100, 0.5f);
   Adam adam(g);

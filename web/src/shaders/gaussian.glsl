@@ -149,7 +149,8 @@ Splat project(Gaussian g, Camera camera, vec4 planes[kPlanes], int count, int sl
   float xx = dot(bx, bx) + kBlurVariance;
   float xy = dot(bx, by);
   float yy = dot(by, by) + kBlurVariance;
-  float det = xx * yy - xy * xy;
+  vec3 across = cross(bx, by);  // |B·Bᵀ| = |bx × by|²: of needles xx·yy − xy² is what rounding leaves
+  float det = dot(across, across) + kBlurVariance * (xx + yy - kBlurVariance);
 
   for (int i = 0; i < kPlanes; ++i) {
     s.z[i] = kUncut;
