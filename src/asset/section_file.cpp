@@ -21,6 +21,7 @@ namespace {
 constexpr int kPlainVersion = 1;
 constexpr int kTonedVersion = 2;  // has a "tone", which readers of version 1 alone would miss
 constexpr int kMaxSide = 1024;
+constexpr float kMostReflectance = 100;
 constexpr int kMaxImage = 16383;
 constexpr int kSectionBlock =
     16;  // side of the blocks that lossy WebP codes: slices do not share one
@@ -134,6 +135,16 @@ json materials_json(const Section& section) {
   return result;
 }
 
+/// What walls look like where values are steep.
+json boundary_json(const Section& section) {
+  json result = {{"from", json_number(section.steep->from)},
+                 {"to", json_number(section.steep->to)}};
+  for (int c = 0; c < 3; ++c) {
+    result[std::string(1, "rgb"[c])] = table(section, [&](const auto& m) { return m.boundary[c]; });
+  }
+  return result;
+}
+
 json lights_json(const Section& section) {
   json keys = json::array();
   for (const KeyLight& key : section.rig.keys) {
@@ -188,18 +199,24 @@ void read_lights(const JsonReader& reader, Section& section) {
   }
 }
 
+/// Places a table's values, 0…`high`, among the section's materials.
+template <typename Place>
+void read_table(const JsonReader& reader, const std::string& key, float high, Section& section,
+                const Place& place) {
+  const std::vector<float> values = reader.numbers(key.c_str(), ValueCurve::kCodes);
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (values[i] < 0 || values[i] > high) {
+      reader.fail(key.c_str());
+    }
+    place(section.materials[i]) = values[i];
+  }
+}
+
 void read_materials(const JsonReader& reader, Section& section) {
   const auto fill = [&](const std::string& key, float high, const auto& place) {
-    const std::vector<float> values = reader.numbers(key.c_str(), ValueCurve::kCodes);
-    for (size_t i = 0; i < values.size(); ++i) {
-      if (values[i] < 0 || values[i] > high) {
-        reader.fail(key.c_str());
-      }
-      place(section.materials[i]) = values[i];
-    }
+    read_table(reader, key, high, section, place);
   };
   constexpr float kMostExtinction = 1e6f;
-  constexpr float kMostReflectance = 100;
   fill("extinction", kMostExtinction, [](FaceMaterial& m) -> float& { return m.extinction; });
   fill("specular", 1, [](FaceMaterial& m) -> float& { return m.specular; });
   fill("roughness", 1, [](FaceMaterial& m) -> float& { return m.roughness; });
@@ -209,6 +226,17 @@ void read_materials(const JsonReader& reader, Section& section) {
          [c](FaceMaterial& m) -> float& { return m.surface[c]; });
     fill("interior_" + channel, kMostReflectance,
          [c](FaceMaterial& m) -> float& { return m.interior[c]; });
+  }
+}
+
+void read_boundary(const JsonReader& reader, Section& section) {
+  section.steep = SteepRange{reader.number("from"), reader.number("to")};
+  if (section.steep->from < 0 || !(section.steep->to > section.steep->from)) {
+    reader.fail("to");
+  }
+  for (int c = 0; c < 3; ++c) {
+    read_table(reader, std::string(1, "rgb"[c]), kMostReflectance, section,
+               [c](FaceMaterial& m) -> float& { return m.boundary[c]; });
   }
 }
 
@@ -289,24 +317,28 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
   for (const float value : section.curve.values()) {
     curve.push_back(json_number(value));
   }
-  return {{"version", section.tone == ToneCurve::kSrgb ? kPlainVersion : kTonedVersion},
-          {"file", kImageFile},
-          {kChecksum, checksum(decoded)},
-          {"dims", {section.dims.x, section.dims.y, section.dims.z}},
-          {"tile", {mosaic.tile_width, mosaic.tile_height}},
-          {"columns", mosaic.columns},
-          {"channels", section.channels},
-          {"spacing", json_vector(section.spacing)},
-          {"origin", json_vector(section.origin)},
-          {"axis_x", json_vector(section.direction[0])},
-          {"axis_y", json_vector(section.direction[1])},
-          {"axis_z", json_vector(section.direction[2])},
-          {"source_spacing", json_vector(section.source_spacing)},
-          {"modality", modality_name(section.modality)},
-          {"curve", curve},
-          {"value_errors", errors},
-          {"materials", materials_json(section)},
-          {"lights", lights_json(section)}};
+  json object = {{"version", section.tone == ToneCurve::kSrgb ? kPlainVersion : kTonedVersion},
+                 {"file", kImageFile},
+                 {kChecksum, checksum(decoded)},
+                 {"dims", {section.dims.x, section.dims.y, section.dims.z}},
+                 {"tile", {mosaic.tile_width, mosaic.tile_height}},
+                 {"columns", mosaic.columns},
+                 {"channels", section.channels},
+                 {"spacing", json_vector(section.spacing)},
+                 {"origin", json_vector(section.origin)},
+                 {"axis_x", json_vector(section.direction[0])},
+                 {"axis_y", json_vector(section.direction[1])},
+                 {"axis_z", json_vector(section.direction[2])},
+                 {"source_spacing", json_vector(section.source_spacing)},
+                 {"modality", modality_name(section.modality)},
+                 {"curve", curve},
+                 {"value_errors", errors},
+                 {"materials", materials_json(section)},
+                 {"lights", lights_json(section)}};
+  if (section.steep) {
+    object["boundary"] = boundary_json(section);
+  }
+  return object;
 }
 
 Section decode_section(const json& object, const std::map<std::string, Bytes>& files,
@@ -336,6 +368,9 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
     section.value_errors[i] = errors[i];
   }
   read_materials(reader.child("materials"), section);
+  if (reader.has("boundary")) {
+    read_boundary(reader.child("boundary"), section);
+  }
   read_lights(reader.child("lights"), section);
   section.tone = read_tone(reader.child("lights"), name);
 

@@ -97,7 +97,8 @@ std::string digest_of_preset(const Preset& preset) {
   }
   add_points(digest, transfer);
   if (boundary) {  // presets without keep their digest
-    const auto& [from, to, steep] = *boundary;
+    const auto& [range, steep] = *boundary;
+    const auto& [from, to] = range;
     digest.add(from).add(to);
     add_points(digest, steep);
   }

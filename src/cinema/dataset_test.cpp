@@ -463,7 +463,7 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
   EXPECT_EQ(changed([](V, P p, O) { p.name = "other"; }), preset);
   EXPECT_EQ(changed([](V, P p, O) { p.surface_strength *= 2; }), preset);
   EXPECT_EQ(changed([](V, P p, O) { p.gradient_opacity = {0, 1, 0}; }), preset);
-  EXPECT_EQ(changed([](V, P p, O) { p.boundary = BoundaryLook{0, 1, p.transfer}; }), preset);
+  EXPECT_EQ(changed([](V, P p, O) { p.boundary = BoundaryLook{{0, 1}, p.transfer}; }), preset);
   for (float Material::* const member :
        {&Material::extinction, &Material::specular, &Material::roughness, &Material::phase}) {
     EXPECT_EQ(changed([&](V, P p, O) {
@@ -630,7 +630,7 @@ TEST(SeedPoints, HaveTheBoundarysLookWhereValuesAreSteep) {
   const Volume ball = make_ball(48, 18, 1, 0);
   Preset preset = make_preset({point(0.2f, 0, Vec3(0, 1, 0)), point(0.8f, 2, Vec3(0, 1, 0))},
                               test::white_sky());
-  preset.boundary = BoundaryLook{0.05f, 0.2f, TransferFunction({point(0.5f, 0, Vec3(1, 0, 0))})};
+  preset.boundary = BoundaryLook{{0.05f, 0.2f}, TransferFunction({point(0.5f, 0, Vec3(1, 0, 0))})};
   for (const SeedPoint& p : sample_seed_points(ball, preset, 2000, 1)) {
     if (glm::length(p.position) < 15) {
       EXPECT_EQ(p.color.r, 0);

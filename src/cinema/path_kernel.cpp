@@ -807,7 +807,7 @@ class Kernel {
       Float boundary(0);
       if (boundary_ != nullptr) {
         slope = gradient_of_boundary(voxel);
-        boundary = rise(slope, boundary_->from, boundary_->to);
+        boundary = rise(slope, boundary_->range.from, boundary_->range.to);
         if (bounce == 0) {
           boundary = or_zero(~is_behind_face(voxel, direction), boundary);
         }

@@ -316,7 +316,7 @@ TEST(PathTracer, BoundariesLookIsOfSurfacesAlone) {
   Preset preset = make_preset({point(20, 0, Vec3(1)), point(50, 20, Vec3(1))}, test::white_sky(),
                               /*surface_strength=*/100);
   const CinemaScene plain(ball, preset);
-  preset.boundary = BoundaryLook{5, 20, TransferFunction({point(20, 0, Vec3(0))})};
+  preset.boundary = BoundaryLook{{5, 20}, TransferFunction({point(20, 0, Vec3(0))})};
   const CinemaScene scene(ball, preset);
   const Camera camera = camera_from({80, 0, 0});
   const auto first = [&](const CinemaScene& s, const Cut& cut) {
@@ -340,7 +340,7 @@ TEST(PathTracer, MatterOfOneValueHasNoBoundary) {
   Preset preset =
       make_preset({point(0, 0, Vec3(0.7f)), point(1, 0.1f, Vec3(0.7f))}, test::white_keys());
   const CinemaScene plain(even, preset);
-  preset.boundary = BoundaryLook{0, 1, TransferFunction({point(0, 0, Vec3(0))})};
+  preset.boundary = BoundaryLook{{0, 1}, TransferFunction({point(0, 0, Vec3(0))})};
   const CinemaScene scene(even, preset);
   const Camera camera = camera_from({80, 10, 20});
   const Means with = trace(PathTracer(scene, camera, {}, 8), 2000);

@@ -200,7 +200,7 @@ Material ReferenceTracer::material_at(const DVec3& voxel, double value, bool by_
   Material m = preset_.transfer.at(v);
   if (preset_.boundary && !by_value_alone) {
     const auto steepness = static_cast<float>(glm::length(gradient_at(voxel)));
-    m = preset_.boundary->mixed(m, v, preset_.boundary->share(steepness));
+    m = preset_.boundary->mixed(m, v, preset_.boundary->range.share(steepness));
   }
   m.albedo *= photo_at(voxel);
   return m;

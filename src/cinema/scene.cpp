@@ -19,7 +19,7 @@ Vec2 coded_interval(const Volume& volume, const Preset& preset) {
   const TransferFunction& transfer = preset.transfer;
   const auto [lowest, highest] = volume.values.range();
   const float steepest = std::max(preset.gradient_opacity ? preset.gradient_opacity->to : 0.0f,
-                                  preset.boundary ? preset.boundary->to : 0.0f);
+                                  preset.boundary ? preset.boundary->range.to : 0.0f);
   const Vec3& s = volume.spacing;
   const float margin = std::max({2.0f * (transfer.max_value() - transfer.min_value()), 1.0f,
                                  2.0f * steepest * std::max({s.x, s.y, s.z})});

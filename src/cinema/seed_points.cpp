@@ -75,9 +75,9 @@ class Looks {
   Material material_at(int x, int y, int z) const {
     const float value = volume_.at(x, y, z);
     const Material& plain = preset_.transfer.at(value);
-    return preset_.boundary
-               ? preset_.boundary->mixed(plain, value, preset_.boundary->share(steepness(x, y, z)))
-               : plain;
+    return preset_.boundary ? preset_.boundary->mixed(
+                                  plain, value, preset_.boundary->range.share(steepness(x, y, z)))
+                            : plain;
   }
   // ‖∇v‖ by central differences, value units per mm.
   float steepness(int x, int y, int z) const {

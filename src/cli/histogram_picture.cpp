@@ -153,8 +153,8 @@ class HistogramSheet {
     write_strip(cairo, 0, "even");
     if (preset_.boundary) {
       write_strip(cairo, 1, "steep");
-      mark(cairo, preset_.boundary->from, "boundary from");
-      mark(cairo, preset_.boundary->to, "boundary to");
+      mark(cairo, preset_.boundary->range.from, "boundary from");
+      mark(cairo, preset_.boundary->range.to, "boundary to");
     }
   }
   static void line(cairo_t* cairo, double x0, double y0, double x1, double y1) {

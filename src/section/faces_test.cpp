@@ -120,7 +120,7 @@ TEST(Faces, HaveNothingOfABoundarysLook) {
     preset.transfer = TransferFunction(points);
     const CinemaScene plain(volume, preset);
     preset.boundary =
-        BoundaryLook{1, 6, TransferFunction({point(20, 0, Vec3(0.1f, 0.2f, 0.9f), 0.3f)})};
+        BoundaryLook{{1, 6}, TransferFunction({point(20, 0, Vec3(0.1f, 0.2f, 0.9f), 0.3f)})};
     const CinemaScene scene(volume, preset);
     Rng rng(4);
     for (int i = 0; i < 8; ++i) {

@@ -176,8 +176,10 @@ void apply_gains(const Row& gains, glm::length_t channel, Section& section) {
       const double between = std::lerp(gains[knot], gains[knot + 1], place.toward_next);
       return static_cast<float>(std::clamp(between, 0.0, kMostGain));
     };
-    section.materials[code].surface[channel] *= gain(0);
-    section.materials[code].interior[channel] *= gain(kKnots);
+    FaceMaterial& material = section.materials[code];
+    material.surface[channel] *= gain(0);
+    material.boundary[channel] *= gain(0);
+    material.interior[channel] *= gain(kKnots);
   }
 }
 

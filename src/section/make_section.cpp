@@ -142,13 +142,19 @@ std::uint8_t nearest_code(float code) {
       std::lround(std::clamp(code, static_cast<float>(Section::kFirstInside), 255.0f)));
 }
 
+Vec3 diffuse_of(const Material& m) { return (1 - m.specular) * m.albedo; }
+
 std::array<FaceMaterial, ValueCurve::kCodes> materials_of(const Preset& preset,
                                                           const ValueCurve& curve) {
   std::array<FaceMaterial, ValueCurve::kCodes> materials;
   for (size_t i = 0; i < materials.size(); ++i) {
-    const Material& m = preset.transfer.at(curve.values()[i]);
-    const Vec3 diffuse = (1 - m.specular) * m.albedo;
+    const float value = curve.values()[i];
+    const Material& m = preset.transfer.at(value);
+    const Vec3 diffuse = diffuse_of(m);
     materials[i] = {m.extinction, m.specular, m.roughness, diffuse, diffuse};
+    if (preset.boundary) {
+      materials[i].boundary = diffuse_of(preset.boundary->mixed(m, value, 1));
+    }
   }
   return materials;
 }
@@ -253,6 +259,9 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
     fill_rgb(section, volume, grid);
   }
   section.materials = materials_of(preset, section.curve);
+  if (preset.boundary) {
+    section.steep = preset.boundary->range;
+  }
   section.value_errors = reading_errors(section, volume, grid).on_top_of({});
   return section;
 }

@@ -29,16 +29,26 @@ constexpr float kMostGain = 10;
 // more.
 constexpr float kMostTranslucent = 0.2f;
 
-/// Of codes, along RAS, any unit.
-Vec3 code_gradient(const Section& section, const Vec3& index) {
-  Vec3 slope;
+/// How a section changes around a point.
+struct Change {
+  Vec3 slope;       // towards larger codes, RAS, any length
+  float steepness;  // of the values, per mm
+};
+
+/// Differences over a voxel of the traced volume, as the path tracer takes them.
+Change change_at(const Section& section, const Vec3& index) {
+  Vec3 codes;
+  Vec3 values;
   for (int k = 0; k < 3; ++k) {
     Vec3 step(0);
     step[k] = section.source_spacing[k] / section.spacing[k];
-    slope[k] =
-        (section.code(index + step) - section.code(index - step)) / section.source_spacing[k];
+    const float above = section.code(index + step);
+    const float below = section.code(index - step);
+    const float width = 2 * section.source_spacing[k];
+    codes[k] = (above - below) / width;
+    values[k] = (section.curve.value(above) - section.curve.value(below)) / width;
   }
-  return section.direction * slope;
+  return {section.direction * codes, glm::length(values)};
 }
 
 }  // namespace
@@ -83,6 +93,7 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     }
     // Matter began within the last step.
     Vec3 sum(0);
+    Vec3 steep_sum(0);
     float depth = 0;
     float transmittance = 1;
     float length = kFine * voxel;
@@ -93,6 +104,7 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
       const float weight = transmittance * (1 - std::exp(-material.extinction * length));
       const Vec3 tint = section.channels == 3 ? photo_albedo(section.sample(at_middle)) : Vec3(1);
       sum += weight * material.surface * tint;
+      steep_sum += weight * material.boundary * tint;
       depth += weight * (t + 0.5f * length);
       transmittance -= weight;
       t += length;
@@ -102,12 +114,13 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     if (alpha < kWisp) {
       continue;
     }
-    Wall wall{eye + depth / alpha * direction, -direction, sum / alpha};
-    const Vec3 slope = code_gradient(section, origin + depth / alpha * stride);
-    const float steepness = glm::length(slope);
-    if (steepness > 0) {
-      const float facing = glm::dot(slope, direction);
-      wall.normal = (facing > 0 ? -1.0f : 1.0f) / steepness * slope;
+    const Change change = change_at(section, origin + depth / alpha * stride);
+    const float share = section.steep ? section.steep->share(change.steepness) : 0;
+    Wall wall{eye + depth / alpha * direction, -direction, glm::mix(sum, steep_sum, share) / alpha};
+    const float length_of_slope = glm::length(change.slope);
+    if (length_of_slope > 0) {
+      const float facing = glm::dot(change.slope, direction);
+      wall.normal = (facing > 0 ? -1.0f : 1.0f) / length_of_slope * change.slope;
     }
     return wall;
   }

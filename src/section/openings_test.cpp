@@ -135,38 +135,65 @@ TEST(Openings, WallsAreWhereTheyAre) {
   EXPECT_FALSE(scenery.openings.first_wall(scenery.section, {0, 0, 29}, {0, 0, 1}, 0, 100));
 }
 
+// What walls of `section` look like beside the path tracer's under a cut, dB of display sRGB.
+double walls_psnr(const CinemaScene& scene, const Section& section, const Cut& cut,
+                  const Vec3& from) {
+  const Camera camera = above(from, 96);
+  const Openings openings(section);
+  PictureOptions options;
+  options.spp = 96;
+  const Image truth = render_picture(scene, camera, cut, options).mean();
+  const Image without = draw_faces(section, camera, cut);
+  const Image faces = draw_faces(section, camera, cut, with(OpenedLight(openings, cut)));
+  double squares = 0;
+  double values = 0;
+  for (size_t i = 0; i < faces.data.size(); i += 4) {
+    if (faces.data[i + 3] < 0.999f || without.data[i + 3] > 0) {
+      continue;  // no wall
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      const double shown =
+          srgb_from_linear(section.exposure * truth.data[i + c]) - faces.data[i + c];
+      squares += shown * shown;
+      ++values;
+    }
+  }
+  EXPECT_GT(values, 600);
+  return -10 * std::log10(squares / values);
+}
+
 // No splats here: what is opaque of the volume's picture is faces and walls alone.
 TEST(Openings, LookAsThePathTracerSays) {
   const Scenery scenery;
   ASSERT_TRUE(scenery.openings.drawn());
-  constexpr int kPixels = 96;
   const std::vector<std::pair<Cut, Vec3>> looks = {
       {Plane{{0, 0, -1}, 0}, {0.2f, 0.3f, 1}},
       {Plane{glm::normalize(Vec3(0.6f, 0, -0.8f)), -2}, {-0.9f, 0.2f, 0.8f}},
       {Cut({Plane{{0, 0, -1}, -1}, Plane{{0, -1, 0}, -2}}), {0, 0.8f, 1}}};
   for (const auto& [cut, from] : looks) {
-    const Camera camera = above(from, kPixels);
-    PictureOptions options;
-    options.spp = 96;
-    const Image truth = render_picture(scenery.scene, camera, cut, options).mean();
-    const Image without = draw_faces(scenery.section, camera, cut);
-    const Image faces =
-        draw_faces(scenery.section, camera, cut, with(OpenedLight(scenery.openings, cut)));
-    double squares = 0;
-    double values = 0;
-    for (size_t i = 0; i < faces.data.size(); i += 4) {
-      if (faces.data[i + 3] < 0.999f || without.data[i + 3] > 0) {
-        continue;  // no wall
-      }
-      for (size_t c = 0; c < 3; ++c) {
-        const double shown =
-            srgb_from_linear(scenery.preset.exposure * truth.data[i + c]) - faces.data[i + c];
-        squares += shown * shown;
-        ++values;
-      }
+    EXPECT_GT(walls_psnr(scenery.scene, scenery.section, cut, from), 29)
+        << cut.planes()[0].normal.x;
+  }
+}
+
+TEST(Openings, HaveABoundarysLookWhereValuesAreSteep) {
+  const Volume volume = make_hollow_body();
+  Preset preset = flesh();
+  const Plane cut{{0, 0, -1}, 0};
+  const Vec3 from(0.2f, 0.3f, 1);
+  for (const SteepRange range : {SteepRange{5, 20}, SteepRange{20, 120}, SteepRange{200, 300}}) {
+    preset.boundary = BoundaryLook{range, TransferFunction({point(20, 0, Vec3(0.2f, 0.4f, 0.8f))})};
+    const CinemaScene scene(volume, preset);
+    Section section = make_section(volume, preset, {kBodySize});
+    const double same = walls_psnr(scene, section, cut, from);
+    EXPECT_GT(same, 28) << range.from;
+    section.steep.reset();
+    const double without = walls_psnr(scene, section, cut, from);
+    if (range.from < 100) {
+      EXPECT_LT(without, same - 6) << range.from;
+    } else {  // nothing is so steep
+      EXPECT_EQ(without, same);
     }
-    ASSERT_GT(values, 600);
-    EXPECT_GT(-10 * std::log10(squares / values), 29) << cut.planes()[0].normal.x;
   }
 }
 

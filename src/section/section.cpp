@@ -8,8 +8,8 @@ const std::array<float, ValueCurve::kCodes> Section::kIdentity = ValueCurve().va
 
 FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t) {
   return {glm::mix(a.extinction, b.extinction, t), glm::mix(a.specular, b.specular, t),
-          glm::mix(a.roughness, b.roughness, t), glm::mix(a.surface, b.surface, t),
-          glm::mix(a.interior, b.interior, t)};
+          glm::mix(a.roughness, b.roughness, t),   glm::mix(a.surface, b.surface, t),
+          glm::mix(a.interior, b.interior, t),     glm::mix(a.boundary, b.boundary, t)};
 }
 
 std::optional<Section::Reading> Section::read(const Vec3& world) const {

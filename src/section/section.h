@@ -10,6 +10,7 @@
 #include "core/tone.h"
 #include "section/value_curve.h"
 #include "volume/light_rig.h"
+#include "volume/steep_range.h"
 #include "volume/volume.h"
 #include "volume/volume_size.h"
 
@@ -24,6 +25,7 @@ struct FaceMaterial {
   float roughness = 0.5f;
   Vec3 surface{0};   ///< reflectance of matter at the face, linear RGB, gloss not counted
   Vec3 interior{0};  ///< … of matter seen through the face, beyond `Section::surface_depth`
+  Vec3 boundary{0};  ///< … of walls where values are steep; of sections with `Section::steep` alone
 };
 
 FaceMaterial mix(const FaceMaterial& a, const FaceMaterial& b, float t);
@@ -54,6 +56,8 @@ struct Section {
   Vec3 source_spacing{1};  ///< mm, of the volume that was traced
 
   std::array<FaceMaterial, ValueCurve::kCodes> materials{};
+  /// Where walls look as the preset's boundary does (BoundaryLook); nothing: as `surface` says.
+  std::optional<SteepRange> steep;
   LightRig rig;
   float exposure = 1;
   ToneCurve tone = ToneCurve::kSrgb;

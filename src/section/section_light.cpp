@@ -40,13 +40,15 @@ IVec3 samples_of(const Section& section, float spacing) {
   return IVec3(glm::ceil(Vec3(section.dims - 1) * section.spacing / spacing - kSlack)) + 1;
 }
 
-/// What a ray sees that meets matter straight at `at` (index), where air lies along `normal`.
+/// What a ray sees that meets matter straight at `at` (index), where air lies along `normal` and
+/// values are as steep as `steepness` (per mm).
 Vec3 reflectance_at(const Section& section, const MaterialTable& materials, const Vec3& at,
-                    const Vec3& normal) {
+                    const Vec3& normal, float steepness) {
   const float voxel = mean_spacing(section.source_spacing);
   const float length = 0.25f * voxel;
   const Vec3 step = (-normal * section.direction) / section.spacing;
   constexpr int kSteps = 12;  // from a voxel before the surface to two below it
+  const float share = section.steep ? section.steep->share(steepness) : 0;
   Vec3 sum(0);
   float transmittance = 1;
   for (int i = 0; i < kSteps && transmittance > 0.02f; ++i) {
@@ -56,7 +58,8 @@ Vec3 reflectance_at(const Section& section, const MaterialTable& materials, cons
     const float alpha = 1 - std::exp(-material.extinction * length);
     if (alpha > 0) {
       const Vec3 tint = section.channels == 3 ? photo_albedo(sampled) : Vec3(1);
-      sum += transmittance * alpha * material.surface * tint;
+      const Vec3 reflectance = glm::mix(material.surface, material.boundary, share);
+      sum += transmittance * alpha * reflectance * tint;
       transmittance *= 1 - alpha;
     }
   }
@@ -183,12 +186,13 @@ SurfaceScan scan_surfaces(const Section& section) {
           const Vec3 at = 0.5f * Vec3(voxel + next);
           const Vec3 outward = (here < kHalf ? -1.0f : 1.0f) * section.direction[axis];
           Vec3 normal = -gradient_at(section, at);
+          const float steepness = glm::length(normal);
           const float along = glm::dot(normal, outward);
           // Where values say otherwise than matter does (thin walls), the voxels' own side is
           // right.
-          normal = along > 1e-3f * glm::length(normal) ? glm::normalize(normal) : outward;
+          normal = along > 1e-3f * steepness ? glm::normalize(normal) : outward;
           slice.points.push_back({section.world_from_index(at), normal,
-                                  reflectance_at(section, materials, at, normal)});
+                                  reflectance_at(section, materials, at, normal, steepness)});
         }
       }
     }

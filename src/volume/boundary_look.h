@@ -1,7 +1,6 @@
 #pragma once
 
-#include <algorithm>
-
+#include "volume/steep_range.h"
 #include "volume/transfer_function.h"
 
 namespace clipgs {
@@ -16,14 +15,9 @@ struct BoundaryLook {
   /// (FaceRays), and there a gradient is a border between tissues that were cut, no surface.
   static constexpr float kFaceVoxels = 4;
 
-  float from = 0;  ///< ‖∇v‖ up to which matter looks as its value alone says, value units per mm
-  float to = 1;    ///< ‖∇v‖ from which it looks as `transfer` says
+  SteepRange range;           ///< how steep values are there
   TransferFunction transfer;  ///< albedo, specular and roughness alone count
 
-  /// How much of the boundary's look matter has where ‖∇v‖ = `steepness`: 0…1, linear in between.
-  float share(float steepness) const {
-    return std::clamp((steepness - from) / (to - from), 0.0f, 1.0f);
-  }
   /// `plain`, what matter of the value looks like where it is even, with a share of this look.
   Material mixed(Material plain, float value, float share) const {
     const Material& steep = transfer.at(value);

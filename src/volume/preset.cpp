@@ -259,10 +259,10 @@ TransferPoint parse_boundary_point(Reader reader, ValueUnits units) {
 /// `plain`: the curve that says where matter is.
 BoundaryLook parse_boundary(Reader reader, ValueUnits units, const TransferFunction& plain) {
   BoundaryLook result;
-  result.from = reader.number("from", kSteepness);
-  result.to = reader.number("to", kSteepness);
-  if (result.to <= result.from) {
-    reader.fail("to", "is {:g}, which must be more than \"from\"", result.to);
+  result.range.from = reader.number("from", kSteepness);
+  result.range.to = reader.number("to", kSteepness);
+  if (result.range.to <= result.range.from) {
+    reader.fail("to", "is {:g}, which must be more than \"from\"", result.range.to);
   }
   std::vector<TransferPoint> points;
   for (const Reader& entry : reader.children("points", kMostPoints)) {
@@ -607,8 +607,8 @@ void resolve_percentiles(Preset& preset, const Volume& volume) {
   }
   if (preset.boundary) {
     preset.boundary->transfer = resolved(preset.boundary->transfer);
-    preset.boundary->from *= range;
-    preset.boundary->to *= range;
+    preset.boundary->range.from *= range;
+    preset.boundary->range.to *= range;
   }
   preset.units = ValueUnits::kStored;
 }

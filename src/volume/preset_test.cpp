@@ -92,10 +92,10 @@ TEST(Preset, ReadsABoundarysLook) {
                {"value": 100, "color": "#000000", "specular": 0.8, "roughness": 0.1}]})"),
                    "s", "here");
   const BoundaryLook& look = preset.boundary.value();
-  EXPECT_EQ(look.share(0), 0);
-  EXPECT_EQ(look.share(20), 0);
-  EXPECT_FLOAT_EQ(look.share(50), 0.75f);
-  EXPECT_EQ(look.share(1000), 1);
+  EXPECT_EQ(look.range.share(0), 0);
+  EXPECT_EQ(look.range.share(20), 0);
+  EXPECT_FLOAT_EQ(look.range.share(50), 0.75f);
+  EXPECT_EQ(look.range.share(1000), 1);
   const Material plain = preset.transfer.at(100);
   const Material mixed = look.mixed(plain, 100, 0.5f);
   EXPECT_FLOAT_EQ(mixed.albedo.r, 0.5f * plain.albedo.r);
@@ -134,14 +134,14 @@ TEST(Preset, BoundariesAreScaledAsTheValuesAre) {
   Preset preset = written;
   resolve_percentiles(preset, make_ball(24, 8, 500, 0));
   EXPECT_EQ(preset.boundary->transfer.max_value(), preset.transfer.max_value());
-  EXPECT_NEAR(preset.boundary->to / preset.boundary->from, 5, 1e-4);
-  EXPECT_NEAR(preset.surface_strength * preset.boundary->to, 0.5f * 0.5f, 1e-4);
+  EXPECT_NEAR(preset.boundary->range.to / preset.boundary->range.from, 5, 1e-4);
+  EXPECT_NEAR(preset.surface_strength * preset.boundary->range.to, 0.5f * 0.5f, 1e-4);
 
   // Of one value: nothing of it is steep.
   preset = written;
   resolve_percentiles(preset, make_ball(24, 8, 500, 500));
   EXPECT_EQ(preset.boundary->transfer.min_value(), 500);
-  EXPECT_EQ(preset.boundary->share(0), 0);
+  EXPECT_EQ(preset.boundary->range.share(0), 0);
 }
 
 TEST(LightRig, BuiltInOnesLightAWhiteFaceFromEverySide) {

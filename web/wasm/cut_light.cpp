@@ -41,8 +41,9 @@ struct Description {
   float spacing[3];
   float source_spacing[3];
   float curve[256];
-  float materials[256][9];  // extinction, specular, roughness, surface, interior
-  float sky[9];             // top, horizon, bottom
+  float materials[256][12];  // extinction, specular, roughness, surface, interior, boundary
+  float steep[2];            // from, to; 0, 0: the section has no such range
+  float sky[9];              // top, horizon, bottom
   float key_count;
   float keys[kMostKeys][7];  // direction, radiance, angular radius
 };
@@ -127,7 +128,10 @@ EXPORT(prepare) bool prepare() {
   section.curve = ValueCurve(std::vector<float>(description.curve, description.curve + 256));
   for (size_t code = 0; code < section.materials.size(); ++code) {
     const float* m = description.materials[code];
-    section.materials[code] = {m[0], m[1], m[2], vec3(m + 3), vec3(m + 6)};
+    section.materials[code] = {m[0], m[1], m[2], vec3(m + 3), vec3(m + 6), vec3(m + 9)};
+  }
+  if (description.steep[1] > 0) {
+    section.steep = SteepRange{description.steep[0], description.steep[1]};
   }
   section.rig = read_rig();
   light.openings = std::make_unique<Openings>(section);

@@ -46,7 +46,7 @@ import type { DepthCue } from "./depth_cue";
 import { shader } from "./shaders";
 import { uploadInPieces } from "./upload";
 
-const kTableRows = 4;
+const kTableRows = 5;
 const kGlossRow = 2;
 const kShade = 2; // channel of that row
 const kMostShade = 1000; // as good as infinite, where half floats are still fine
@@ -94,7 +94,7 @@ function columnValues(curve: readonly number[]): number[] {
   return Array.from({ length: kColumns }, (_, i) => low + step * i);
 }
 
-/** Codes of the columns of the table's last row. */
+/** Codes of the columns of the table's last rows. */
 function columnCodes(): number[] {
   return Array.from({ length: kColumns }, (_, i) => ((kCodes - 1) * i) / (kColumns - 1));
 }
@@ -103,7 +103,7 @@ function columnCodes(): number[] {
  * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
  * by the optical depth of the first step, at most ½, so that any fits.
  */
-function materialTexture({ materials, curve }: Section, firstStep: number): DataTexture {
+function materialTexture({ materials, boundary, curve }: Section, firstStep: number): DataTexture {
   const depth = materials.extinction.map((e) => e * firstStep);
   const ofValues = columnValues(curve).map((value) => codeOfValue(curve, value));
   const rows: [codes: number[], tables: number[][]][] = [
@@ -111,6 +111,7 @@ function materialTexture({ materials, curve }: Section, firstStep: number): Data
     [ofValues, [...materials.interior, depth]],
     [ofValues, [materials.specular, materials.roughness]],
     [columnCodes(), [...materials.surface, depth]],
+    [columnCodes(), boundary?.reflectance ?? []],
   ];
   const data = new Uint16Array(kTableRows * kColumns * 4);
   rows.forEach(([codes, tables], row) =>
@@ -124,6 +125,13 @@ function materialTexture({ materials, curve }: Section, firstStep: number): Data
   texture.minFilter = texture.magFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
+}
+
+function steepUniform({ boundary, curve }: Section): Vector2 {
+  const range = curve[kCodes - 1]! - curve[0]!;
+  return boundary
+    ? new Vector2(boundary.from / range, range / (boundary.to - boundary.from))
+    : new Vector2(0, 0);
 }
 
 function rigUniform(rig: LightRig): object {
@@ -262,6 +270,7 @@ export class SectionFaces {
           steps: kWallSteps.fine,
           voxel: 2 * surfaceDepth(section),
           firstStep: first,
+          steep: steepUniform(section),
           sourceVoxel: new Vector3(...section.sourceSpacing),
           spacing: new Vector3(...section.spacing),
           axes: new Matrix3().set(...transposed(section.axes)),

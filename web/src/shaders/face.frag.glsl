@@ -82,7 +82,7 @@ void main() {
       vec2 gap = march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
       Wall wall;
       if (uOpened && gap.x > 0.0 && isInside(ray.start, uBlocks) &&
-          firstWall(ray, direction, gap.y, uOpenings, uVoxels, uBlocks, uMaterials, wall)) {
+          firstWall(ray, direction, gap.y, uOpenings, uVoxels, uBlocks, uCurve, uMaterials, wall)) {
         if (uGrey > 0.0 && uGreyOpenings != kGapValues) {
           open = openness(gap.x, ray.start, uVoxels, uCurve, uMaterials);
         }

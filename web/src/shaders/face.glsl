@@ -14,10 +14,11 @@ const float kLeastTransmittance = 1.0 / 256.0;
 const float kPi = 3.14159265;
 
 // Rows of the table of materials, whose columns are evenly spread over the values.
-const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
-const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
-const float kGlossRow = 0.625;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
-const float kCodeRow = 0.875;      // as kSurfaceRow, but with columns evenly spread over the codes
+const float kSurfaceRow = 0.1;   // reflectance at the face; optical depth of the first step
+const float kInteriorRow = 0.3;  // reflectance beneath it; optical depth of the first step
+const float kGlossRow = 0.5;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
+const float kCodeRow = 0.7;      // as kSurfaceRow, but with columns evenly spread over the codes
+const float kBoundaryRow = 0.9;  // as kCodeRow: reflectance of walls where values are steep
 
 // Of codes: between these, interpolation mixes the body with the air around it.
 const float kLowestInside = 4.0 / 255.0;
@@ -65,6 +66,7 @@ struct Openings {
   WallSteps steps;
   float voxel;        // mm, mean of the traced volume
   float firstStep;    // mm, that optical depths of materials are told by
+  vec2 steep;         // of walls (SteepRange): where it begins and 1 / its width, of values 0…1 per mm; 0, 0: none
   vec3 sourceVoxel;   // mm, of the traced volume
   vec3 spacing;       // mm, of the section
   mat3 axes;          // RAS directions of its axes
@@ -270,14 +272,32 @@ vec4 materialOfCode(float code, sampler2D materials) {
   return texture(materials, vec2(materialColumn(code), kCodeRow));
 }
 
-// Towards larger codes, RAS, any length.
-vec3 codeGradient(vec3 index, Openings o, highp sampler3D voxels) {
+// Value of an interpolated code, 0…1.
+float valueOfCode(float code, highp sampler2D curve) {
+  float at = 255.0 * code;
+  int low = min(int(at), 254);
+  return mix(texelFetch(curve, ivec2(low, 0), 0).r, texelFetch(curve, ivec2(low + 1, 0), 0).r, at - float(low));
+}
+
+vec3 valuesOfCodes(vec3 codes, highp sampler2D curve) {
+  return vec3(valueOfCode(codes.x, curve), valueOfCode(codes.y, curve), valueOfCode(codes.z, curve));
+}
+
+// How codes and values change around an index.
+struct Change {
+  vec3 slope;       // towards larger codes, RAS, any length
+  float steepness;  // of the values, per mm; 0 where `o` has no steep range
+};
+
+Change changeAt(vec3 index, Openings o, highp sampler3D voxels, highp sampler2D curve) {
   vec3 s = o.sourceVoxel / o.spacing;
   vec3 x = vec3(s.x, 0.0, 0.0), y = vec3(0.0, s.y, 0.0), z = vec3(0.0, 0.0, s.z);
-  vec3 slope = vec3(codeAt(index + x, voxels) - codeAt(index - x, voxels),
-                    codeAt(index + y, voxels) - codeAt(index - y, voxels),
-                    codeAt(index + z, voxels) - codeAt(index - z, voxels));
-  return o.axes * (slope / o.sourceVoxel);
+  vec3 above = vec3(codeAt(index + x, voxels), codeAt(index + y, voxels), codeAt(index + z, voxels));
+  vec3 below = vec3(codeAt(index - x, voxels), codeAt(index - y, voxels), codeAt(index - z, voxels));
+  vec3 width = 2.0 * o.sourceVoxel;
+  float steepness =
+      o.steep.y > 0.0 ? length((valuesOfCodes(above, curve) - valuesOfCodes(below, curve)) / width) : 0.0;
+  return Change(o.axes * ((above - below) / width), steepness);
 }
 
 // How far along a ray matter begins at or after `from` mm; ray.leave if it does not. `left` are the steps that it may
@@ -302,8 +322,9 @@ float searchMatter(FaceRay ray, float from, Openings o, highp sampler3D voxels, 
 // The first wall along a ray from `from` mm on: whether there is one. Rays of neighbouring pixels search and look
 // closely together: what only one of them does costs as much as if all did.
 bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D voxels, sampler3D blocks,
-               sampler2D materials, out Wall wall) {
+               highp sampler2D curve, sampler2D materials, out Wall wall) {
   vec3 sum;
+  vec3 steepSum;
   float depth;
   float alpha = 0.0;
   float t = from;
@@ -317,15 +338,21 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
     // Matter began within the last step.
     t = max(from, t - o.steps.search * o.voxel);
     sum = vec3(0.0);
+    steepSum = vec3(0.0);
     depth = 0.0;
     float transmittance = 1.0;
     float stepLength = o.steps.fine * o.voxel;
     for (int k = 0; k < o.steps.count && transmittance > kOpaqueWall; ++k) {
       vec3 middle = ray.start + (t + 0.5 * stepLength) * ray.stride;
       vec4 voxel = texture(voxels, (middle + 0.5) / vec3(textureSize(voxels, 0)));
-      vec4 material = materialOfCode(valueOf(voxel), materials);
+      float code = valueOf(voxel);
+      vec4 material = materialOfCode(code, materials);
       float weight = transmittance * (1.0 - exp(-material.a * stepLength / o.firstStep));
-      sum += weight * material.rgb * (kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0));
+      vec3 tint = kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0);
+      sum += weight * material.rgb * tint;
+      if (o.steep.y > 0.0) {
+        steepSum += weight * texture(materials, vec2(materialColumn(code), kBoundaryRow)).rgb * tint;
+      }
       depth += weight * (t + 0.5 * stepLength);
       transmittance -= weight;
       t += stepLength;
@@ -334,10 +361,10 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
     alpha = 1.0 - transmittance;
   }
   wall.index = ray.start + depth / alpha * ray.stride;
-  wall.reflectance = sum / alpha;
-  vec3 slope = codeGradient(wall.index, o, voxels);
-  float steepness = length(slope);
-  wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -slope : slope) / steepness : -direction;
+  Change change = changeAt(wall.index, o, voxels, curve);
+  wall.reflectance = mix(sum, steepSum, clamp((change.steepness - o.steep.x) * o.steep.y, 0.0, 1.0)) / alpha;
+  float slope = length(change.slope);
+  wall.normal = slope > 0.0 ? (dot(change.slope, direction) > 0.0 ? -1.0 : 1.0) / slope * change.slope : -direction;
   return true;
 }
 

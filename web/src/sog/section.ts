@@ -41,6 +41,13 @@ export interface FaceMaterials {
   interior: [number[], number[], number[]]; // beneath it
 }
 
+/** Where values are steep (per mm), walls of cavities look otherwise: as a boundary does from `to` on. */
+export interface BoundaryLook {
+  from: number;
+  to: number;
+  reflectance: [number[], number[], number[]]; // linear RGB over the codes
+}
+
 /** The `section` block of a case (docs/format.md), checked: plain data, to be passed between threads. */
 export interface SectionInfo {
   file: string;
@@ -58,6 +65,8 @@ export interface SectionInfo {
   /** Rms errors of values where the code is 16k … 16k + 15. */
   valueErrors: number[];
   materials: FaceMaterials;
+  /** Null where walls look as faces do. */
+  boundary: BoundaryLook | null;
   rig: LightRig;
   exposure: number;
   tone: ToneCurve;
@@ -116,17 +125,28 @@ function readCurve(reader: JsonReader): number[] {
   return curve.every((v, i) => i === 0 || v > curve[i - 1]!) ? curve : reader.fail("curve");
 }
 
+/** A table for each of red, green and blue, whose names end so. */
+function readColors(reader: JsonReader, prefix: string): FaceMaterials["surface"] {
+  return ["r", "g", "b"].map((c) =>
+    reader.numbers(prefix + c, kCodes, 0, kMaxReflectance),
+  ) as FaceMaterials["surface"];
+}
+
 function readMaterials(reader: JsonReader): FaceMaterials {
   const table = (key: string, most: number) => reader.numbers(key, kCodes, 0, most);
-  const colors = (key: string) =>
-    ["r", "g", "b"].map((c) => table(`${key}_${c}`, kMaxReflectance)) as FaceMaterials["surface"];
   return {
     extinction: table("extinction", kMaxExtinction),
     specular: table("specular", 1),
     roughness: table("roughness", 1),
-    surface: colors("surface"),
-    interior: colors("interior"),
+    surface: readColors(reader, "surface_"),
+    interior: readColors(reader, "interior_"),
   };
+}
+
+function readBoundary(reader: JsonReader): BoundaryLook {
+  const from = reader.number("from", 0);
+  const to = reader.number("to", 0);
+  return to > from ? { from, to, reflectance: readColors(reader, "") } : reader.fail("to");
 }
 
 function readRig(reader: JsonReader): LightRig {
@@ -194,6 +214,7 @@ export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unkno
     curve: readCurve(reader),
     valueErrors: reader.numbers("value_errors", kErrorBands, 0),
     materials: readMaterials(reader.child("materials")),
+    boundary: reader.has("boundary") ? readBoundary(reader.child("boundary")) : null,
     rig: readRig(lights),
     exposure: lights.number("exposure", Number.MIN_VALUE),
     tone: readTone(lights),

@@ -29,7 +29,7 @@ function describeRig({ skyTop, skyHorizon, skyBottom, keys }: LightRig): number[
 
 /** A section without its voxels, as wasm/cut_light.cpp wants it described. */
 function describe(section: Section): Float32Array {
-  const { dims, channels, origin, axes, spacing, sourceSpacing, curve, materials, rig } = section;
+  const { dims, channels, origin, axes, spacing, sourceSpacing, curve, materials, boundary, rig } = section;
   return Float32Array.from([
     ...dims,
     channels,
@@ -44,7 +44,10 @@ function describe(section: Section): Float32Array {
       materials.roughness[code]!,
       ...materials.surface.map((table) => table[code]!),
       ...materials.interior.map((table) => table[code]!),
+      ...(boundary?.reflectance.map((table) => table[code]!) ?? [0, 0, 0]),
     ]),
+    boundary?.from ?? 0,
+    boundary?.to ?? 0,
     ...describeRig(rig),
   ]);
 }

@@ -64,11 +64,11 @@ async function makePhantomCase(work: string, out: string): Promise<void> {
   await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
 }
 
-/** A case of the same volume with a tone curve, lit so that much is brighter than white. */
+/** A case of the same volume with a tone curve, lit so that much is brighter than white, and a boundary's look. */
 async function makeFilmicCase(made: string, work: string, out: string): Promise<void> {
   const look = "--tone filmic --exposure 2".split(" ");
   mkdirSync(work);
-  await makeCase(join(made, "phantom.nii.gz"), "skin-and-bone", "Filmic phantom", work, out, ...look);
+  await makeCase(join(made, "phantom.nii.gz"), "anatomy", "Filmic phantom", work, out, ...look);
 }
 
 /** A case of the same pictures without a section: its splats are solid and have face colours. */

@@ -19,6 +19,8 @@ describe("parseSection", () => {
     expect(info.axes[1]).toEqual([-1, 0, 0]);
     expect(info.curve[255]).toBe(1550);
     expect(info.materials.interior[0][255]).toBeCloseTo(1.9);
+    expect(info.boundary?.to).toBe(80);
+    expect(info.boundary?.reflectance[1][255]).toBeCloseTo(0.4);
     expect(info.rig.keys).toHaveLength(3);
     expect(info.exposure).toBe(1.2);
     expect(info.tone).toBe("srgb");
@@ -69,6 +71,10 @@ describe("parseSection", () => {
     ["materials.roughness", Array(255).fill(0.5), /materials\.roughness/],
     ["materials.surface_g", undefined, /materials\.surface_g/],
     ["materials.interior_b", Array(256).fill(1e9), /materials\.interior_b/],
+    ["boundary.from", -1, /boundary\.from/],
+    ["boundary.to", 20, /boundary\.to/],
+    ["boundary.g", Array(256).fill(-1), /boundary\.g/],
+    ["boundary.b", undefined, /boundary\.b/],
     ["lights", undefined, /lights/],
     ["lights.sky_top", [1, 1, -1], /lights\.sky_top/],
     ["lights.keys", Array(9).fill({}), /lights\.keys/],

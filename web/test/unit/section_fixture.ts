@@ -33,6 +33,7 @@ export function makeSectionBlock(): Record<string, unknown> {
       interior_g: ramp(0.2, 1.8),
       interior_b: ramp(0.2, 1.7),
     },
+    boundary: { from: 20, to: 80, r: ramp(0.3, 0.5), g: ramp(0.3, 0.4), b: ramp(0.3, 0.3) },
     lights: {
       sky_top: [0.4, 0.5, 0.6],
       sky_horizon: [0.2, 0.2, 0.2],
