@@ -11,6 +11,7 @@
 #include "core/parallel.h"
 #include "volume/bit_mask.h"
 #include "volume/slice_flood.h"
+#include "volume/smooth_within.h"
 
 namespace clipgs {
 namespace {
@@ -29,6 +30,11 @@ constexpr float kDense = 250;           // HU; skin is softer, cables and head h
 constexpr float kSkinOverBone = 1.5f;   // mm; no bone lies so near to the air, but bare ones
 constexpr double kBare = 0.4;           // of the surface of a dense thing, of what lies outside
 constexpr float kBlur = 2;              // mm around a dense thing that are neither it nor air
+constexpr float kSeam = 2;              // mm around that which are smoothed
+constexpr float kSmooth = 1;            // mm, deviation
+constexpr float kDeepRest = 3;          // mm below that or the air; bone is deeper
+constexpr float kRest = 90;             // HU; of a dense thing in the skin, which is softer …
+constexpr float kSkinValue = 30;        // HU … and becomes this
 constexpr double kLeastDense = 0.1;     // ml; noise has less
 constexpr float kSkin = 2;              // voxels around the body that keep their values
 constexpr double kMostRemoved = 0.35;   // of all matter; more is no table
@@ -220,6 +226,18 @@ BitMask opened(const Volume& volume, const BitMask& mask, float radius) {
   return dilated(volume, eroded(volume, mask, radius), radius);
 }
 
+/// Makes skin of what is left of dense things that lay on it, and its surface smooth: masks end in
+/// steps of whole voxels.
+void heal(Volume& volume, const BitMask& bare, const BitMask& filled, float blur) {
+  const BitMask seam = dilated(volume, bare, blur + kSeam);
+  const BitMask near_air = dilated(
+      volume, mask_where(volume, [&](size_t i) { return bare[i] || !filled[i]; }), kDeepRest);
+  const BitMask rests = mask_where(
+      volume, [&](size_t i) { return seam[i] && near_air[i] && volume.values[i] > kRest; });
+  volume.values.set_where(kSkinValue, [&](size_t i) { return rests[i]; });
+  smooth_within(volume, seam, kSmooth);
+}
+
 double voxel_ml(const Volume& volume) {
   const Vec3& s = volume.spacing;
   return double{s.x} * s.y * s.z / 1000;
@@ -378,7 +396,9 @@ Isolation isolate_body(Volume& volume) {
   }
   const BitMask matter =
       mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
-  const BitMask bare = bare_things(volume, with_holes_filled(volume, matter));
+  const BitMask scanned = with_holes_filled(volume, matter);
+  const BitMask bare = bare_things(volume, scanned);
+  const bool any_bare = bare.next(0) < bare.size();
   const BitMask clothed = without(matter, bare);
   // What a shell encloses with the body is not of the body.
   BitMask filled = with_holes_filled(volume, opened(volume, clothed, kThickestShell));
@@ -391,9 +411,9 @@ Isolation isolate_body(Volume& volume) {
   add_trifles(volume, filled, body);
   BitMask kept = dilated(volume, body, kSkin * voxel);
   drop_ends_of_others(volume, without(filled, body), kept);
-  if (bare.next(0) < bare.size()) {
+  const float blur = std::max(kBlur, 1.01f * std::min({s.x, s.y, s.z}));
+  if (any_bare) {
     // With what is blurred around them, but for the skin below.
-    const float blur = std::max(kBlur, 1.01f * std::min({s.x, s.y, s.z}));
     kept =
         without(kept, without(dilated(volume, bare, blur), dilated(volume, cores.body, kThinnest)));
   }
@@ -404,6 +424,9 @@ Isolation isolate_body(Volume& volume) {
     return {.unsure = true};
   }
   volume.values.set_where(kAir, [&](size_t i) { return !kept[i]; });
+  if (any_bare) {
+    heal(volume, bare, scanned, blur);
+  }
   const double ml = voxel_ml(volume);
   return {removed * ml, static_cast<double>(cores.foreign) * ml};
 }
