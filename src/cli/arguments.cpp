@@ -73,6 +73,11 @@ IVec3 parse_size(const std::string& text) {
   return size;
 }
 
+Vec3 parse_vector(const std::string& text, const std::string& option) {
+  const std::vector<float> n = parse_numbers(text, 3, 3, option);
+  return {n[0], n[1], n[2]};
+}
+
 View parse_view(const std::string& text) {
   const std::vector<float> n = parse_numbers(text, 2, 3, "--view");
   View view{n[0], n[1], n.size() > 2 ? n[2] : 1.0f};

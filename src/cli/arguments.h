@@ -19,6 +19,9 @@ namespace clipgs {
 /// "512x384" (or "512": a square), both sides 16…8192.
 IVec3 parse_size(const std::string& text);  // x, y; z is 0
 
+/// "R,A,S" of an option: a point, mm, or a direction.
+Vec3 parse_vector(const std::string& text, const std::string& option);
+
 /// "azimuth,elevation[,zoom]" in degrees.
 View parse_view(const std::string& text);
 

@@ -84,6 +84,33 @@ TEST_F(CameraTest, ATestViewIsTracedAgain) {
   EXPECT_EQ(again, 4);  // two of tests, two of validation
 }
 
+TEST_F(CameraTest, LooksAtAPoint) {
+  // How far down the matter lies in the picture, px.
+  const auto height = [&](const std::string& point) {
+    std::vector<std::string> command = {
+        "cinema", at("phantom.nrrd"), "-o", at("x.png"), "--size", "64", "--spp",
+        "4",      "--view",           "0,0"};
+    if (!point.empty()) {
+      command.insert(command.end(), {"--look-at", point});
+    }
+    EXPECT_EQ(run_clipgs(command).status, 0);
+    const Image image = read_png(at("x.png"));
+    float rows = 0;
+    float sum = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        rows += image.at(x, y)[3] * static_cast<float>(y);
+        sum += image.at(x, y)[3];
+      }
+    }
+    return rows / sum;
+  };
+  const float middle = height("");
+  EXPECT_NEAR(middle, 32, 4);
+  EXPECT_GT(height("0,0,60"), middle + 3);
+  EXPECT_LT(height("0,0,-60"), middle - 3);
+}
+
 TEST_F(CameraTest, StandsAloneAndMustBeOne) {
   write_text(at("camera.json"), R"({"w": 32, "h": 20, "fl_x": 40, "fl_y": 40, "cx": 16, "cy": 10,
       "transform_matrix": [[1,0,0,0],[0,0,-1,-600],[0,1,0,0],[0,0,0,1]]})");
@@ -98,6 +125,7 @@ TEST_F(CameraTest, StandsAloneAndMustBeOne) {
   EXPECT_EQ(read_png(at("x.png")).width, 32);
   EXPECT_EQ(with({at("camera.json"), "--view", "0,0"}).status, 2);
   EXPECT_EQ(with({at("camera.json"), "--size", "32"}).status, 2);
+  EXPECT_EQ(with({at("camera.json"), "--look-at", "0,0,0"}).status, 2);
   write_text(at("camera.json"), R"({"w": 32})");
   const Finished none = with({at("camera.json")});
   EXPECT_EQ(none.status, 1);
@@ -118,6 +146,8 @@ TEST_F(CameraTest, NumbersAreBounded) {
                                       {"--view", "0,0,1e9"},
                                       {"--view", "1e30,0"},
                                       {"--focus", "1e30,0,0"},
+                                      {"--look-at", "1e30,0,0"},
+                                      {"--look-at", "1,2"},
                                       {"--background", "2,0,0"},
                                       {"--plane", "0,0,1e30,1"},
                                       {"--gradient-opacity", "1,1e30"},

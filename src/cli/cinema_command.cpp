@@ -70,10 +70,9 @@ void run_cinema(const CinemaArguments& arguments) {
   if (!arguments.animation.any()) {
     options.progress = "cinema";
   }
-  Vec3 focus = matter.sphere.center;
+  Vec3 focus = viewpoint.middle(matter.sphere);
   if (!arguments.focus.empty()) {
-    const std::vector<float> n = parse_numbers(arguments.focus, 3, 3, "--focus");
-    focus = Vec3(n[0], n[1], n[2]);
+    focus = parse_vector(arguments.focus, "--focus");
   }
   if (!arguments.floor.empty()) {
     options.floor = make_floor(matter, kSides.at(arguments.floor));
@@ -157,9 +156,8 @@ void add_cinema_command(CLI::App& app) {
                    "Radius of the lens, mm: what is far from the focus is blurred (0: nothing is)")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option(
-      "--focus", arguments->focus,
-      "R,A,S, mm: the point that is sharp (default: the middle of what is visible)");
+  command->add_option("--focus", arguments->focus,
+                      "R,A,S, mm: the point that is sharp (default: the middle of the picture)");
   command
       ->add_option("--floor", arguments->floor,
                    "A floor on this side of the body that shows only the shadow that falls on it: "

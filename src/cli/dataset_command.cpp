@@ -36,8 +36,7 @@ float lowest(const std::vector<const Frame*>& frames, float Frame::* noise) {
 
 void run_dataset(const DatasetArguments& arguments) {
   DatasetOptions options = arguments.options;
-  const std::vector<float> axis = parse_numbers(arguments.axis, 3, 3, "--axis");
-  options.axis = Vec3(axis[0], axis[1], axis[2]);
+  options.axis = parse_vector(arguments.axis, "--axis");
   if (!(glm::length(options.axis) > 0)) {
     throw CLI::ValidationError("--axis", "the axis must not be 0,0,0");
   }

@@ -55,8 +55,7 @@ LightRig lights_of(const RenderArguments& arguments, const Case& contents) {
   if (arguments.lamp.empty()) {
     return rig;
   }
-  const std::vector<float> from = parse_numbers(arguments.lamp, 3, 3, "--lamp");
-  const Vec3 direction(from[0], from[1], from[2]);
+  const Vec3 direction = parse_vector(arguments.lamp, "--lamp");
   if (glm::length(direction) == 0) {
     throw Error("--lamp {}: is no direction; give right, anterior, superior, as 1,1,2",
                 arguments.lamp);
@@ -105,8 +104,7 @@ void run_render(const RenderArguments& arguments) {
   options.reference = arguments.reference;
   std::vector<Vec3> pins;
   for (const std::string& text : arguments.pins) {
-    const std::vector<float> n = parse_numbers(text, 3, 3, "--pin");
-    pins.emplace_back(n[0], n[1], n[2]);
+    pins.push_back(parse_vector(text, "--pin"));
   }
   check_picture_output(arguments.animation, arguments.output);
   require_writable(arguments.output);
