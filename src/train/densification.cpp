@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
-#include <unordered_map>
+#include <numeric>
 #include <vector>
 
 #include "core/parallel.h"
@@ -15,7 +14,7 @@ namespace {
 float logit(float p) { return std::log(p / (1 - p)); }
 
 /// Draws `count` indices from `alive` with probability ∝ opacity·need (cumulative sums, binary
-/// search).
+/// search); those of one that has been drawn kMostSplits times are left out.
 std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
                                         const std::vector<std::uint32_t>& alive,
                                         const std::vector<float>& need, size_t count, Rng& rng) {
@@ -30,11 +29,14 @@ std::vector<std::uint32_t> draw_sources(const Gaussians& gaussians,
   }
   std::vector<std::uint32_t> sources;
   sources.reserve(count);
+  std::vector<int> drawn(alive.size(), 0);
   for (size_t k = 0; k < count; ++k) {
     const double u = static_cast<double>(rng.next()) * 0x1p-32 * total;
     const auto it = std::ranges::upper_bound(cumulative, u);
     const auto at = std::min<size_t>(it - cumulative.begin(), alive.size() - 1);
-    sources.push_back(alive[at]);
+    if (++drawn[at] <= Densification::kMostSplits) {
+      sources.push_back(alive[at]);
+    }
   }
   return sources;
 }
@@ -65,18 +67,11 @@ void split(Gaussians& gaussians, std::uint32_t source, std::uint32_t target) {
   }
 }
 
-/// A source that is named often is halved, then its halves are, and so on, all parts alike: one
-/// that gave a half away a thousand times would be too small for numbers.
+/// One after the other: a source that is named often is halved again and again.
 void make_copies(Gaussians& gaussians, Adam& adam, std::vector<float>& need, const Copies& made) {
-  std::unordered_map<std::uint32_t, std::deque<std::uint32_t>> parts;  // the largest first
   for (size_t k = 0; k < made.targets.size(); ++k) {
-    std::deque<std::uint32_t>& queue = parts[made.sources[k]];
-    const std::uint32_t source = queue.empty() ? made.sources[k] : queue.front();
+    const std::uint32_t source = made.sources[k];
     const std::uint32_t target = made.targets[k];
-    if (!queue.empty()) {
-      queue.pop_front();
-    }
-    queue.insert(queue.end(), {source, target});
     split(gaussians, source, target);
     need[source] *= 0.5f;
     need[target] = need[source];
@@ -99,6 +94,7 @@ Copies relocate_dead(Gaussians& gaussians, Adam& adam, std::vector<float>& need,
   }
   Copies made{std::move(dead), {}};
   made.sources = draw_sources(gaussians, alive, need, made.targets.size(), rng);
+  made.targets.resize(made.sources.size());
   make_copies(gaussians, adam, need, made);
   return made;
 }
@@ -110,17 +106,15 @@ Copies grow(Gaussians& gaussians, Adam& adam, std::vector<float>& need, size_t b
     return {};
   }
   std::vector<std::uint32_t> alive(old_size);
+  std::iota(alive.begin(), alive.end(), 0U);
   Copies made;
-  for (size_t i = 0; i < old_size; ++i) {
-    alive[i] = static_cast<std::uint32_t>(i);
-  }
-  for (size_t i = old_size; i < size; ++i) {
-    made.targets.push_back(static_cast<std::uint32_t>(i));
-  }
-  made.sources = draw_sources(gaussians, alive, need, made.targets.size(), rng);
-  gaussians = resized(gaussians, size);
-  adam.resize(size);
-  need.resize(size);
+  made.sources = draw_sources(gaussians, alive, need, size - old_size, rng);
+  made.targets.resize(made.sources.size());
+  std::iota(made.targets.begin(), made.targets.end(), static_cast<std::uint32_t>(old_size));
+  const size_t new_size = old_size + made.targets.size();
+  gaussians = resized(gaussians, new_size);
+  adam.resize(new_size);
+  need.resize(new_size);
   make_copies(gaussians, adam, need, made);
   return made;
 }

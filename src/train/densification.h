@@ -16,18 +16,21 @@ struct Densification {
   static constexpr float kDeadOpacity = 0.005f;
   static constexpr size_t kGrowthDivisor = 20;  ///< one call grows the cloud by a twentieth
   static constexpr float kNoiseRate = 5e5f;     ///< of `add_noise`, relative to the means' rate
+  /// Of one Gaussian in a call: its rest has shrunk to a fifteenth, and more of them would be dust.
+  static constexpr int kMostSplits = 8;
   static constexpr float kSplitOffset = 0.7f;   ///< of halves from the whole, in its deviations
   static constexpr float kSplitOpacity = 0.8f;  ///< of a half, relative to the whole's
 };
 
-/// Gaussian targets[k] became a part of what was sources[k].
+/// Gaussian targets[k] became half of sources[k].
 struct Copies {
   std::vector<std::uint32_t> targets, sources;
 };
 
-/// Splits a living Gaussian for every dead one, which becomes its other half. They are drawn with
-/// probability ∝ opacity·need (≥ 0, of each Gaussian: how much the loss pulls at it); a need is
-/// split too, and what is drawn often into parts alike. Returns which moved where.
+/// Splits a living Gaussian for every dead one, which becomes its other half; where one is drawn
+/// more than kMostSplits times the dead wait for the next call. They are drawn with probability ∝
+/// opacity·need (≥ 0, of each Gaussian: how much the loss pulls at it); a need is split too.
+/// Returns which moved where.
 Copies relocate_dead(Gaussians& gaussians, Adam& adam, std::vector<float>& need, Rng rng);
 
 /// Adds halves of living Gaussians the same way, at most to `budget`. Returns which.
