@@ -47,7 +47,7 @@ wanted=("$@")
 "$clipgs" --quiet phantom "$folder/phantom.nii.gz" >/dev/null
 look skin-head skin "$data/head.nrrd" -25,12,1.6 0,0,10 -0.3,-0.5,-0.8 -20 --hu 16,-1024
 look skeleton-head skeleton "$data/head.nrrd" 35,8,1.15 0,0,-7 1,0,-0.15 0 --hu 16,-1024
-look anatomy-chest anatomy "$data/chest.nrrd" 20,12,1.2 0,0,0 0,-1,0.1 0
+look anatomy-chest anatomy "$data/chest.nrrd" 20,12,1.1 -8,0,15 0,-1,0.1 0
 look x-ray-chest x-ray "$data/chest.nrrd" 15,5,1.2 0,0,0 -1,0,0 0
 look skin-abdomen skin "$data/abdomen_pelvis_3mm.nii.gz" 30,12,1.2 0,0,0 0.5,-0.8,-0.3 0
 look skeleton-abdomen skeleton "$data/abdomen_pelvis_3mm.nii.gz" 25,12,1.2 0,0,0 0,-1,0 -20
