@@ -6,8 +6,8 @@
 #                                  already are not built again
 #
 # QUALITY (default standard, draft for the phantom) and SPP (default 512, of the path tracer) trade time for looks.
-# PAPER names what bench/paper_tables.sh made (default build/paper), for the stages. CLIPGS_MR may name an MR scan
-# for the sheet of presets. Needs ImageMagick besides what scripts/setup.sh installs.
+# PAPER names what bench/paper_tables.sh made (default build/paper), for the stages. Needs ImageMagick besides what
+# scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -135,63 +135,6 @@ shot() {
   convert "$file" -gravity south -fill '#c8ccd4' -pointsize 15 -annotate +0+8 "$label" "$file"
 }
 
-# look NAME PRESET VOLUME VIEW PLANE [LOADING...]: a column of a sheet of presets, uncut and cut.
-look() {
-  local name="$1" preset="$2" volume="$3" view="$4" plane="$5"
-  shift 5
-  echo "gallery: $name, preset $preset"
-  shot "$folder/look-$name-1.png" "$name: $preset" "$volume" --preset "$preset" --view "$view" "$@"
-  shot "$folder/look-$name-2.png" "" "$volume" --preset "$preset" --view "$view" --plane "$plane" "$@"
-  convert "$folder/look-$name-"{1,2}.png -append "$folder/look-$name.png"
-}
-
-# sheets: all presets that the real volumes can show, and the rigs.
-sheets() {
-  local head="$CLIPGS_DATA/head.nrrd" chest="$CLIPGS_DATA/chest.nrrd" stent="$CLIPGS_DATA/stent.nrrd"
-  local abdomen="$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz"
-  look skin soft-tissue "$chest" 30,40 0,0.3,-1,500
-  look organs soft-tissue "$abdomen" 20,20 0,-1,0,-130
-  look muscles muscle "$chest" 25,40 0,0,-1,540
-  look head skin-and-bone "$head" 30,20 1,0,0,-260 --hu 16,-1024
-  look skull bone "$head" 30,15 1,0,0,-260 --hu 16,-1024
-  look pelvis bone "$abdomen" 25,20 0,0,-1,-190
-  look jaw teeth "$head" 15,10 0,0,-1,-80 --hu 16,-1024
-  look lungs lung "$chest" 0,15 0,-1,0,140
-  look aorta vessels "$stent" 30,15 0,-1,0,63 --hu 1,0
-  look stent stent "$stent" 30,15 0,-1,0,63 --hu 1,0
-  look thorax glass "$chest" 30,15 0,0,-1,540
-  look body crystal "$head" 30,12 1,0,0,-260 --hu 16,-1024
-  look unknown generic "$head" 30,20 0,0,-1,-110
-  local columns=(skin organs muscles head skull pelvis jaw lungs aorta stent thorax body unknown)
-  if [ -n "${CLIPGS_MR:-}" ]; then
-    look brain mr "$CLIPGS_MR" 30,25 0,0,-1,-20
-    columns+=(brain)
-  fi
-  local files=("${columns[@]/#/$folder/look-}")
-  montage "${files[@]/%/.png}" -tile 7x -geometry +0+0 -background 'rgb(18,20,26)' "$folder/presets.png"
-  convert "$folder/presets.png" -quality 80 "$out/presets.webp"
-  local rig
-  for rig in studio portrait theatre softbox rim dome ambient; do
-    shot "$folder/rig-$rig.png" "$rig" "$CLIPGS_DATA/head.nrrd" --hu 16,-1024 --preset soft-tissue --rig "$rig" \
-      --view 30,20 --plane 0,0,-1,-150
-  done
-  convert "$folder"/rig-{studio,portrait,theatre,softbox,rim,dome,ambient}.png +append -quality 80 "$out/rigs.webp"
-}
-
-# stills: shadows on a floor, a lens, skin of glass under a soft box.
-stills() {
-  local head="$CLIPGS_DATA/head.nrrd" paper='0.82,0.82,0.84'
-  echo "gallery: stills"
-  still() {
-    "$clipgs" --quiet cinema "$head" --hu 16,-1024 -o "$folder/still-$1.png" --size "$size" --spp "${SPP:-512}" --denoise "${@:2}" >/dev/null
-  }
-  still floor --preset bone --view 30,12 --floor inferior --background "$paper"
-  still lens --preset teeth --view 35,5,1.5 --lens 5 --focus "$1" --background "$background"
-  still glass --preset crystal --view -35,10 --rig softbox --exposure auto --background "$background"
-  still cut --preset skin-and-bone --view 25,25 --plane 0,0,-1,-110 --floor inferior --rig theatre --background "$paper"
-  convert "$folder"/still-{floor,lens,glass,cut}.png +append -quality 80 "$out/stills.webp"
-}
-
 # stages: what becomes of the head on the papers' way, from what bench/paper_tables.sh left in PAPER; a cut across the
 # axis above, an oblique one, which the neural model cannot draw, below.
 stages() {
@@ -250,8 +193,6 @@ if [ -n "${CLIPGS_DATA:-}" ]; then
   openings chest 0,0,-1,540 0,70,1.5
   picture abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "Abdomen and pelvis" 30,25
   inside abdomen "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" 20,45,1.4
-  sheets
-  stills -262,-150,60
   if [ -f "${PAPER:-build/paper}/head/case.sog" ]; then
     stages "${PAPER:-build/paper}/head"
   fi
