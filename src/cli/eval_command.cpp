@@ -37,6 +37,7 @@ struct EvalArguments {
   std::vector<std::string> sections;
   std::string split = "test";
   std::string rig;
+  float pixels_per_degree = kHeadsetPixelsPerDegree;
 };
 
 EvaluationOptions evaluation_options(const EvalArguments& arguments) {
@@ -44,6 +45,7 @@ EvaluationOptions evaluation_options(const EvalArguments& arguments) {
   if (arguments.split == "validation") {
     options.splits = kValidationSplits;
   }
+  options.pixels_per_degree = arguments.pixels_per_degree;
   options.clips.clear();
   for (const std::string& name : arguments.clips) {
     const ClipOperator clip = parse_clip_operator(name);
@@ -205,6 +207,11 @@ void add_eval_command(CLI::App& app) {
                    "theatre, rim, dome, ambient or a JSON file (default: those that each was "
                    "made in); with faces from the volume")
       ->excludes(section, model);
+  command
+      ->add_option("--pixels-per-degree", arguments->pixels_per_degree,
+                   "Of the display that FLIP is told for: 25 is a Quest 3, 67 a desk")
+      ->check(CLI::Range(1.0f, 1000.0f))
+      ->capture_default_str();
   command->footer(
       "Scenes are called by their files' names.\n"
       "Example: clipgs eval case.sog --dataset case.clipgs-work/dataset --report case.html\n"

@@ -62,13 +62,16 @@ Truth load_truths(const Dataset& dataset, const Frame& frame) {
   return truth;
 }
 
-Scores compare(const Truth& truth, const Image& picture, const Frame& frame, float band) {
+Scores compare(const Truth& truth, const Image& picture, const Frame& frame, float band,
+               float pixels_per_degree) {
   const Image map = ssim_map(truth.picture, picture);
   Scores scores;
   scores.psnr = psnr(truth.picture, picture);
   scores.masked = masked_error(truth.picture, picture);
   scores.psnr_masked = scores.masked.psnr();
   scores.ssim = mean(map);
+  scores.flip =
+      masked_mean(flip_map(truth.picture, picture, pixels_per_degree), truth.picture, picture);
   if (frame.plane && truth.depth) {
     scores.band_ssim = band_ssim(map, *truth.depth, frame.camera, *frame.plane, band);
   }
@@ -127,7 +130,7 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
   EvaluationRow row;
   row.split = split;
   row.drawing = drawing;
-  Mean psnr, psnr_masked, ssim, band_ssim;
+  Mean psnr, psnr_masked, ssim, band_ssim, flip;
   for (const FrameScores& frame : frames) {
     if (frame.drawing != drawing || dataset.frames[frame.frame].split != split) {
       continue;
@@ -137,6 +140,7 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
     psnr_masked.add(scores.psnr_masked);
     ssim.add(scores.ssim);
     band_ssim.add(scores.band_ssim);
+    flip.add(scores.flip);
     row.mean.masked.add(scores.masked);
     add_to(row.mean.leak, scores.leak, [](Leak& sum, const Leak& one) { sum.add(one); });
     add_to(row.mean.classes, scores.classes, [](ClassErrors& sum, const ClassErrors& one) {
@@ -154,6 +158,7 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
   row.mean.psnr_masked = psnr_masked.value();
   row.mean.ssim = ssim.value().value_or(0);
   row.mean.band_ssim = band_ssim.value();
+  row.mean.flip = flip.value();
   row.confidence = psnr_masked.confidence();
   return row;
 }
@@ -312,7 +317,8 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
       }
       const Image picture = draw_frame(contents, frame, drawing);
       const Truth& expected = drawing.against_model ? of_model : truth;
-      evaluation.frames.push_back({tests[i], drawing, compare(expected, picture, frame, band)});
+      evaluation.frames.push_back(
+          {tests[i], drawing, compare(expected, picture, frame, band, options.pixels_per_degree)});
     }
     progress.update(i + 1);
   }
@@ -347,6 +353,7 @@ void add_scores(const Scores& scores, OrderedJson& json) {
   json["psnr_masked"] = number(scores.psnr_masked);
   json["ssim"] = number(scores.ssim);
   json["band_ssim"] = number(scores.band_ssim);
+  json["flip"] = number(scores.flip);
   json["leak"] = number(scores.leak_percent());
   for (const PixelClass which : kPixelClasses) {
     const std::string name = pixel_class_name(which);
@@ -401,18 +408,20 @@ std::string evaluation_table(const Evaluation& evaluation, const Dataset& datase
   std::string text = fmt::format("{} splats, {:.2f} MB\n", evaluation.splats,
                                  static_cast<double>(evaluation.bytes) / 1e6);
   constexpr const char* kWay = "{:<10} {:<18} {:<6} {:<8} {:<8}";
-  constexpr const char* kLine = " {:>8} {:>8} {:>7} {:>7} {:>9} {:>7}\n";
+  constexpr const char* kLine = " {:>8} {:>8} {:>7} {:>7} {:>7} {:>9} {:>7}\n";
   const auto way = [&](const EvaluationRow& row) {
     return fmt::format(kWay, evaluation.subjects[row.drawing.subject], split_name(row.split),
                        clip_text(evaluation, row.drawing), face_source_name(row.drawing.faces),
                        against_text(evaluation, row.drawing));
   };
   const std::string title = fmt::format(kWay, "scene", "split", "clip", "section", "against");
-  text += title + fmt::format(kLine, "PSNR dB", "masked", "SSIM", "band", "leak e-2", "images");
+  text +=
+      title + fmt::format(kLine, "PSNR dB", "masked", "SSIM", "band", "FLIP", "leak e-2", "images");
   for (const EvaluationRow& row : evaluation.rows) {
     text += way(row) + fmt::format(kLine, cell(row.mean.psnr, 2), cell(row.mean.psnr_masked, 2),
                                    cell(row.mean.ssim, 4), cell(row.mean.band_ssim, 4),
-                                   cell(row.mean.leak_percent(), 3), row.images);
+                                   cell(row.mean.flip, 4), cell(row.mean.leak_percent(), 3),
+                                   row.images);
   }
   constexpr const char* kMasked = " {:>6} {:>5} {:>6} {:>6} {:>16} {:>16} {:>16}\n";
   text += "\nmasked PSNR, and of what pixels show (dB, share of pixels, of squared error)\n" +

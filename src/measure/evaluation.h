@@ -10,6 +10,7 @@
 
 #include "asset/draw_case.h"
 #include "cinema/dataset.h"
+#include "measure/flip.h"
 #include "measure/metrics.h"
 
 namespace clipgs {
@@ -29,6 +30,7 @@ struct Scores {
   std::optional<double> psnr_masked;
   double ssim = 0;
   std::optional<double> band_ssim;
+  std::optional<double> flip;  ///< mean of flip_map() over the pixels of psnr_masked
   // Energies and errors are summed over pictures: one that shows almost none of a class, or that
   // the cut leaves almost empty, has no figure of its own worth averaging.
   std::optional<Leak> leak;
@@ -110,6 +112,7 @@ struct EvaluationOptions {
                                      ClipOperator::kExact};
   /// Empty: the volume, if the case has one, and the splats.
   std::vector<FaceSource> faces;
+  float pixels_per_degree = kHeadsetPixelsPerDegree;  ///< that ꟻLIP counts on
 };
 
 /// A test or validation picture of the dataset, checked against its camera's size. Throws Error.
@@ -137,7 +140,7 @@ std::string against_text(const Evaluation& evaluation, const Drawing& drawing);
 /// "masked_noise_floor_db": {split: dB}, "rows": [{"subject", "split", "clip", "section",
 /// "against", SCORES, "psnr_masked_pooled", "psnr_masked_confidence", "psnr_masked_worst", "worst",
 /// "images"}], "frames": [{"file", "split", "subject", "clip", "section", "against", SCORES}]};
-/// SCORES: "psnr", "psnr_masked", "ssim", "band_ssim", "leak", "psnr_face", "pixels_face",
+/// SCORES: "psnr", "psnr_masked", "ssim", "band_ssim", "flip", "leak", "psnr_face", "pixels_face",
 /// "error_face" and the same of "opened" and "outside": shares of the masked pixels and of their
 /// squared error. null where a metric is not defined.
 std::string evaluation_json(const Evaluation& evaluation, const Dataset& dataset);

@@ -136,6 +136,8 @@ TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
     EXPECT_GT(*exact.mean.band_ssim, *hard.mean.band_ssim);
     EXPECT_GT(*hard.mean.leak_percent(), *exact.mean.leak_percent());
     EXPECT_LT(hard.mean.ssim, exact.mean.ssim);
+    EXPECT_LT(*exact.mean.flip, 0.01);
+    EXPECT_GT(*hard.mean.flip, *exact.mean.flip + 0.05);
   }
   // Frames alternate between the splits with noise floors 41, 42, …, 46.
   ASSERT_EQ(evaluation.noise_floors.size(), 2u);
@@ -162,9 +164,9 @@ TEST_F(EvaluationTest, JsonHasTheDocumentedKeys) {
   }
   EXPECT_THAT(keys, testing::ElementsAre(
                         "subject", "clip", "section", "against", "split", "psnr", "psnr_masked",
-                        "ssim", "band_ssim", "leak", "psnr_face", "pixels_face", "error_face",
-                        "psnr_opened", "pixels_opened", "error_opened", "psnr_outside",
-                        "pixels_outside", "error_outside", "psnr_masked_pooled",
+                        "ssim", "band_ssim", "flip", "leak", "psnr_face", "pixels_face",
+                        "error_face", "psnr_opened", "pixels_opened", "error_opened",
+                        "psnr_outside", "pixels_outside", "error_outside", "psnr_masked_pooled",
                         "psnr_masked_confidence", "psnr_masked_worst", "worst", "images"));
   ASSERT_EQ(json["frames"].size(), 6u);
   EXPECT_EQ(json["frames"][0]["file"], "0.png");

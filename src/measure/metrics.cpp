@@ -27,6 +27,10 @@ float alpha_at(const Image& image, size_t pixel) {
 
 Image over_black(const Image& image) { return composite(image, 0, 0, 0); }
 
+bool shows_matter(const Image& truth, const Image& picture, size_t pixel) {
+  return alpha_at(truth, pixel) > kMaskAlpha || alpha_at(picture, pixel) > kMaskAlpha;
+}
+
 double squared_error(const Image& a, const Image& b, size_t pixel) {
   double sum = 0;
   for (size_t c = 0; c < 3; ++c) {
@@ -149,7 +153,7 @@ ClassErrors masked_errors(const Image& truth, const Image& picture,
   const Image b = over_black(picture);
   ClassErrors errors;
   for (size_t i = 0; i < a.pixels(); ++i) {
-    if (alpha_at(truth, i) > kMaskAlpha || alpha_at(picture, i) > kMaskAlpha) {
+    if (shows_matter(truth, picture, i)) {
       errors[static_cast<size_t>(classes[i])].add({squared_error(a, b, i), 1});
     }
   }
@@ -175,6 +179,20 @@ Image ssim_map(const Image& truth, const Image& picture) {
 double mean(const Image& map) {
   return std::accumulate(map.data.begin(), map.data.end(), 0.0) /
          static_cast<double>(map.data.size());
+}
+
+std::optional<double> masked_mean(const Image& map, const Image& truth, const Image& picture) {
+  require_same_size(truth, picture);
+  require_same_size(truth, map);
+  double sum = 0;
+  size_t pixels = 0;
+  for (size_t i = 0; i < map.pixels(); ++i) {
+    if (shows_matter(truth, picture, i)) {
+      sum += map.data[i];
+      ++pixels;
+    }
+  }
+  return pixels > 0 ? std::optional(sum / static_cast<double>(pixels)) : std::nullopt;
 }
 
 double ssim(const Image& truth, const Image& picture) { return mean(ssim_map(truth, picture)); }

@@ -57,6 +57,8 @@ Image ssim_map(const Image& truth, const Image& picture);
 /// Mean of the SSIM map.
 double ssim(const Image& truth, const Image& picture);
 double mean(const Image& map);
+/// Over the pixels that masked_error() counts; empty where there are none.
+std::optional<double> masked_mean(const Image& map, const Image& truth, const Image& picture);
 
 /// Mean of `ssim_map` over the pixels whose first hit lies within `half_width` mm of the plane.
 /// `depth` [height, width, 1] is the truth's first-hit distance along the pixel's ray from the

@@ -80,6 +80,9 @@ rest. In brackets the shares of the masked pixels and of their squared error.</d
 <dt>SSIM</dt><dd>Window of 11×11 pixels, σ 1.5, zero padded, mean of the channels.</dd>
 <dt>band SSIM</dt><dd>Mean of the SSIM map where the truth's first hit lies within 2&nbsp;% of the
 extent of the plane: at the cut.</dd>
+<dt>ꟻLIP</dt><dd>The difference that someone sees who flips between truth and ours, 0 to 1, mean over
+the masked pixels, at a headset's 25 pixels a degree unless <code>--pixels-per-degree</code> said
+otherwise (Andersson et al. 2020).</dd>
 <dt>leak</dt><dd>Colour energy that the picture puts where the cut left nothing, divided by the
 energy of the truth, in units of 10⁻².</dd>
 <dt>section</dt><dd>What draws the face of the cut: the case's own volume, lit like the rest, or the
@@ -121,7 +124,7 @@ struct Column {
   std::optional<double> (*value)(const Scores&);
 };
 
-const std::array<Column, 9> kColumns = {{
+const std::array<Column, 10> kColumns = {{
     {"PSNR, dB", 2, 1, [](const Scores& s) { return std::optional(s.psnr); }},
     {"masked, dB", 2, 1, [](const Scores& s) { return s.psnr_masked; }},
     {"pooled", 2, 1, [](const Scores& s) { return s.masked.psnr(); }},
@@ -130,6 +133,7 @@ const std::array<Column, 9> kColumns = {{
     {"outside", 2, 1, [](const Scores& s) { return s.share(PixelClass::kOutside).psnr; }},
     {"SSIM", 4, 1, [](const Scores& s) { return std::optional(s.ssim); }},
     {"band SSIM", 4, 1, [](const Scores& s) { return s.band_ssim; }},
+    {"ꟻLIP", 4, -1, [](const Scores& s) { return s.flip; }},
     {"leak, 10⁻²", 3, -1, [](const Scores& s) { return s.leak_percent(); }},
 }};
 
