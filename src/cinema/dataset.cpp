@@ -1,7 +1,10 @@
 #include "cinema/dataset.h"
 
 #include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "core/camera_file.h"
 #include "core/error.h"
@@ -76,7 +79,9 @@ Split read_split(const JsonReader& reader) {
       return split;
     }
   }
-  reader.fail("split", "train, test_axis, test_oblique, validation_axis or validation_oblique");
+  reader.fail("split",
+              fmt::format("one of {}", fmt::join(kSplits | std::views::transform(split_name), ", "))
+                  .c_str());
 }
 
 Frame read_frame(const JsonReader& reader) {
@@ -111,10 +116,18 @@ const char* split_name(Split split) {
       return "test_axis";
     case Split::kTestOblique:
       return "test_oblique";
+    case Split::kTestUncut:
+      return "test_uncut";
+    case Split::kTestClose:
+      return "test_close";
     case Split::kValidationAxis:
       return "validation_axis";
     case Split::kValidationOblique:
       return "validation_oblique";
+    case Split::kValidationUncut:
+      return "validation_uncut";
+    case Split::kValidationClose:
+      return "validation_close";
   }
   return "";
 }

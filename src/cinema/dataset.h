@@ -16,10 +16,31 @@ namespace clipgs {
 
 /// What pictures are for: learning, the figures of tables, and choices between methods, which must
 /// not be made on the tables' pictures.
-enum class Split { kTrain, kTestAxis, kTestOblique, kValidationAxis, kValidationOblique };
-inline constexpr std::array kSplits{Split::kTrain, Split::kTestAxis, Split::kTestOblique,
-                                    Split::kValidationAxis, Split::kValidationOblique};
-/// "train", "test_axis", "test_oblique", "validation_axis", "validation_oblique"
+enum class Split {
+  kTrain,
+  kTestAxis,     ///< cut across the axis
+  kTestOblique,  ///< cut by any plane
+  kTestUncut,
+  kTestClose,  ///< two to four times as near: a face of a cut, or the skin of the uncut body
+  kValidationAxis,
+  kValidationOblique,
+  kValidationUncut,
+  kValidationClose
+};
+inline constexpr std::array kTestSplits{Split::kTestAxis, Split::kTestOblique, Split::kTestUncut,
+                                        Split::kTestClose};
+inline constexpr std::array kValidationSplits{Split::kValidationAxis, Split::kValidationOblique,
+                                              Split::kValidationUncut, Split::kValidationClose};
+inline constexpr std::array kSplits{Split::kTrain,
+                                    Split::kTestAxis,
+                                    Split::kTestOblique,
+                                    Split::kTestUncut,
+                                    Split::kTestClose,
+                                    Split::kValidationAxis,
+                                    Split::kValidationOblique,
+                                    Split::kValidationUncut,
+                                    Split::kValidationClose};
+/// "train", "test_axis", "validation_oblique" and so on.
 const char* split_name(Split split);
 
 /// One picture of the dataset.
@@ -28,7 +49,7 @@ struct Frame {
   std::optional<Plane> plane;
   Split split = Split::kTrain;
   std::string file;  ///< PNG, relative to the folder: 8-bit sRGB RGBA, straight alpha
-  // Of test and validation frames only:
+  // Of test and validation frames only, and the uncut ones of those that are cut:
   std::string uncut_file;        ///< the same view without the plane ("leak" needs it)
   std::string depth_file;        ///< first-hit depth, 16-bit grey PNG: mm = value·depth_scale
   std::string uncut_depth_file;  ///< … without the plane

@@ -319,6 +319,62 @@ TEST(ChooseFrames, PrefersSurfacesToFaces) {
   EXPECT_EQ(choose_frames(scene, sphere, pool), (std::vector<size_t>{1}));
 }
 
+TEST(PlanFrames, UncutAndCloseTestsOfTheirOwnSize) {
+  Fixture f;
+  f.options.test_size = 40;
+  f.options.uncut_frames = 3;
+  f.options.close_frames = 6;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  const CinemaScene scene(f.volume, f.preset);
+  std::vector<Frame> frames = plan_frames(matter, f.options);
+  const std::vector<Frame> whole = frames;
+  aim_close_ups(scene, f.options.seed, frames);
+  std::map<Split, std::vector<Frame>> splits;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Frame& frame = frames[i];
+    EXPECT_EQ(frame.camera.width, frame.split == Split::kTrain ? 24 : 40);
+    EXPECT_EQ(frame.camera.position, whole[i].camera.position);
+    EXPECT_EQ(frame.uncut_file.empty(), !frame.plane || frame.split == Split::kTrain);
+    splits[frame.split].push_back(frame);
+  }
+  EXPECT_EQ(splits[Split::kTestUncut].size(), 3U);
+  EXPECT_EQ(splits[Split::kValidationUncut].size(), 2U);
+  ASSERT_EQ(splits[Split::kTestClose].size(), 6U);
+  EXPECT_EQ(splits[Split::kValidationClose].size(), 3U);
+  EXPECT_FALSE(splits[Split::kTestUncut][0].plane);
+  const float whole_body = splits[Split::kTestUncut][0].camera.fx;
+  for (size_t i = 0; i < 6; ++i) {
+    const Frame& frame = splits[Split::kTestClose][i];
+    EXPECT_EQ(frame.plane.has_value(), i % 2 == 0);
+    EXPECT_FLOAT_EQ(frame.camera.fx / whole_body, static_cast<float>(2 + i % 3));
+    // In the middle is matter: of the face, if the camera sees it.
+    const float hit = *render_depth(scene, frame.camera, frame.plane).at(20, 20);
+    EXPECT_GT(hit, 0) << i;
+    if (frame.plane && frame.plane->signed_distance(frame.camera.position) < 0) {
+      const Vec3 place = frame.camera.position + hit * frame.camera.ray_direction(20, 20);
+      EXPECT_NEAR(frame.plane->signed_distance(place), 0, 2) << i;
+    }
+  }
+}
+
+TEST(Dataset, HasUncutAndClosePictures) {
+  Fixture f;
+  f.options.uncut_frames = 1;
+  f.options.close_frames = 2;
+  f.options.test_size = 32;
+  const TemporaryFolder folder;
+  const Dataset dataset = f.make(folder.path());
+  const std::vector<const Frame*> close = dataset.split(Split::kTestClose);
+  ASSERT_EQ(close.size(), 2U);
+  ASSERT_EQ(dataset.split(Split::kTestUncut).size(), 1U);
+  EXPECT_EQ(dataset.load(*close[0]).width, 32);
+  EXPECT_TRUE(fs::exists(folder.path() / close[0]->uncut_depth_file));
+  EXPECT_TRUE(fs::exists(folder.path() / close[1]->depth_file));
+  EXPECT_TRUE(close[1]->uncut_depth_file.empty());
+  const Frame& uncut = *dataset.split(Split::kTestUncut)[0];
+  EXPECT_GE(uncut.masked_noise_db, f.options.test_masked_noise_db);
+}
+
 TEST(Dataset, ComesBackFromDisk) {
   Fixture f;
   f.options.upsample = true;
@@ -489,6 +545,9 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
   EXPECT_EQ(changed([](V, P p, O) { p.tone = ToneCurve::kFilmic; }),
             "the tone changed; the tone changed");
   EXPECT_EQ(changed([](V, P, O o) { o.size = 25; }), "the size changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.test_size = 24; }), "; ");  // as it is
+  EXPECT_EQ(changed([](V, P, O o) { o.test_size = 25; }), "the test size changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.close_frames = 2; }), "the close frames changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.train_frames = 8; }), "the train frames changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.axis = Vec3(1, 0, 0); }), "the axis changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.one_sided = true; }), "the side of axis planes changed; ");

@@ -132,8 +132,13 @@ void check(const DatasetOptions& options) {
   if (options.size < 16 || options.size > 4096) {
     throw Error("dataset: pictures of {0}x{0} px are out of range; use 16 to 4096", options.size);
   }
+  if (options.test_size != 0 && (options.test_size < 16 || options.test_size > 4096)) {
+    throw Error("dataset: test pictures of {0}x{0} px are out of range; use 16 to 4096",
+                options.test_size);
+  }
   if (options.train_frames < 1 || options.test_frames < 0 || options.validation_frames < 0 ||
-      options.train_spp < 2 || options.test_spp < 2) {
+      options.uncut_frames < 0 || options.close_frames < 0 || options.train_spp < 2 ||
+      options.test_spp < 2) {
     throw Error("dataset: needs at least one training frame and two samples a pixel");
   }
   if (std::abs(glm::length(options.axis) - 1.0f) > 1e-4f) {
@@ -154,8 +159,12 @@ class Maker {
   float depth_scale() const { return depth_scale_; }
   const CinemaScene& scene() const { return scene_; }
 
-  // Rough cost of a frame, in training frames: for the time left.
-  static size_t cost(const Frame& frame) { return frame.split == Split::kTrain ? 1 : 16; }
+  // Rough cost of a frame, in quarters of a training frame: for the time left.
+  size_t cost(const Frame& frame) const {
+    const size_t share = static_cast<size_t>(4 * frame.camera.width) * frame.camera.height /
+                         (static_cast<size_t>(options_.size) * options_.size);
+    return frame.split == Split::kTrain ? share : 16 * share;
+  }
 
   /// Writes the frame's pictures, the one that State counts last, and returns its noise floor:
   /// before denoising, since the halves of a denoised picture would claim too high a one.
@@ -165,12 +174,15 @@ class Maker {
     options.max_bounces = options_.max_bounces;
     options.seed = Rng::mix(options_.seed) + number;
     if (!training) {
-      options.spp = kUncutSpp;
-      write_picture(frame.uncut_file, render_picture(scene_, frame.camera, std::nullopt, options));
       write_depth(folder_ / frame.depth_file, render_depth(scene_, frame.camera, frame.plane),
                   depth_scale_);
-      write_depth(folder_ / frame.uncut_depth_file,
-                  render_depth(scene_, frame.camera, std::nullopt), depth_scale_);
+      if (frame.plane) {
+        options.spp = kUncutSpp;
+        write_picture(frame.uncut_file,
+                      render_picture(scene_, frame.camera, std::nullopt, options));
+        write_depth(folder_ / frame.uncut_depth_file,
+                    render_depth(scene_, frame.camera, std::nullopt), depth_scale_);
+      }
       options.noise_db = options_.test_noise_db + kNoiseMargin;
       options.masked_noise_db = options_.test_masked_noise_db + kNoiseMargin;
     }
@@ -209,13 +221,14 @@ void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook&
   const Maker maker(traced, preset, folder, options, matter);
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);
+  aim_close_ups(maker.scene(), options.seed, frames);
 
   State state(folder);
   size_t total = 0;
   size_t done = 0;
   for (const Frame& frame : frames) {
-    total += Maker::cost(frame);
-    done += state.has(frame) ? Maker::cost(frame) : 0;
+    total += maker.cost(frame);
+    done += state.has(frame) ? maker.cost(frame) : 0;
   }
   Progress progress("dataset", total);
   progress.update(done);
@@ -223,7 +236,7 @@ void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook&
     Frame& frame = frames[i];
     if (!state.has(frame)) {
       state.finish(frame, maker.make(frame, i));
-      done += Maker::cost(frame);
+      done += maker.cost(frame);
       progress.update(done);
     }
     frame.noise_db = state.noise(frame)[0];

@@ -14,9 +14,12 @@ namespace clipgs {
 
 struct DatasetOptions {
   int size = 256;                   ///< pictures are size × size px
+  int test_size = 0;                ///< … those of test and validation frames this; 0: size
   int train_frames = 600;           ///< about 40 % axis planes, 45 % oblique, 15 % uncut
   int test_frames = 30;             ///< of each test split
   int validation_frames = 15;       ///< of each validation split
+  int uncut_frames = 0;             ///< of kTestUncut, and half as many of kValidationUncut
+  int close_frames = 0;             ///< of kTestClose, and half as many of kValidationClose
   int train_spp = 32;               ///< samples a pixel of a training picture, mean over matter
   float test_noise_db = 46;         ///< noise floor that test and validation pictures reach …
   float test_masked_noise_db = 40;  ///< … and that of its pixels that show matter …
@@ -33,11 +36,16 @@ struct DatasetOptions {
 };
 
 /// Cameras and planes of every frame, without pictures. Cameras spread evenly over the sphere, at
-/// three distances (training) or the nominal one (tests); planes go through the visible matter, and
+/// three distances (training) or the nominal one (tests); close-ups look from there through a lens
+/// that magnifies two to four times; planes go through the visible matter, and
 /// three times in four leave the side that the camera does not stand on, so that it sees the face.
 /// Test and validation frames are held out (HeldOut): no plane of another split comes within 1 % of
 /// the extent of theirs, no view within 5°.
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options);
+
+/// Aims close-ups, which plan_frames() leaves at the whole body, at what they see: at a random
+/// place of their face, or of the skin where they are uncut.
+void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Frame>& frames);
 
 /// The same with other training frames of the same kinds, chosen by what they show out of five
 /// times as many. Test frames stay as they are.

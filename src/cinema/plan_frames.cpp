@@ -8,6 +8,7 @@
 #include "cinema/choose_frames.h"
 #include "cinema/held_out.h"
 #include "cinema/make_dataset.h"
+#include "cinema/picture.h"
 #include "core/random.h"
 
 namespace clipgs {
@@ -43,8 +44,20 @@ enum Stream : std::uint64_t {
   kTestOblique,
   kOtherTraining,
   kValidationAxis,
-  kValidationOblique
+  kValidationOblique,
+  kTestUncut,
+  kTestClose,
+  kValidationUncut,
+  kValidationClose,
+  kAims
 };
+
+// Of close-ups, in turn.
+constexpr std::array<float, 3> kZooms{2, 3, 4};
+
+bool is_close(Split split) {
+  return split == Split::kTestClose || split == Split::kValidationClose;
+}
 
 float lerp(const Vec2& range, float t) { return range.x + (range.y - range.x) * t; }
 
@@ -80,18 +93,23 @@ class Planner {
       : matter_(matter),
         options_(options),
         held_out_(matter, options.axis, options.one_sided,
-                  2 * static_cast<size_t>(options.test_frames + options.validation_frames)) {}
+                  2 * static_cast<size_t>(options.test_frames + options.validation_frames) +
+                      static_cast<size_t>(with_validation(options.uncut_frames) +
+                                          with_validation(options.close_frames))) {}
 
   std::vector<Frame> plan() {
     std::vector<Frame> others;
-    const auto hold_out = [&](Split axis, Split oblique, int count) {
+    const auto hold_out = [&](const std::array<Split, 4>& splits, int cut, int uncut, int close) {
       const size_t begin = others.size();
-      plan_held_out(axis, count, others);
-      plan_held_out(oblique, count, others);
+      plan_held_out(splits[0], cut, others);
+      plan_held_out(splits[1], cut, others);
+      plan_held_out(splits[2], uncut, others);
+      plan_held_out(splits[3], close, others);
       held_out_.add(std::span(others).subspan(begin));
     };
-    hold_out(Split::kTestAxis, Split::kTestOblique, options_.test_frames);
-    hold_out(Split::kValidationAxis, Split::kValidationOblique, options_.validation_frames);
+    hold_out(kTestSplits, options_.test_frames, options_.uncut_frames, options_.close_frames);
+    hold_out(kValidationSplits, options_.validation_frames, half(options_.uncut_frames),
+             half(options_.close_frames));
     Rng rng(options_.seed, kTraining);
     std::vector<Frame> frames = training_frames(options_.train_frames, rng);
     std::ranges::move(others, std::back_inserter(frames));
@@ -118,6 +136,9 @@ class Planner {
   }
 
  private:
+  static int half(int count) { return (count + 1) / 2; }
+  static int with_validation(int count) { return count + half(count); }
+
   Kind kind_of(const Frame& frame) const {
     if (!frame.plane) {
       return kUncut;
@@ -182,6 +203,14 @@ class Planner {
         return kValidationAxis;
       case Split::kValidationOblique:
         return kValidationOblique;
+      case Split::kTestUncut:
+        return kTestUncut;
+      case Split::kTestClose:
+        return kTestClose;
+      case Split::kValidationUncut:
+        return kValidationUncut;
+      case Split::kValidationClose:
+        return kValidationClose;
       case Split::kTrain:
         break;
     }
@@ -195,6 +224,7 @@ class Planner {
   /// Appends the frames of a test or validation split.
   void plan_held_out(Split split, int count, std::vector<Frame>& frames) const {
     const bool axis = split == Split::kTestAxis || split == Split::kValidationAxis;
+    const bool uncut = split == Split::kTestUncut || split == Split::kValidationUncut;
     Rng rng(options_.seed, stream_of(split));
     std::vector<Vec3> directions = held_out_.spread_directions(count, random_rotation(rng));
     shuffle(directions, rng);
@@ -205,13 +235,20 @@ class Planner {
         const Vec2 range = options_.one_sided ? kTestRangeBelow : kTestRange;
         const float step = (static_cast<float>(i % planes) + 0.5f) / static_cast<float>(planes);
         set_axis_plane(frame, held_out_.free_height(range, step), rng);
-      } else {
+      } else if (!uncut && !(is_close(split) && i % 2 == 1)) {
         frame.plane = make_oblique_plane(kTestRange, frame.camera, rng);
       }
+      if (is_close(split)) {
+        const float zoom = kZooms[static_cast<size_t>(i) % kZooms.size()];
+        frame.camera.fx *= zoom;
+        frame.camera.fy *= zoom;
+      }
       const std::string file = fmt::format("{}_{:04}.png", split_name(split), i);
-      frame.uncut_file = "uncut/" + file;
       frame.depth_file = "depth/" + file;
-      frame.uncut_depth_file = "uncut_depth/" + file;
+      if (frame.plane) {
+        frame.uncut_file = "uncut/" + file;
+        frame.uncut_depth_file = "uncut_depth/" + file;
+      }
       frames.push_back(frame);
     }
   }
@@ -219,8 +256,10 @@ class Planner {
   Frame make_frame(Split split, int number, const Vec3& direction, float distance) const {
     Frame frame;
     const Sphere& sphere = matter_.sphere;
+    const int size =
+        split == Split::kTrain || options_.test_size == 0 ? options_.size : options_.test_size;
     frame.camera = look_at(sphere.center + framing_distance(sphere.radius) * distance * direction,
-                           sphere.center, Vec3(0, 0, 1), options_.size, options_.size);
+                           sphere.center, Vec3(0, 0, 1), size, size);
     frame.split = split;
     frame.file = fmt::format("images/{}_{:04}.png", split_name(split), number);
     return frame;
@@ -241,7 +280,7 @@ class Planner {
       const Vec3& center = matter_.sphere.center;
       const Vec3 arm = frame.camera.position - center;
       frame.camera = look_at(center + arm - 2 * glm::dot(arm, axis) * axis, center, Vec3(0, 0, 1),
-                             options_.size, options_.size);
+                             frame.camera.width, frame.camera.height);
     }
     frame.plane = plane;
   }
@@ -279,6 +318,66 @@ class Planner {
 
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options) {
   return Planner(matter, options).plan();
+}
+
+namespace {
+
+/// Where a frame's rays, few of them, meet matter first: on the plane if any of them does.
+std::vector<Vec3> seen_places(const CinemaScene& scene, const Frame& frame) {
+  constexpr int kSide = 64;
+  constexpr float kOnPlane = 1.5f;  // voxels
+  Camera coarse = frame.camera;
+  const float scale = static_cast<float>(kSide) / static_cast<float>(coarse.width);
+  coarse.width = coarse.height = kSide;
+  coarse.fx *= scale;
+  coarse.fy *= scale;
+  coarse.cx *= scale;
+  coarse.cy *= scale;
+  const Image depth = render_depth(scene, coarse, frame.plane);
+  const float tolerance = kOnPlane * mean_spacing(scene.volume().spacing);
+  std::vector<Vec3> all;
+  std::vector<Vec3> of_face;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const float hit = *depth.at(x, y);
+      if (hit <= 0) {
+        continue;
+      }
+      const Vec3 ray =
+          coarse.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      all.push_back(coarse.position + hit * ray);
+      if (frame.plane && std::abs(frame.plane->signed_distance(all.back())) < tolerance) {
+        of_face.push_back(all.back());
+      }
+    }
+  }
+  return of_face.empty() ? all : of_face;
+}
+
+}  // namespace
+
+void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Frame>& frames) {
+  for (size_t i = 0; i < frames.size(); ++i) {
+    Frame& frame = frames[i];
+    if (!is_close(frame.split)) {
+      continue;
+    }
+    Frame whole = frame;
+    const Camera plain =
+        look_at(frame.camera.position, frame.camera.position + frame.camera.forward(),
+                Vec3(0, 0, 1), frame.camera.width, frame.camera.height);
+    whole.camera = plain;
+    const std::vector<Vec3> places = seen_places(scene, whole);
+    if (places.empty()) {
+      continue;  // the plane left nothing that this camera sees
+    }
+    Rng rng(seed, Rng::mix(i) ^ kAims);
+    const Vec3 aim = places[rng.below(static_cast<std::uint32_t>(places.size()))];
+    const float focal = frame.camera.fx;
+    frame.camera =
+        look_at(plain.position, aim, Vec3(0, 0, 1), frame.camera.width, frame.camera.height);
+    frame.camera.fx = frame.camera.fy = focal;
+  }
 }
 
 std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& matter,

@@ -12,6 +12,7 @@
 #include "cli/commands.h"
 #include "cli/look_options.h"
 #include "cli/section_options.h"
+#include "cli/test_picture_options.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -77,6 +78,7 @@ struct BuildArguments {
   SectionChoice section;
   bool denoise = false;
   Overrides overrides;
+  DatasetOptions tests;  ///< what add_test_picture_options() sets
 };
 
 Quality chosen_quality(const BuildArguments& arguments) {
@@ -101,6 +103,7 @@ fs::path work_folder(const BuildArguments& arguments) {
 BuildOptions build_options(const BuildArguments& arguments) {
   const Quality quality = chosen_quality(arguments);
   BuildOptions options;
+  options.pictures = arguments.tests;
   options.pictures.size = quality.size;
   options.pictures.train_frames = quality.train_frames;
   options.pictures.test_frames = quality.test_frames;
@@ -251,6 +254,7 @@ void add_build_command(CLI::App& app) {
                    "Test pictures of each split, and half as many to validate by")
       ->check(CLI::Range(1, 10000))
       ->group("Instead of what the quality says");
+  add_test_picture_options(*command, arguments->tests, "Instead of what the quality says");
   command->add_flag("--denoise", arguments->denoise,
                     "Smooth noise of training pictures away; test pictures stay as traced");
   command->add_option("--budget", overrides.budget, "Gaussians at most")

@@ -11,6 +11,7 @@
 #include "cli/commands.h"
 #include "cli/look_options.h"
 #include "cli/section_options.h"
+#include "cli/test_picture_options.h"
 #include "cli/volume_options.h"
 #include "core/lock.h"
 
@@ -102,6 +103,7 @@ void add_dataset_command(CLI::App& app) {
                    "Pictures of each validation split, to choose between methods by (default: half "
                    "as many as test pictures)")
       ->check(CLI::Range(0, 10000));
+  add_test_picture_options(*command, options, "OPTIONS");
   command->add_option("--train-spp", options.train_spp, "Samples a pixel of training pictures")
       ->check(CLI::Range(2, 65536))
       ->capture_default_str();

@@ -51,13 +51,15 @@ Truth load_truths(const Dataset& dataset, const Frame& frame) {
   if (frame.plane && !frame.uncut_file.empty()) {
     truth.uncut = load_picture(dataset, frame, frame.uncut_file);
   }
-  if (frame.plane && !frame.depth_file.empty()) {
+  if (!frame.depth_file.empty()) {
     truth.depth = load_depth(dataset, frame, frame.depth_file);
   }
-  if (truth.depth && !frame.uncut_depth_file.empty()) {
-    truth.classes = classify_pixels(
-        {*truth.depth, load_depth(dataset, frame, frame.uncut_depth_file)}, frame.camera,
-        *frame.plane, dataset.ends, kFaceTolerance * dataset.voxel_mm);
+  const bool knows_uncut = !frame.plane || !frame.uncut_depth_file.empty();
+  if (truth.depth && knows_uncut) {
+    FirstHits hits{*truth.depth,
+                   frame.plane ? load_depth(dataset, frame, frame.uncut_depth_file) : Image()};
+    truth.classes = classify_pixels(hits, frame.camera, frame.plane, dataset.ends,
+                                    kFaceTolerance * dataset.voxel_mm);
   }
   return truth;
 }

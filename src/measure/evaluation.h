@@ -102,10 +102,6 @@ struct Evaluation {
   std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
 };
 
-/// The splits that tables are made of, and those that choices are made by.
-inline constexpr std::array kTestSplits{Split::kTestAxis, Split::kTestOblique};
-inline constexpr std::array kValidationSplits{Split::kValidationAxis, Split::kValidationOblique};
-
 struct EvaluationOptions {
   std::span<const Split> splits = kTestSplits;
   std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,

@@ -39,17 +39,20 @@ const char* pixel_class_name(PixelClass which) {
 }
 
 std::vector<PixelClass> classify_pixels(const FirstHits& hits, const Camera& camera,
-                                        const Plane& plane, std::span<const Plane> ends,
-                                        float tolerance) {
+                                        const std::optional<Plane>& plane,
+                                        std::span<const Plane> ends, float tolerance) {
   require_size(hits.cut, camera);
-  require_size(hits.uncut, camera);
+  if (plane) {
+    require_size(hits.uncut, camera);
+  }
   const auto on = [&](const Plane& side, const Vec3& point) {
     return std::abs(side.signed_distance(point)) <= tolerance;
   };
   const auto classify = [&](const Vec3& ray, float hit, float uncut_hit) {
     const Vec3 point = camera.position + hit * ray;
-    const float enters = entry(camera, ray, plane);
-    const bool on_plane = std::isfinite(enters) && on(plane, point);
+    const float enters =
+        plane ? entry(camera, ray, *plane) : std::numeric_limits<float>::infinity();
+    const bool on_plane = std::isfinite(enters) && on(*plane, point);
     const bool on_end = std::ranges::any_of(ends, [&](const Plane& end) { return on(end, point); });
     if (hit > 0 && (on_plane || on_end)) {
       return PixelClass::kFace;
@@ -63,7 +66,7 @@ std::vector<PixelClass> classify_pixels(const FirstHits& hits, const Camera& cam
     for (int x = 0; x < camera.width; ++x) {
       const Vec3 ray =
           camera.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-      classes.push_back(classify(ray, *hits.cut.at(x, y), *hits.uncut.at(x, y)));
+      classes.push_back(classify(ray, *hits.cut.at(x, y), plane ? *hits.uncut.at(x, y) : 0));
     }
   }
   return classes;

@@ -11,7 +11,7 @@
 
 namespace clipgs {
 
-/// What a pixel of a cut picture shows, by where its ray meets matter first in the truth.
+/// What a pixel shows, by where its ray meets matter first in the truth.
 enum class PixelClass : std::uint8_t {
   kFace,     ///< matter that begins at the plane or at an end of the volume
   kOpened,   ///< what was hidden behind matter that the plane took away, deeper than the plane
@@ -24,7 +24,7 @@ const char* pixel_class_name(PixelClass which);  ///< "face", "opened", "outside
 /// First-hit distances along the pixels' rays, [height, width, 1], mm; 0 where nothing is met.
 struct FirstHits {
   Image cut;
-  Image uncut;  ///< … without the plane
+  Image uncut;  ///< … without the plane; of no use where there is none
 };
 
 /// The class of every pixel, in rows from the top. A first hit within `tolerance` (mm) of the
@@ -33,7 +33,7 @@ struct FirstHits {
 /// with or without the plane, are outside. Throws Error for hits that are no pictures of the
 /// camera's size.
 std::vector<PixelClass> classify_pixels(const FirstHits& hits, const Camera& camera,
-                                        const Plane& plane, std::span<const Plane> ends,
-                                        float tolerance);
+                                        const std::optional<Plane>& plane,
+                                        std::span<const Plane> ends, float tolerance);
 
 }  // namespace clipgs

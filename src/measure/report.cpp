@@ -106,10 +106,18 @@ const char* split_title(Split split) {
       return "Planes along the axis";
     case Split::kTestOblique:
       return "Oblique planes";
+    case Split::kTestUncut:
+      return "Uncut";
+    case Split::kTestClose:
+      return "Close up";
     case Split::kValidationAxis:
       return "Planes along the axis, validation";
     case Split::kValidationOblique:
       return "Oblique planes, validation";
+    case Split::kValidationUncut:
+      return "Uncut, validation";
+    case Split::kValidationClose:
+      return "Close up, validation";
     case Split::kTrain:
       break;
   }

@@ -38,9 +38,10 @@ DatasetOptions dataset_options(const BuildOptions& build) {
 Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOptions& build,
                       const fs::path& folder) {
   const DatasetOptions options = dataset_options(build);
-  say_step(2, fmt::format("pictures: {} training, {} test, {} validation, {}x{}, preset {}",
-                          options.train_frames, 2 * options.test_frames,
-                          2 * options.validation_frames, options.size, options.size, preset.name));
+  const int tests = 2 * options.test_frames + options.uncut_frames + options.close_frames;
+  say_step(2, fmt::format("pictures: {0} training, {1} test and half as many validation, {2}x{2}, "
+                          "preset {3}",
+                          options.train_frames, tests, options.size, preset.name));
   const Dataset dataset = make_dataset(volume, preset, folder, options);
   make_dataset_section(volume, preset, dataset, build.section);
   return dataset;

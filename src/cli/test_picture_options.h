@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cinema/make_dataset.h"
+
+namespace clipgs {
+
+/// --test-size, --uncut-frames and --close-frames: what a dataset is measured by besides cuts of
+/// whole bodies at the size of training pictures. `options` must outlive the parsing.
+inline void add_test_picture_options(CLI::App& command, DatasetOptions& options,
+                                     const std::string& group) {
+  command
+      .add_option("--test-size", options.test_size,
+                  "Side of test and validation pictures, px (default: that of all)")
+      ->check(CLI::Range(16, 4096))
+      ->group(group);
+  command
+      .add_option("--uncut-frames", options.uncut_frames,
+                  "Test pictures of the uncut body besides, and half as many to validate by")
+      ->check(CLI::Range(0, 10000))
+      ->group(group);
+  command
+      .add_option(
+          "--close-frames", options.close_frames,
+          "Test pictures close up besides, of faces and of the uncut body in turn, magnified "
+          "2, 3 and 4 times; half as many to validate by")
+      ->check(CLI::Range(0, 10000))
+      ->group(group);
+}
+
+}  // namespace clipgs
