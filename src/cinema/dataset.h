@@ -54,6 +54,8 @@ struct Frame {
   std::string depth_file;        ///< first-hit depth, 16-bit grey PNG: mm = value·depth_scale
   std::string uncut_depth_file;  ///< … without the plane
 
+  int shrink = 1;  ///< the files have so many times the camera's pixels along each side
+
   float noise_db = 0;         ///< noise floor of the picture over black, dB
   float masked_noise_db = 0;  ///< … of its pixels that show matter, dB
 };

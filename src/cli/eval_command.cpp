@@ -38,6 +38,7 @@ struct EvalArguments {
   std::string split = "test";
   std::string rig;
   float pixels_per_degree = kHeadsetPixelsPerDegree;
+  int size = 0;
 };
 
 EvaluationOptions evaluation_options(const EvalArguments& arguments) {
@@ -130,7 +131,10 @@ std::vector<SizeStage> size_stages(const fs::path& file, const Scene& scene, con
 void run_eval(const EvalArguments& arguments) {
   const EvaluationOptions options = evaluation_options(arguments);
   check_outputs(arguments);
-  const Dataset dataset = load_dataset(arguments.dataset);
+  Dataset dataset = load_dataset(arguments.dataset);
+  if (arguments.size > 0) {
+    show_at_size(arguments.size, dataset);
+  }
   const std::vector<Case> cases = load_subjects(arguments, dataset);
   if (std::ranges::find(options.clips, ClipOperator::kLayers) != options.clips.end() &&
       std::ranges::all_of(cases, [](const Case& one) { return one.scene.layers.empty(); })) {
@@ -207,6 +211,12 @@ void add_eval_command(CLI::App& app) {
                    "theatre, rim, dome, ambient or a JSON file (default: those that each was "
                    "made in); with faces from the volume")
       ->excludes(section, model);
+  command
+      ->add_option(
+          "--size", arguments->size,
+          "Side of the pictures to compare, px: one that divides the dataset's, whose pixels "
+          "are averaged (default: as they are)")
+      ->check(CLI::Range(16, 4096));
   command
       ->add_option("--pixels-per-degree", arguments->pixels_per_degree,
                    "Of the display that FLIP is told for: 25 is a Quest 3, 67 a desk")

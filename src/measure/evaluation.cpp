@@ -17,23 +17,60 @@ namespace {
 /// for begins up to a voxel below its face.
 constexpr float kFaceTolerance = 1.5f;
 
-Image load_picture(const Dataset& dataset, const Frame& frame, const std::string& file) {
+/// A file as it is, checked against its camera's size.
+Image load_file(const Dataset& dataset, const Frame& frame, const std::string& file) {
   Image image = read_png(dataset.folder / file);
-  if (image.width != frame.camera.width || image.height != frame.camera.height) {
+  const int width = frame.shrink * frame.camera.width;
+  const int height = frame.shrink * frame.camera.height;
+  if (image.width != width || image.height != height) {
     throw Error("{}: is {}×{} pixels, but transforms.json says {}×{}; make the dataset again",
-                (dataset.folder / file).string(), image.width, image.height, frame.camera.width,
-                frame.camera.height);
+                (dataset.folder / file).string(), image.width, image.height, width, height);
   }
   return image;
 }
 
+/// The mean light of `factor` × `factor` pixels each, of straight alpha.
+Image averaged(const Image& image, int factor, ToneCurve tone) {
+  Image out(image.width / factor, image.height / factor, image.channels);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) {
+      Vec3 light(0);
+      float alpha = 0;
+      for (int i = 0; i < factor * factor; ++i) {
+        const float* in = image.at(factor * x + i % factor, factor * y + i / factor);
+        const float a = image.channels == 4 ? in[3] : 1;
+        for (int c = 0; c < 3; ++c) {
+          light[c] += a * linear_from_display(in[c], tone);
+        }
+        alpha += a;
+      }
+      float* to = out.at(x, y);
+      for (int c = 0; c < 3; ++c) {
+        to[c] = alpha > 0 ? display_from_linear(light[c] / alpha, tone) : 0;
+      }
+      if (image.channels == 4) {
+        to[3] = alpha / static_cast<float>(factor * factor);
+      }
+    }
+  }
+  return out;
+}
+
+Image load_picture(const Dataset& dataset, const Frame& frame, const std::string& file) {
+  Image image = load_file(dataset, frame, file);
+  return frame.shrink == 1 ? std::move(image) : averaged(image, frame.shrink, dataset.tone);
+}
+
 /// First-hit distances in mm, [height, width, 1].
 Image load_depth(const Dataset& dataset, const Frame& frame, const std::string& file) {
-  const Image grey = load_picture(dataset, frame, file);
-  Image depth(grey.width, grey.height, 1);
+  const Image grey = load_file(dataset, frame, file);
+  Image depth(frame.camera.width, frame.camera.height, 1);
   const float mm = 65535.0f * dataset.depth_scale;
-  for (size_t i = 0; i < depth.pixels(); ++i) {
-    depth.data[i] = grey.data[i * grey.channels] * mm;
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
+      const int middle = frame.shrink / 2;  // of the pixels that are one here
+      *depth.at(x, y) = *grey.at(frame.shrink * x + middle, frame.shrink * y + middle) * mm;
+    }
   }
   return depth;
 }
@@ -261,6 +298,32 @@ ClassShare Scores::share(PixelClass which) const {
 Image draw_frame(const Case& contents, const Frame& frame, const Drawing& drawing) {
   return draw_case(contents, frame.camera, frame.plane,
                    {.clip = drawing.clip, .faces = drawing.faces});
+}
+
+void show_at_size(int size, Dataset& dataset) {
+  for (Frame& frame : dataset.frames) {
+    Camera& camera = frame.camera;
+    if (frame.split == Split::kTrain) {
+      continue;
+    }
+    const int factor = camera.width / size;
+    if (factor < 1 || factor * size != camera.width || camera.height % factor != 0) {
+      throw Error("{}: is {} pixels wide, and cannot be shown at {}; use a size that divides it",
+                  (dataset.folder / frame.file).string(), camera.width, size);
+    }
+    const auto share = 1 / static_cast<float>(factor);
+    camera.width = size;
+    camera.height /= factor;
+    camera.fx *= share;
+    camera.fy *= share;
+    camera.cx *= share;
+    camera.cy *= share;
+    frame.shrink = factor;
+    // Pixels' noise is independent.
+    const float quieter = 20 * std::log10(static_cast<float>(factor));
+    frame.noise_db += quieter;
+    frame.masked_noise_db += quieter;
+  }
 }
 
 Image load_truth(const Dataset& dataset, const Frame& frame) {

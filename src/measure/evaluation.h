@@ -111,6 +111,11 @@ struct EvaluationOptions {
   float pixels_per_degree = kHeadsetPixelsPerDegree;  ///< that ꟻLIP counts on
 };
 
+/// Makes the test and validation pictures of a dataset `size` pixels wide: cameras that see as
+/// much, pictures averaged in linear light as they are loaded. Throws Error where that does not
+/// divide theirs.
+void show_at_size(int size, Dataset& dataset);
+
 /// A test or validation picture of the dataset, checked against its camera's size. Throws Error.
 Image load_truth(const Dataset& dataset, const Frame& frame);
 

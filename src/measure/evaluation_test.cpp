@@ -117,6 +117,34 @@ class EvaluationTest : public testing::Test {
   Dataset dataset_;
 };
 
+TEST_F(EvaluationTest, ShowsPicturesSmaller) {
+  const Image own = load_truth(dataset_, dataset_.frames[0]);
+  show_at_size(32, dataset_);
+  const Frame& frame = dataset_.frames[0];
+  EXPECT_EQ(frame.camera.height, 24);
+  EXPECT_NEAR(frame.noise_db, 41 + 6.02f, 0.01f);
+  const Image smaller = load_truth(dataset_, frame);
+  ASSERT_EQ(smaller.width, 32);
+  Vec3 light(0);
+  float alpha = 0;
+  for (const auto& [x, y] : {std::pair(30, 20), {31, 20}, {30, 21}, {31, 21}}) {
+    const float* in = own.at(x, y);
+    alpha += 0.25f * in[3];
+    for (int c = 0; c < 3; ++c) {
+      light[c] += 0.25f * in[3] * linear_from_srgb(in[c]);
+    }
+  }
+  EXPECT_NEAR(smaller.at(15, 10)[3], alpha, 1e-5f);
+  EXPECT_NEAR(smaller.at(15, 10)[1], srgb_from_linear(light[1] / alpha), 1e-5f);
+  // Splats that are blurred by a larger pixel are not quite the mean of smaller ones.
+  const Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kExact));
+  EXPECT_GT(*evaluation.rows[0].mean.psnr_masked, 25);
+  EXPECT_LT(*evaluation.rows[0].mean.psnr_masked, 60);
+  EXPECT_GT(*evaluation.rows[0].mean.band_ssim, 0.9);
+  EXPECT_THROW(show_at_size(30, dataset_), Error);
+  EXPECT_THROW(show_at_size(64, dataset_), Error);
+}
+
 TEST_F(EvaluationTest, RanksTheOperatorThatMadeTheTruthFirst) {
   const Evaluation evaluation = evaluate(subjects_, dataset_);
   EXPECT_EQ(evaluation.splats, 600u);
