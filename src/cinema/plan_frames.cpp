@@ -362,21 +362,18 @@ void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Fra
     if (!is_close(frame.split)) {
       continue;
     }
-    Frame whole = frame;
-    const Camera plain =
-        look_at(frame.camera.position, frame.camera.position + frame.camera.forward(),
-                Vec3(0, 0, 1), frame.camera.width, frame.camera.height);
-    whole.camera = plain;
-    const std::vector<Vec3> places = seen_places(scene, whole);
-    if (places.empty()) {
-      continue;  // the plane left nothing that this camera sees
+    const Camera planned = frame.camera;
+    const auto look = [&](const Vec3& target) {
+      return look_at(planned.position, target, Vec3(0, 0, 1), planned.width, planned.height);
+    };
+    frame.camera = look(planned.position + planned.forward());  // at the whole body
+    const std::vector<Vec3> places = seen_places(scene, frame);
+    if (!places.empty()) {  // else the plane left nothing that this camera sees
+      Rng rng(seed, Rng::mix(i) ^ kAims);
+      frame.camera = look(places[rng.below(static_cast<std::uint32_t>(places.size()))]);
     }
-    Rng rng(seed, Rng::mix(i) ^ kAims);
-    const Vec3 aim = places[rng.below(static_cast<std::uint32_t>(places.size()))];
-    const float focal = frame.camera.fx;
-    frame.camera =
-        look_at(plain.position, aim, Vec3(0, 0, 1), frame.camera.width, frame.camera.height);
-    frame.camera.fx = frame.camera.fy = focal;
+    frame.camera.fx = planned.fx;
+    frame.camera.fy = planned.fy;
   }
 }
 
