@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whether paper_tables.sh and ablation.sh work: both, on a phantom, with next to no pictures and steps.
+# Whether paper_tables.sh, ablation.sh and sharpness.sh work: all, on a phantom, with next to no pictures and steps.
 #
 #   bench/paper_test.sh CLIPGS
 set -euo pipefail
@@ -17,22 +17,26 @@ fail() {
   exit 1
 }
 
-# expect SCRIPT ROWS: it prints that many lines of tables, every time, and makes nothing twice.
+# expect SCRIPT ROWS NAME=VALUE: it prints that many lines of tables, every time, makes nothing twice, and does not mix
+# in what is made otherwise.
 expect() {
   local script="$1" rows
-  bash "bench/$script" "$scratch/out" >"$scratch/first" 2>"$scratch/log" || fail "$script: $(tail -n 5 "$scratch/log")"
+  bash "bench/$script" "$scratch/${OUT:-out}" >"$scratch/first" 2>"$scratch/log" || fail "$script: $(tail -n 5 "$scratch/log")"
   rows="$(grep -c '^|' "$scratch/first")"
   [ "$rows" -eq "$2" ] || fail "$script printed $rows lines of tables, not $2"
   # What has no figure is a dash.
   ! grep -E 'NaN|undefined|null|Infinity' "$scratch/first" || fail "$script printed something that is no figure"
-  bash "bench/$script" "$scratch/out" >"$scratch/second" 2>"$scratch/log" || fail "$script failed when run again"
+  bash "bench/$script" "$scratch/${OUT:-out}" >"$scratch/second" 2>"$scratch/log" || fail "$script failed when run again"
   ! grep making "$scratch/log" || fail "$script made something again"
   cmp "$scratch/first" "$scratch/second" || fail "$script printed something else when run again"
-  ! STEPS=30 bash "bench/$script" "$scratch/out" >/dev/null 2>"$scratch/log" || fail "$script mixed results"
+  ! env "$3" bash "bench/$script" "$scratch/${OUT:-out}" >/dev/null 2>"$scratch/log" || fail "$script mixed results"
   grep -q 'was made with' "$scratch/log" || fail "$script: $(tail -n 5 "$scratch/log")"
 }
 
 "$CLIPGS" phantom "$scratch/chest.nrrd" --size 32 --quiet
 "$CLIPGS" phantom "$scratch/abdomen_pelvis_3mm.nii.gz" --size 32 --seed 2 --quiet
-expect paper_tables.sh 129
-expect ablation.sh 17
+expect paper_tables.sh 129 STEPS=30
+expect ablation.sh 17 STEPS=30
+export QUALITY=draft TEST_SIZE=64 SMALL=32 NOISE_DB=15
+export BUILD_OPTIONS="--size 32 --train-frames 24 --steps 20 --budget 1000 --test-noise-db 15"
+OUT=sharpness expect sharpness.sh 16 NOISE_DB=16

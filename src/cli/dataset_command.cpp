@@ -107,14 +107,6 @@ void add_dataset_command(CLI::App& app) {
   command->add_option("--train-spp", options.train_spp, "Samples a pixel of training pictures")
       ->check(CLI::Range(2, 65536))
       ->capture_default_str();
-  command->add_option("--test-noise-db", options.test_noise_db, "Noise floor of test pictures, dB")
-      ->check(CLI::Range(10.0, 80.0))
-      ->capture_default_str();
-  command
-      ->add_option("--test-masked-noise-db", options.test_masked_noise_db,
-                   "The same, of their pixels that show matter alone (0: any)")
-      ->check(CLI::Range(0.0, 80.0))
-      ->capture_default_str();
   command
       ->add_option("--test-spp", options.test_spp,
                    "Most samples a pixel, on average, that a test picture may take to get there")

@@ -8,7 +8,8 @@
 namespace clipgs {
 
 /// --test-size, --uncut-frames and --close-frames: what a dataset is measured by besides cuts of
-/// whole bodies at the size of training pictures. `options` must outlive the parsing.
+/// whole bodies at the size of training pictures; and how clean all test pictures are. `options`
+/// must outlive the parsing.
 inline void add_test_picture_options(CLI::App& command, DatasetOptions& options,
                                      const std::string& group) {
   command
@@ -27,6 +28,16 @@ inline void add_test_picture_options(CLI::App& command, DatasetOptions& options,
           "Test pictures close up besides, of faces and of the uncut body in turn, magnified "
           "2, 3 and 4 times; half as many to validate by")
       ->check(CLI::Range(0, 10000))
+      ->group(group);
+  command.add_option("--test-noise-db", options.test_noise_db, "Noise floor of test pictures, dB")
+      ->check(CLI::Range(10.0, 80.0))
+      ->capture_default_str()
+      ->group(group);
+  command
+      .add_option("--test-masked-noise-db", options.test_masked_noise_db,
+                  "The same, of their pixels that show matter alone (0: any)")
+      ->check(CLI::Range(0.0, 80.0))
+      ->capture_default_str()
       ->group(group);
 }
 
