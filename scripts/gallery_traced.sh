@@ -5,12 +5,12 @@
 #
 #   scripts/gallery_traced.sh [NAME...]    only these pictures, by their files' names (default all)
 #
-# SPP (default 96, denoised) trades time for looks. CLIPGS_MR may name an MR scan for the sheet of presets. Needs
-# ImageMagick besides what scripts/setup.sh installs.
+# SPP (default 96, denoised) trades time for looks. CLIPGS may name another program, CLIPGS_MR an MR scan for the sheet
+# of presets. Needs ImageMagick besides what scripts/setup.sh installs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-readonly clipgs=build/release/src/cli/clipgs
+readonly clipgs="${CLIPGS:-build/release/src/cli/clipgs}"
 readonly out=docs/gallery
 readonly data="${CLIPGS_DATA:-}"
 readonly head="$data/head.nrrd" chest="$data/chest.nrrd" stent="$data/stent.nrrd"
