@@ -93,8 +93,8 @@ Truth load_truths(const Dataset& dataset, const Frame& frame) {
   }
   const bool knows_uncut = !frame.plane || !frame.uncut_depth_file.empty();
   if (truth.depth && knows_uncut) {
-    FirstHits hits{*truth.depth,
-                   frame.plane ? load_depth(dataset, frame, frame.uncut_depth_file) : Image()};
+    const FirstHits hits{
+        *truth.depth, frame.plane ? load_depth(dataset, frame, frame.uncut_depth_file) : Image()};
     truth.classes = classify_pixels(hits, frame.camera, frame.plane, dataset.ends,
                                     kFaceTolerance * dataset.voxel_mm);
   }

@@ -61,8 +61,9 @@ Plane2 filtered(const Plane2& in, const std::vector<double>& along_x,
   for_each_row(in.height, [&](int y) {
     for (int x = 0; x < in.width; ++x) {
       double sum = 0;
-      for (int i = -rx; i <= rx; ++i) {
-        sum += along_x[static_cast<size_t>(i + rx)] * in.at(std::clamp(x + i, 0, in.width - 1), y);
+      for (size_t k = 0; k < along_x.size(); ++k) {
+        const int from = x + static_cast<int>(k) - rx;
+        sum += along_x[k] * in.at(std::clamp(from, 0, in.width - 1), y);
       }
       rows.at(x, y) = sum;
     }
@@ -70,11 +71,10 @@ Plane2 filtered(const Plane2& in, const std::vector<double>& along_x,
   Plane2 out(in.width, in.height);
   const int ry = static_cast<int>(along_y.size() / 2);
   for_each_row(in.height, [&](int y) {
-    for (int i = -ry; i <= ry; ++i) {
-      const double weight = along_y[static_cast<size_t>(i + ry)];
-      const int from = std::clamp(y + i, 0, in.height - 1);
+    for (size_t k = 0; k < along_y.size(); ++k) {
+      const int from = std::clamp(y + static_cast<int>(k) - ry, 0, in.height - 1);
       for (int x = 0; x < in.width; ++x) {
-        out.at(x, y) += weight * rows.at(x, from);
+        out.at(x, y) += along_y[k] * rows.at(x, from);
       }
     }
   });
@@ -190,10 +190,10 @@ Features features_of(const Plane2& lightness, double pixels_per_degree) {
   std::vector<double> smooth = bell(radius, 1, 0.5 / (deviation * deviation));
   std::vector<double> first = smooth;
   std::vector<double> second = smooth;
-  for (int i = -radius; i <= radius; ++i) {
-    const auto at = static_cast<size_t>(i + radius);
-    first[at] *= -i;
-    second[at] *= i * i / (deviation * deviation) - 1;
+  for (size_t k = 0; k < smooth.size(); ++k) {
+    const double x = (static_cast<double>(k) - radius) / deviation;
+    first[k] *= -x;
+    second[k] *= x * x - 1;
   }
   first = balanced(std::move(first));
   second = balanced(std::move(second));
