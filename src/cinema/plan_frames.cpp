@@ -322,31 +322,24 @@ std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions
 
 namespace {
 
-/// Where a frame's rays, few of them, meet matter first: on the plane if any of them does.
-std::vector<Vec3> seen_places(const CinemaScene& scene, const Frame& frame) {
-  constexpr int kSide = 64;
+/// Where a camera's rays meet matter first: on the plane if any of them does.
+std::vector<Vec3> seen_places(const CinemaScene& scene, const Camera& camera,
+                              const std::optional<Plane>& plane) {
   constexpr float kOnPlane = 1.5f;  // voxels
-  Camera coarse = frame.camera;
-  const float scale = static_cast<float>(kSide) / static_cast<float>(coarse.width);
-  coarse.width = coarse.height = kSide;
-  coarse.fx *= scale;
-  coarse.fy *= scale;
-  coarse.cx *= scale;
-  coarse.cy *= scale;
-  const Image depth = render_depth(scene, coarse, frame.plane);
+  const Image depth = render_depth(scene, camera, plane);
   const float tolerance = kOnPlane * mean_spacing(scene.volume().spacing);
   std::vector<Vec3> all;
   std::vector<Vec3> of_face;
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
+  for (int y = 0; y < depth.height; ++y) {
+    for (int x = 0; x < depth.width; ++x) {
       const float hit = *depth.at(x, y);
       if (hit <= 0) {
         continue;
       }
       const Vec3 ray =
-          coarse.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
-      all.push_back(coarse.position + hit * ray);
-      if (frame.plane && std::abs(frame.plane->signed_distance(all.back())) < tolerance) {
+          camera.ray_direction(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      all.push_back(camera.position + hit * ray);
+      if (plane && std::abs(plane->signed_distance(all.back())) < tolerance) {
         of_face.push_back(all.back());
       }
     }
@@ -357,21 +350,23 @@ std::vector<Vec3> seen_places(const CinemaScene& scene, const Frame& frame) {
 }  // namespace
 
 void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Frame>& frames) {
+  constexpr int kSide = 64;  // px, of the picture that places are chosen in
   for (size_t i = 0; i < frames.size(); ++i) {
     Frame& frame = frames[i];
     if (!is_close(frame.split)) {
       continue;
     }
     const Camera planned = frame.camera;
-    const auto look = [&](const Vec3& target) {
-      return look_at(planned.position, target, Vec3(0, 0, 1), planned.width, planned.height);
-    };
-    frame.camera = look(planned.position + planned.forward());  // at the whole body
-    const std::vector<Vec3> places = seen_places(scene, frame);
-    if (!places.empty()) {  // else the plane left nothing that this camera sees
-      Rng rng(seed, Rng::mix(i) ^ kAims);
-      frame.camera = look(places[rng.below(static_cast<std::uint32_t>(places.size()))]);
+    const Camera whole = look_at(planned.position, planned.position + planned.forward(),
+                                 Vec3(0, 0, 1), kSide, kSide);
+    const std::vector<Vec3> places = seen_places(scene, whole, frame.plane);
+    if (places.empty()) {
+      continue;  // the plane left nothing that this camera sees
     }
+    Rng rng(seed, Rng::mix(i) ^ kAims);
+    frame.camera =
+        look_at(planned.position, places[rng.below(static_cast<std::uint32_t>(places.size()))],
+                Vec3(0, 0, 1), planned.width, planned.height);
     frame.camera.fx = planned.fx;
     frame.camera.fy = planned.fy;
   }

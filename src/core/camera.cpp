@@ -41,6 +41,18 @@ Camera look_at(const Vec3& position, const Vec3& target, const Vec3& up, int wid
   return camera;
 }
 
+Camera shrunk(const Camera& camera, int factor) {
+  const auto f = static_cast<float>(factor);
+  Camera small = camera;
+  small.width /= factor;
+  small.height /= factor;
+  small.fx /= f;
+  small.fy /= f;
+  small.cx /= f;
+  small.cy /= f;
+  return small;
+}
+
 Vec3 view_direction(float azimuth_deg, float elevation_deg) {
   const float az = glm::radians(azimuth_deg);
   const float el = glm::radians(elevation_deg);

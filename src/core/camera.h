@@ -37,6 +37,10 @@ constexpr float kFrameFill = 0.9f;
 Camera look_at(const Vec3& position, const Vec3& target, const Vec3& up, int width, int height,
                float fov = kFieldOfView);
 
+/// The camera whose pixels are each `factor` × `factor` of this one's; what does not fill one is
+/// left out at the right and at the bottom.
+Camera shrunk(const Camera& camera, int factor);
+
 /// Where a camera stands, as a person says it. Azimuth 0° looks at the patient from the front
 /// (anterior), 90° from the patient's left; elevation 90° from above the head.
 struct View {

@@ -311,13 +311,7 @@ void show_at_size(int size, Dataset& dataset) {
       throw Error("{}: is {} pixels wide, and cannot be shown at {}; use a size that divides it",
                   (dataset.folder / frame.file).string(), camera.width, size);
     }
-    const auto share = 1 / static_cast<float>(factor);
-    camera.width = size;
-    camera.height /= factor;
-    camera.fx *= share;
-    camera.fy *= share;
-    camera.cx *= share;
-    camera.cy *= share;
+    camera = shrunk(camera, factor);
     frame.shrink = factor;
     // Pixels' noise is independent.
     const float quieter = 20 * std::log10(static_cast<float>(factor));

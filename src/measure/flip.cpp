@@ -4,11 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <vector>
 
-#include "core/error.h"
 #include "core/geometry.h"
 #include "core/parallel.h"
+#include "measure/metrics.h"
 
 namespace clipgs {
 namespace {
@@ -91,11 +92,7 @@ std::vector<double> bell(int radius, double step, double scale) {
 }
 
 double sum_of(const std::vector<double>& kernel) {
-  double sum = 0;
-  for (const double w : kernel) {
-    sum += w;
-  }
-  return sum;
+  return std::accumulate(kernel.begin(), kernel.end(), 0.0);
 }
 
 /// Blurred by what an eye cannot tell apart in this channel.
@@ -249,10 +246,7 @@ Seen see(const Image& image, double pixels_per_degree) {
 }  // namespace
 
 Image flip_map(const Image& truth, const Image& picture, float pixels_per_degree) {
-  if (truth.width != picture.width || truth.height != picture.height) {
-    throw Error("pictures of {}×{} and {}×{} pixels cannot be compared; render at the same size",
-                truth.width, truth.height, picture.width, picture.height);
-  }
+  require_same_size(truth, picture);
   const Seen a = see(truth, pixels_per_degree);
   const Seen b = see(picture, pixels_per_degree);
   Image map(truth.width, truth.height, 1);

@@ -12,14 +12,14 @@
 
 namespace clipgs {
 
-namespace {
-
 void require_same_size(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height) {
     throw Error("pictures of {}×{} and {}×{} pixels cannot be compared; render at the same size",
                 a.width, a.height, b.width, b.height);
   }
 }
+
+namespace {
 
 float alpha_at(const Image& image, size_t pixel) {
   return image.channels == 4 ? image.data[pixel * 4 + 3] : 1.0f;

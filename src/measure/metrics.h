@@ -14,6 +14,9 @@ namespace clipgs {
 // RGBA pictures have straight alpha; a picture of 3 channels counts as opaque. The functions throw
 // Error when the sizes differ.
 
+/// Throws Error unless two pictures have one size.
+void require_same_size(const Image& a, const Image& b);
+
 /// Value reported for pictures that are equal: no infinity enters a mean or a JSON file.
 constexpr double kMaxPsnr = 100.0;
 

@@ -32,17 +32,6 @@ enum Stream : std::uint64_t {
   kAdjustment
 };
 
-Camera half_size(const Camera& camera) {
-  Camera half = camera;
-  half.width /= 2;
-  half.height /= 2;
-  half.fx /= 2;
-  half.fy /= 2;
-  half.cx /= 2;
-  half.cy /= 2;
-  return half;
-}
-
 /// Straight colours of transparent pixels mean nothing; premultiplied they can be averaged.
 Image premultiplied(const Image& image) {
   Image out(image.width, image.height, 4);
@@ -298,8 +287,7 @@ double Trainer::step() {
   const View& view = next_view();
   const auto steps = static_cast<float>(options_.steps);
   const float progress = static_cast<float>(step_) / steps;
-  const bool half = progress < options_.coarse_share;
-  const int scale = half ? 2 : 1;
+  const int scale = progress < options_.coarse_share ? 2 : 1;
   from_bytes(view.rgba, view.camera, scale, target_);
   if (!view.faces.empty()) {
     from_bytes(view.faces, view.camera, scale, front_);
@@ -311,7 +299,7 @@ double Trainer::step() {
        options_.uniaxial->truncation == Truncation::kNone)) {
     uniaxial_->start_adjusting();
   }
-  const Image& image = draw(view, half ? half_size(view.camera) : view.camera);
+  const Image& image = draw(view, shrunk(view.camera, scale));
   Rng rng(options_.seed, Rng::mix(step_) ^ kBackground);
   const Vec3 background(rng.uniform(), rng.uniform(), rng.uniform());
   const double loss = loss_.evaluate(image, target_, background, options_.loss, image_gradient_);
