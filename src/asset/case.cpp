@@ -27,7 +27,7 @@ constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
 /// Of a section's image that is too large without loss: the last of them whatever it takes.
-constexpr std::array kLossyQualities = {97.0f, 94.0f, 90.0f};
+constexpr std::array kLossyQualities = {97.0f, 94.0f, 90.0f, 85.0f, 80.0f, 75.0f, 70.0f};
 /// Of the JSON, at most, about, and of the ZIP's directory.
 constexpr size_t kMetaBytes = 40'000;
 constexpr size_t kDirectoryBytes = 2'000;

@@ -17,7 +17,6 @@
 #include "core/parallel.h"
 #include "core/progress.h"
 #include "core/random.h"
-#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
@@ -206,19 +205,15 @@ class Maker {
   float depth_scale_ = 0;
 };
 
-void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook& look,
+void make_pictures(TracedVolume& source, const Preset& preset, const VolumeLook& look,
                    const fs::path& folder, const DatasetOptions& options) {
+  const Volume& volume = source.scanned();
   for (const char* name : {"images", "uncut", "depth", "uncut_depth"}) {
     create_folder(folder / name);
     sweep_leftovers(folder / name);
   }
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
-  std::optional<Volume> finer;
-  if (options.upsample && can_be_upsampled(volume)) {
-    finer = upsample(volume, preset.transfer);
-  }
-  const Volume& traced = finer ? *finer : volume;
-  const Maker maker(traced, preset, folder, options, matter);
+  const Maker maker(source.traced(), preset, folder, options, matter);
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);
   aim_close_ups(maker.scene(), options.seed, frames);
@@ -273,6 +268,13 @@ void make_pictures(const Volume& volume, const Preset& preset, const VolumeLook&
 
 Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path& folder,
                      const DatasetOptions& options) {
+  TracedVolume traced(volume, preset, options.upsample);
+  return make_dataset(traced, preset, folder, options);
+}
+
+Dataset make_dataset(TracedVolume& source, const Preset& preset, const fs::path& folder,
+                     const DatasetOptions& options) {
+  const Volume& volume = source.scanned();
   check(options);
   create_folder(folder);
   require_writable(folder / kIndexFile);
@@ -287,7 +289,7 @@ Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path&
                       {folder / kStateFile});
   const VolumeLook look = make_volume_look(volume_digest(claims), preset.title, preset.description);
   if (!pictures.done()) {
-    make_pictures(volume, preset, look, folder, options);
+    make_pictures(source, preset, look, folder, options);
     pictures.finish();
     fs::remove(folder / kStateFile);
   }

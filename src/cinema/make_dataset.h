@@ -6,6 +6,7 @@
 
 #include "cinema/dataset.h"
 #include "cinema/scene.h"
+#include "cinema/traced_volume.h"
 #include "cinema/visible_matter.h"
 #include "volume/preset.h"
 #include "volume/volume.h"
@@ -58,6 +59,9 @@ std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& ma
 /// another claim is made again. One process at a time may work in a folder (FolderLock). Throws
 /// Error.
 Dataset make_dataset(const Volume& volume, const Preset& preset,
+                     const std::filesystem::path& folder, const DatasetOptions& options);
+/// The same of what has finer voxels for others, too, as `options.upsample` says.
+Dataset make_dataset(TracedVolume& volume, const Preset& preset,
                      const std::filesystem::path& folder, const DatasetOptions& options);
 
 }  // namespace clipgs

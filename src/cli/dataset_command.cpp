@@ -51,8 +51,9 @@ void run_dataset(const DatasetArguments& arguments) {
   const Volume volume = load_volume(arguments.volume, arguments.load);
   const Preset preset = load_look(arguments.look, volume);
   require_look_for_section(preset, arguments.section);
-  const Dataset dataset = make_dataset(volume, preset, arguments.folder, options);
-  make_dataset_section(volume, preset, dataset, arguments.section);
+  TracedVolume traced(volume, preset, options.upsample);
+  const Dataset dataset = make_dataset(traced, preset, arguments.folder, options);
+  make_dataset_section(traced, preset, dataset, arguments.section);
 
   nlohmann::ordered_json json = {{"dataset", arguments.folder.string()},
                                  {"preset", preset.name},

@@ -5,8 +5,8 @@ namespace clipgs {
 void add_section_options(CLI::App& command, SectionChoice& choice) {
   command
       .add_option("--section-size", choice.size,
-                  "Voxels along each side, at most, of the section: the volume that cut faces are "
-                  "drawn from")
+                  "Side of a cube of as many voxels as the section, the volume that cut faces are "
+                  "drawn from, may have")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
   command.add_flag("--no-section", choice.none,

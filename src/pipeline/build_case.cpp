@@ -42,8 +42,9 @@ Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOpt
   say_step(2, fmt::format("pictures: {0} training, {1} test and half as many validation, {2}x{2}, "
                           "preset {3}",
                           options.train_frames, tests, options.size, preset.name));
-  const Dataset dataset = make_dataset(volume, preset, folder, options);
-  make_dataset_section(volume, preset, dataset, build.section);
+  TracedVolume traced(volume, preset, options.upsample);
+  const Dataset dataset = make_dataset(traced, preset, folder, options);
+  make_dataset_section(traced, preset, dataset, build.section);
   return dataset;
 }
 

@@ -8,6 +8,7 @@
 #include "core/claim.h"
 #include "core/error.h"
 #include "section/fit_reflectance.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raised whenever the same volume and pictures give another section.
-constexpr int kRevision = 2;
+constexpr int kRevision = 3;
 
 fs::path section_stem(const Dataset& dataset) { return dataset.folder / "section"; }
 fs::path section_file(const Dataset& dataset) { return dataset.folder / "section.zip"; }
@@ -24,9 +25,12 @@ fs::path section_file(const Dataset& dataset) { return dataset.folder / "section
 }  // namespace
 
 std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice, bool upsample) {
-  const std::uint64_t section =
-      choice.none || volume.labels ? 0 : section_memory(volume, {choice.size});
-  return std::max(picture_memory(volume, upsample), section);
+  const std::uint64_t pictures = picture_memory(volume, upsample);
+  if (choice.none || volume.labels) {
+    return pictures;
+  }
+  const std::uint64_t finer = upsample ? most_upsampled(volume).loaded() : 0;
+  return std::max(pictures, finer + section_memory(volume, {choice.size}));
 }
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
@@ -51,7 +55,7 @@ void require_look_for_section(const Preset& preset, const SectionChoice& choice)
   }
 }
 
-void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
+void make_dataset_section(TracedVolume& volume, const Preset& preset, const Dataset& dataset,
                           const SectionChoice& choice) {
   if (choice.none) {
     forget(section_stem(dataset), {section_file(dataset)});
@@ -67,7 +71,7 @@ void make_dataset_section(const Volume& volume, const Preset& preset, const Data
   if (step.done()) {
     return;
   }
-  Section section = make_section(volume, preset, options);
+  Section section = make_section(volume.traced(), volume.scanned(), preset, options);
   const ReflectanceFit fit = fit_reflectance(section, dataset);
   write_section(section_file(dataset), section);
   step.finish();

@@ -5,6 +5,7 @@
 
 #include "asset/case.h"
 #include "cinema/dataset.h"
+#include "cinema/traced_volume.h"
 #include "section/section.h"
 
 namespace clipgs {
@@ -13,7 +14,7 @@ namespace clipgs {
 
 /// What section a case shall have.
 struct SectionChoice {
-  int size = SectionOptions().size;  ///< voxels along each side, at most
+  int size = SectionOptions().size;  ///< as many voxels as a cube of such a side, at most
   bool none = false;
   CaseCoding coding;
 };
@@ -26,7 +27,7 @@ std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choi
 
 /// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them,
 /// unless it is there already. `choice.none`: removes the one that is there.
-void make_dataset_section(const Volume& volume, const Preset& preset, const Dataset& dataset,
+void make_dataset_section(TracedVolume& volume, const Preset& preset, const Dataset& dataset,
                           const SectionChoice& choice);
 
 /// The dataset's section, if it has one.

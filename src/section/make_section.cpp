@@ -10,19 +10,66 @@
 #include "section/section.h"
 #include "volume/preset.h"
 #include "volume/slice_flood.h"
+#include "volume/upsample.h"
 
 namespace clipgs {
 namespace {
 
+constexpr float kOnGrid = 1e-3f;  // voxels: rounding
+
 /// The box of voxel centres of the volume that a section covers, and its own grid within.
 struct Grid {
   IVec3 low, high;  // voxels of the volume, inclusive
+  IVec3 stride;     // of the volume's voxels, that resampling starts from
   IVec3 dims;
   Vec3 spacing;  // mm
 };
 
+std::uint64_t points_of(const IVec3& dims) {
+  return static_cast<std::uint64_t>(dims.x) * static_cast<std::uint64_t>(dims.y) *
+         static_cast<std::uint64_t>(dims.z);
+}
+
+std::uint64_t most_voxels(int size) { return points_of(IVec3(size)); }
+
+/// The finest grid of no more than size³ points, as even along the axes as it may be, in place of
+/// one of `dims` points that are `spacing` mm apart.
+IVec3 fitting_dims(const IVec3& dims, const Vec3& spacing, int size) {
+  const auto at_most_as_fine_as = [&](float goal) {
+    const Vec3 steps = glm::floor(Vec3(dims - 1) * glm::min(spacing / goal, Vec3(1)));
+    return glm::min(dims, IVec3(steps) + 1);
+  };
+  float fine = 0.5f * std::min({spacing.x, spacing.y, spacing.z});
+  if (points_of(at_most_as_fine_as(fine)) <= most_voxels(size)) {
+    return dims;
+  }
+  const Vec3 extent = Vec3(dims) * spacing;
+  float coarse = std::max({extent.x, extent.y, extent.z});
+  for (int i = 0; i < 40; ++i) {
+    const float middle = 0.5f * (fine + coarse);
+    (points_of(at_most_as_fine_as(middle)) <= most_voxels(size) ? coarse : fine) = middle;
+  }
+  return at_most_as_fine_as(coarse);
+}
+
+/// The axis along which voxels lie closest of those that are finer than the scanned ones, if any.
+std::optional<int> finest_axis(const Volume& volume, const IVec3& stride) {
+  std::optional<int> finest;
+  for (int k = 0; k < 3; ++k) {
+    const auto apart = [&](int axis) {
+      return volume.spacing[axis] * static_cast<float>(stride[axis]);
+    };
+    if (stride[k] < volume.upsampling[k] && (!finest || apart(k) < apart(*finest))) {
+      finest = k;
+    }
+  }
+  return finest;
+}
+
+/// Whole voxels as scanned, so that what is between them can be left out.
 Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
   constexpr float kMargin = 2;  // voxels: interpolation and resampling reach beyond the matter
+  const Vec3 scanned(volume.upsampling);
   Vec3 first(volume.dims);
   Vec3 last(0);
   for (const Vec3& point : matter.hull) {
@@ -30,26 +77,37 @@ Grid plan_grid(const Volume& volume, const VisibleMatter& matter, int size) {
     first = glm::min(first, index);
     last = glm::max(last, index);
   }
+  const auto voxel = [&](const Vec3& at) {
+    return glm::clamp(IVec3(at) * volume.upsampling, IVec3(0), volume.dims - 1);
+  };
   Grid grid;
-  grid.low = IVec3(glm::clamp(glm::floor(first - kMargin), Vec3(0), Vec3(volume.dims - 1)));
-  grid.high = IVec3(glm::clamp(glm::ceil(last + kMargin), Vec3(0), Vec3(volume.dims - 1)));
+  grid.low = voxel(glm::max(glm::floor(first / scanned - kMargin), Vec3(0)));
+  grid.high = voxel(glm::ceil(last / scanned + kMargin));
+  grid.stride = IVec3(1);
+  const auto strided = [&] { return (grid.high - grid.low) / grid.stride + 1; };
+  for (auto axis = finest_axis(volume, grid.stride);
+       axis && points_of(strided()) > most_voxels(size); axis = finest_axis(volume, grid.stride)) {
+    int& stride = grid.stride[*axis];
+    do {
+      ++stride;
+    } while (volume.upsampling[*axis] % stride != 0);
+  }
   const Vec3 extent = Vec3(grid.high - grid.low) * volume.spacing;
+  grid.dims = fitting_dims(strided(), volume.spacing * Vec3(grid.stride), size);
   for (int k = 0; k < 3; ++k) {
-    const int steps = std::min(grid.high[k] - grid.low[k], size - 1);
-    grid.dims[k] = steps + 1;
+    const int steps = grid.dims[k] - 1;
     grid.spacing[k] = steps > 0 ? extent[k] / static_cast<float>(steps) : volume.spacing[k];
   }
   return grid;
 }
 
-/// `get(offset)` of the volume's voxels inside the grid's box, resampled to the grid.
+/// `get(voxel)` of the volume inside the grid's box, resampled to the grid.
 template <typename Get>
-Field resample_volume(const Volume& volume, const Grid& grid, const Get& get) {
-  const IVec3 box = grid.high - grid.low + 1;
+Field resample_volume(const Grid& grid, const Get& get) {
+  const IVec3 box = (grid.high - grid.low) / grid.stride + 1;
   return resample_rows(box, grid.dims, [&](int y, int z, float* row) {
-    const size_t from = volume.offset(grid.low.x, grid.low.y + y, grid.low.z + z);
     for (int x = 0; x < box.x; ++x) {
-      row[x] = get(from + static_cast<size_t>(x));
+      row[x] = get(grid.low + IVec3(x, y, z) * grid.stride);
     }
   });
 }
@@ -171,16 +229,19 @@ ErrorBands over_slices(int slices, const Add& add) {
   return sum;
 }
 
-/// What reading values back from the section gets wrong, over the volume's voxels.
-ErrorBands reading_errors(const Section& section, const Volume& volume, const Grid& grid) {
-  return over_slices(grid.high.z - grid.low.z + 1, [&](int slice, ErrorBands& errors) {
-    const int z = grid.low.z + slice;
-    for (int y = grid.low.y; y <= grid.high.y; ++y) {
-      for (int x = grid.low.x; x <= grid.high.x; ++x) {
-        const Vec3 index = section.index_from_world(volume.world_from_index(Vec3(x, y, z)));
-        if (section.code(index) >= Section::kFirstInside) {
+/// What reading values back from the section gets wrong, over the scanned voxels in its box.
+ErrorBands reading_errors(const Section& section, const Volume& scanned) {
+  const Vec3 last = Vec3(section.dims - 1);
+  return over_slices(scanned.dims.z, [&](int z, ErrorBands& errors) {
+    for (int y = 0; y < scanned.dims.y; ++y) {
+      for (int x = 0; x < scanned.dims.x; ++x) {
+        const Vec3 index = section.index_from_world(scanned.world_from_index(Vec3(x, y, z)));
+        const bool inside = glm::all(glm::greaterThanEqual(index, Vec3(-kOnGrid))) &&
+                            glm::all(glm::lessThanEqual(index, last + kOnGrid));
+        if (inside && section.code(index) >= Section::kFirstInside) {
           const float value = section.value(section.sample(index));
-          errors.add(section.curve.code(value), value - volume.readings()[volume.offset(x, y, z)]);
+          errors.add(section.curve.code(value),
+                     value - scanned.readings()[scanned.offset(x, y, z)]);
         }
       }
     }
@@ -203,17 +264,54 @@ ErrorBands resizing_errors(const Section& fine, const Section& coarse) {
   });
 }
 
-void fill_scalar(Section& section, const Volume& volume, const Preset& preset, const Grid& grid) {
-  const Field field = resample_volume(volume, grid, [&](size_t i) { return volume.readings()[i]; });
+/// What is read of the scanned voxels and left out of the pictures (Volume::readings()), between
+/// them; 0 everywhere where nothing was.
+class LeftOut {
+ public:
+  LeftOut(const Volume& traced, const Volume& scanned) : traced_(traced), scanned_(scanned) {}
+
+  float operator()(const IVec3& voxel) const {
+    if (scanned_.scanned.empty()) {
+      return 0;
+    }
+    const Vec3 at = glm::clamp(scanned_.index_from_world(traced_.world_from_index(Vec3(voxel))),
+                               Vec3(0), Vec3(scanned_.dims - 1));
+    const IVec3 low(at + kOnGrid);
+    const Vec3 t = glm::max(at - Vec3(low), Vec3(0));
+    float sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      float weight = 1;
+      IVec3 from = low;
+      for (int k = 0; k < 3; ++k) {
+        const bool high = ((corner >> k) & 1) != 0;
+        weight *= high ? t[k] : 1 - t[k];
+        from[k] = std::min(from[k] + (high ? 1 : 0), scanned_.dims[k] - 1);
+      }
+      const size_t i = scanned_.offset(from.x, from.y, from.z);
+      sum += weight * (scanned_.scanned[i] - scanned_.values[i]);
+    }
+    return sum;
+  }
+
+ private:
+  const Volume& traced_;
+  const Volume& scanned_;
+};
+
+void fill_scalar(Section& section, const Volume& traced, const Volume& scanned,
+                 const Preset& preset, const Grid& grid) {
+  const LeftOut left_out(traced, scanned);
+  const Field field = resample_volume(
+      grid, [&](const IVec3& at) { return traced.at(at.x, at.y, at.z) + left_out(at); });
   const std::vector<std::uint8_t> air =
-      outside(field, [&](float value) { return may_be_air(value, volume, preset.transfer); });
+      outside(field, [&](float value) { return may_be_air(value, traced, preset.transfer); });
   std::vector<float> inside;
   for (size_t i = 0; i < air.size(); ++i) {
     if (air[i] == 0) {
       inside.push_back(field.values[i]);
     }
   }
-  section.curve = curve_for(inside, preset, 0.5f * mean_spacing(volume.spacing));
+  section.curve = curve_for(inside, preset, 0.5f * mean_spacing(section.source_spacing));
   section.voxels.resize(field.values.size());
   for (size_t i = 0; i < air.size(); ++i) {
     section.voxels[i] = air[i] != 0 ? 0 : nearest_code(section.curve.code(field.values[i]));
@@ -230,8 +328,9 @@ void fill_rgb(Section& section, const Volume& volume, const Grid& grid) {
   section.channels = 3;
   section.voxels.resize(section.voxel_count() * 3);
   for (size_t c = 0; c < 3; ++c) {
-    const Field field = resample_volume(
-        volume, grid, [&](size_t i) { return static_cast<float>(volume.rgb[3 * i + c]); });
+    const Field field = resample_volume(grid, [&](const IVec3& at) {
+      return static_cast<float>(volume.rgb[3 * volume.offset(at.x, at.y, at.z) + c]);
+    });
     for (size_t i = 0; i < field.values.size(); ++i) {
       section.voxels[3 * i + c] = static_cast<std::uint8_t>(std::lround(field.values[i]));
     }
@@ -240,44 +339,43 @@ void fill_rgb(Section& section, const Volume& volume, const Grid& grid) {
 
 }  // namespace
 
-Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options) {
+Section make_section(const Volume& traced, const Volume& scanned, const Preset& preset,
+                     const SectionOptions& options) {
   require_size(options.size);
-  const Grid grid = plan_grid(volume, visible_matter(volume, preset.transfer), options.size);
+  const Grid grid = plan_grid(traced, visible_matter(traced, preset.transfer), options.size);
   Section section;
   section.dims = grid.dims;
   section.spacing = grid.spacing;
-  section.direction = volume.direction;
-  section.origin = volume.world_from_index(Vec3(grid.low));
-  section.modality = volume.modality;
-  section.source_spacing = volume.spacing;
+  section.direction = traced.direction;
+  section.origin = traced.world_from_index(Vec3(grid.low));
+  section.modality = traced.modality;
+  section.source_spacing = traced.scanned_spacing();
   section.rig = preset.rig;
   section.exposure = preset.exposure;
   section.tone = preset.tone;
-  if (volume.rgb.empty()) {
-    fill_scalar(section, volume, preset, grid);
+  if (traced.rgb.empty()) {
+    fill_scalar(section, traced, scanned, preset, grid);
   } else {
-    fill_rgb(section, volume, grid);
+    fill_rgb(section, traced, grid);
   }
   section.materials = materials_of(preset, section.curve);
   if (preset.boundary) {
     section.steep = preset.boundary->range;
   }
-  section.value_errors = reading_errors(section, volume, grid).on_top_of({});
+  section.value_errors = reading_errors(section, scanned).on_top_of({});
   return section;
 }
 
-std::uint64_t section_memory(const VolumeSize& volume, const SectionOptions& options) {
-  const IVec3 dims = glm::min(volume.dims, IVec3(options.size));
-  const auto points = [](int x, int y, int z) {
-    return static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y) *
-           static_cast<std::uint64_t>(z);
-  };
+Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options) {
+  return make_section(volume, volume, preset, options);
+}
+
+std::uint64_t section_memory(const VolumeSize& scanned, const SectionOptions& options) {
+  const std::uint64_t section =
+      std::min(most_upsampled(scanned).voxels(), most_voxels(options.size));
   // Floats are resampled axis by axis; then come the values inside, three masks and the codes.
-  const std::uint64_t rows = sizeof(float) * points(dims.x, volume.dims.y, volume.dims.z);
-  const std::uint64_t planes = sizeof(float) * points(dims.x, dims.y, volume.dims.z);
-  const std::uint64_t section = points(dims.x, dims.y, dims.z);
-  return std::max(
-      {rows + planes, planes + sizeof(float) * section, (2 * sizeof(float) + 4) * section});
+  const std::uint64_t resampled = std::max(scanned.voxels(), section) + section;
+  return std::max(sizeof(float) * resampled, (2 * sizeof(float) + 4) * section);
 }
 
 Section resize_section(const Section& section, int size) {
@@ -285,8 +383,8 @@ Section resize_section(const Section& section, int size) {
   const Vec3 steps = Vec3(section.dims - 1);
   const Vec3 extent = steps * section.spacing;
   Section small = section;
+  small.dims = fitting_dims(section.dims, section.spacing, size);
   for (int k = 0; k < 3; ++k) {
-    small.dims[k] = std::min(section.dims[k], size);
     small.spacing[k] = extent[k] / static_cast<float>(std::max(1, small.dims[k] - 1));
   }
   if (small.dims == section.dims) {

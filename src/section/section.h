@@ -53,7 +53,7 @@ struct Section {
   ValueCurve curve;  ///< code → HU for CT, stored units otherwise
   /// Rms of |value read back − volume's value| for codes 16k … 16k + 15, value units.
   std::array<float, kErrorBands> value_errors{};
-  Vec3 source_spacing{1};  ///< mm, of the volume that was traced
+  Vec3 source_spacing{1};  ///< mm between the voxels that were scanned
 
   std::array<FaceMaterial, ValueCurve::kCodes> materials{};
   /// Where walls look as the preset's boundary does (BoundaryLook); nothing: as `surface` says.
@@ -102,7 +102,7 @@ struct Section {
   /// The sides of the box at which matter ends only because the volume does, as planes that keep
   /// the inside: they are faces as those of a cut are.
   std::vector<Plane> ends() const;
-  /// Half a mean voxel of the traced volume, mm: matter less deep than this is lit as the face
+  /// Half a mean scanned voxel, mm: matter less deep than this is lit as the face
   /// itself.
   float surface_depth() const { return 0.5f * mean_spacing(source_spacing); }
 
@@ -136,19 +136,27 @@ Vec3 gradient_at(const Section& section, const Vec3& index);
 Vec3 photo_albedo(const Vec3& sampled);
 
 struct SectionOptions {
-  int size = 384;  ///< voxels along each side, at most; never finer than the volume
+  int size = 384;  ///< as many voxels as a cube of such a side has, at most
 };
 
-/// The part of `volume` that `preset` shows, resampled, with the values that are read of it
-/// (Volume::readings()); air around the body is left out.
+/// The part of a volume that `preset` shows, of the voxels that pictures are traced of, so that
+/// surfaces end in both alike; air around the body is left out. Where `traced` is finer than
+/// `scanned` (upsample()) and all of it is too much, voxels in between are left out first.
+/// Values are those that are read (Volume::readings()): what was taken out of `scanned` for the
+/// pictures' sake is given back, and `value_errors` are told of its voxels.
 /// Reflectances start as the preset's albedo; fit_reflectance() makes them right. Throws Error if
 /// nothing is visible or the size is out of range.
+Section make_section(const Volume& traced, const Volume& scanned, const Preset& preset,
+                     const SectionOptions& options);
+/// The same of a volume that is traced as it was scanned.
 Section make_section(const Volume& volume, const Preset& preset, const SectionOptions& options);
 
-/// Bytes of memory that making a section of such a volume takes beside it, at most.
-std::uint64_t section_memory(const VolumeSize& volume, const SectionOptions& options);
+/// Bytes of memory that making a section of such a volume takes beside it and the traced one, at
+/// most.
+std::uint64_t section_memory(const VolumeSize& scanned, const SectionOptions& options);
 
-/// The same section with at most `size` voxels along each side; as it is if it has no more.
+/// The same section with as many voxels as a cube of that side has, at most; as it is if it has no
+/// more.
 /// Its value_errors grow by what the voxels that are left do not tell. Throws Error if the size is
 /// out of range.
 Section resize_section(const Section& section, int size);

@@ -134,6 +134,64 @@ TEST(Section, TellsTheValuesAsScannedWhereThePicturesHaveOthers) {
   EXPECT_GT(volume.at(20, 20, 8) - volume.scanned[volume.offset(20, 20, 8)], 10);
 }
 
+/// An upsampled volume: its values are not the scanned ones' mean, so that it is told from them.
+Volume finer(const Volume& scanned, const IVec3& factors) {
+  Volume fine = make_volume((scanned.dims - 1) * factors + 1, [&](const IVec3& at) {
+    return scanned.sample(scanned.world_from_index(Vec3(at) / Vec3(factors))) + 10;
+  });
+  fine.modality = scanned.modality;
+  fine.spacing = scanned.spacing / Vec3(factors);
+  fine.origin = scanned.origin;
+  fine.upsampling = factors;
+  return fine;
+}
+
+TEST(Section, IsOfTheVoxelsThatAreTraced) {
+  const Volume scanned = make_body(40);
+  const Volume traced = finer(scanned, {1, 2, 3});
+  const Section section = make_section(traced, scanned, tissue(), {96});
+  EXPECT_EQ(section.spacing, traced.spacing);
+  EXPECT_EQ(section.source_spacing, scanned.spacing);
+  const Vec3 between = traced.world_from_index(Vec3(20, 41, 94));
+  const Vec3 at = section.index_from_world(between);
+  EXPECT_LT(glm::length(at - glm::round(at)), 1e-3f);
+  EXPECT_NEAR(section.value(section.sample(at)), traced.sample(between), 2);
+  // Told is what is read of the scanned ones.
+  const auto reading = section.read(scanned.world_from_index(Vec3(20, 20, 31)));
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->value, scanned.at(20, 20, 31) + 10, 2);
+  EXPECT_NEAR(reading->error, 10, 2);
+}
+
+TEST(Section, LeavesOutWhatLiesBetweenScannedVoxelsFirst) {
+  const Volume scanned = make_body(40);
+  const Volume traced = finer(scanned, {2, 4, 1});
+  const size_t all = make_section(traced, scanned, tissue(), {128}).voxel_count();
+  for (const int size : {64, 50, 40}) {
+    const Section section = make_section(traced, scanned, tissue(), {size});
+    EXPECT_LE(section.voxel_count(), static_cast<size_t>(size) * size * size);
+    EXPECT_LT(section.voxel_count(), all);
+    const Vec3 ratio = scanned.spacing / section.spacing;
+    EXPECT_LT(glm::length(ratio - glm::round(ratio)), 1e-3f);
+    const Vec3 at = section.index_from_world(scanned.world_from_index(Vec3(20, 20, 31)));
+    EXPECT_LT(glm::length(at - glm::round(at)), 1e-3f);
+  }
+  const Section coarse = make_section(traced, scanned, tissue(), {20});
+  EXPECT_LE(coarse.voxel_count(), 8000U);
+  EXPECT_GT(coarse.voxel_count(), 6000U);
+}
+
+TEST(Section, GivesBackToFinerVoxelsWhatPicturesAreWithout) {
+  Volume scanned = make_body(40);
+  const Volume traced = finer(scanned, {2, 2, 2});
+  scanned.scanned = scanned.values;
+  scanned.values.transform([](float value) { return value - 25; });
+  const Section section = make_section(traced, scanned, tissue(), {96});
+  const Vec3 between = traced.world_from_index(Vec3(41, 40, 61));
+  EXPECT_NEAR(section.value(section.sample(section.index_from_world(between))),
+              traced.sample(between) + 25, 2);
+}
+
 TEST(Section, ResizedCoversTheSameBoxAndSaysWhatIsLost) {
   const Volume volume = make_body(60);
   const Section fine = make_section(volume, tissue(), {64});
