@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/json_reader.h"
+#include "section/outline.h"
 #include "section/relight.h"
 
 namespace clipgs {
@@ -27,6 +28,19 @@ std::optional<Image> faces_of(const Case& contents, const Camera& camera, const 
   face_options.style = options.style;
   face_options.light = light;
   return draw_faces(*contents.section, camera, cut, face_options);
+}
+
+/// Where the section says that matter ends; nothing if that is left to the splats. The other
+/// operators end what a plane cuts in ways of their own.
+std::optional<Outline> outline_of(const Case& contents, const Camera& camera, const Cut& cut,
+                                  const DrawOptions& options) {
+  const bool by_plane = cut.empty() || options.clip == ClipOperator::kExact;
+  const bool has_outline = contents.openings && contents.openings->outlined();
+  if (!has_outline || contents.model || options.faces == FaceSource::kSplats || !by_plane) {
+    return std::nullopt;
+  }
+  return std::make_optional<Outline>(*contents.section, contents.openings->empty_space(), camera,
+                                     cut);
 }
 
 /// What `faces` shows after a depth cue, or, `covering`, how much of it is left: of premultiplied
@@ -126,13 +140,19 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
       faces && options.cue.strength > 0
           ? std::optional(face_distances(*contents.section, camera, cut))
           : std::nullopt;
+  const std::optional<Outline> outline = outline_of(contents, camera, cut, options);
   const auto draw = [&](const Gaussians& gaussians, const FaceGain& gain, const Cut& kept,
                         const LayerSwitch& switched) {
     return draw_cued(gaussians, gain, faces, distances, options.cue,
                      [&](const Gaussians& shown, const FaceGain& by, const auto& front) {
-                       return (options.reference ? render_reference : render)(
+                       Image picture = (options.reference ? render_reference : render)(
                            shown, camera, kept, options.clip, front ? &*front : nullptr, by,
                            switched, options.cue);
+                       if (outline) {
+                         draw_outline(picture, front ? &*front : nullptr, *outline,
+                                      options.style.grey > 0);
+                       }
+                       return picture;
                      });
   };
   if (contents.model) {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "section/outline.h"
 #include "section/test_section.h"
 #include "splat/test_scene.h"
 
@@ -152,6 +153,44 @@ TEST(DrawCase, SweepHasNoSeams) {
   }
   EXPECT_GT(seen[Meets::kFace], 2500);
   EXPECT_GT(seen[Meets::kSurface], 2500);
+}
+
+/// Rms of alpha against what the section has along 3 × 3 rays a pixel.
+double error_of_outline(const Image& picture, const Section& section, const Camera& view) {
+  double squares = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      double covered = 0;
+      for (int i = 0; i < 9; ++i) {
+        covered +=
+            outline_reference(section, view, Cut(), x + (i % 3 + 0.5) / 3, y + (i / 3 + 0.5) / 3) /
+            9;
+      }
+      squares += std::pow(picture.at(x, y)[3] - covered, 2);
+    }
+  }
+  return std::sqrt(squares / static_cast<double>(picture.pixels()));
+}
+
+TEST(DrawCase, EndsWhereTheSectionDoes) {
+  Case contents{ball_surface(), test::ball_section()};
+  const Camera view = frame_sphere({Vec3(0), kRadius}, Vec3(0.3f, -1, 0.4f), 1, 64, 64);
+  const Image round = draw_case(contents, view, std::nullopt);
+  prepare_openings(contents);
+  const Image sharp = draw_case(contents, view, std::nullopt);
+  EXPECT_LT(error_of_outline(sharp, *contents.section, view),
+            0.3 * error_of_outline(round, *contents.section, view));
+  // Not where splats show all, nor where they are cut in another way than by the plane itself.
+  EXPECT_EQ(draw_case(contents, view, std::nullopt, {.faces = FaceSource::kSplats}).data,
+            round.data);
+  const Plane cut{Vec3(0, 1, 0), 0};
+  const DrawOptions soft{.clip = ClipOperator::kSoft};
+  const Case unprepared{contents.scene, contents.section};
+  const Image got = draw_case(contents, view, cut, soft);
+  const Image expected = draw_case(unprepared, view, cut, soft);
+  for (size_t i = 3; i < got.data.size(); i += 4) {
+    ASSERT_NEAR(got.data[i], expected.data[i], 1e-3f);
+  }
 }
 
 TEST(DrawCase, NamesOfSources) {

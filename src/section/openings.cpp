@@ -25,10 +25,6 @@ constexpr int kQuickBounces = 2;
 constexpr float kDim = 0.001f;
 constexpr float kMostGain = 10;
 
-// Of opaque presets' matter less than a tenth is translucent, at its surfaces; of others a third or
-// more.
-constexpr float kMostTranslucent = 0.2f;
-
 /// How a section changes around a point.
 struct Change {
   Vec3 slope;       // towards larger codes, RAS, any length
@@ -58,10 +54,10 @@ Openings::Openings(const Section& section) : Openings(section, scan_surfaces(sec
 Openings::Openings(const Section& section, const SurfaceScan& scan)
     : materials_(section.materials),
       empty_space_(find_empty_space(section)),
-      opaque_(!scan.points.empty() && scan.translucent < kMostTranslucent),
+      translucent_(scan.points.empty() ? 1 : scan.translucent),
       // What is not drawn needs no horizons.
       light_(make_cut_light(section,
-                            opaque_ ? std::span(scan.points) : std::span<const SurfacePoint>(),
+                            drawn() ? std::span(scan.points) : std::span<const SurfacePoint>(),
                             section.rig)),
       own_light_(light_.solve({}, kBounces)) {}
 

@@ -30,7 +30,10 @@ class Openings {
 
   /// Whether walls are drawn: nearly all matter must be opaque within a voxel. Light that goes on
   /// through glass or skin before bone is the splats'.
-  bool drawn() const { return opaque_; }
+  bool drawn() const { return translucent_ < kMostTranslucent; }
+  /// Whether what is kept is given its outline (Outline): of glass rays would have to be followed
+  /// everywhere and all the way.
+  bool outlined() const { return translucent_ < kGlass; }
 
   const CutLight& light() const { return light_; }
   /// Light of the uncut volume under the rig that it was traced under: what splats' colours have in
@@ -57,6 +60,10 @@ class Openings {
 
  private:
   static constexpr float kLit = 0.05f;
+  // Of opaque presets' matter less than a tenth is translucent, at its surfaces; of others a third
+  // or more, of those that have no surface to speak of nearly all.
+  static constexpr float kMostTranslucent = 0.2f;
+  static constexpr float kGlass = 0.9f;
 
   Openings(const Section& section, const SurfaceScan& scan);
 
@@ -64,7 +71,7 @@ class Openings {
 
   std::array<FaceMaterial, ValueCurve::kCodes> materials_;
   EmptySpace empty_space_;
-  bool opaque_;
+  float translucent_;  // share of the matter
   CutLight light_;
   std::vector<Vec3> own_light_;
 };

@@ -166,6 +166,7 @@ double walls_psnr(const CinemaScene& scene, const Section& section, const Cut& c
 TEST(Openings, LookAsThePathTracerSays) {
   const Scenery scenery;
   ASSERT_TRUE(scenery.openings.drawn());
+  EXPECT_TRUE(scenery.openings.outlined());
   const std::vector<std::pair<Cut, Vec3>> looks = {
       {Plane{{0, 0, -1}, 0}, {0.2f, 0.3f, 1}},
       {Plane{glm::normalize(Vec3(0.6f, 0, -0.8f)), -2}, {-0.9f, 0.2f, 0.8f}},
@@ -261,6 +262,7 @@ TEST(Openings, OfTranslucentMatterAreLeftToSplats) {
   const Section section = make_section(make_hollow_body(), glass, {kBodySize});
   const Openings openings(section);
   EXPECT_FALSE(openings.drawn());
+  EXPECT_FALSE(openings.outlined());
   const Plane plane{{0, 0, -1}, 0};
   const Camera camera = above({0.2f, 0.3f, 1}, 48);
   EXPECT_EQ(draw_faces(section, camera, plane, with(OpenedLight(openings, plane))).data,

@@ -11,8 +11,8 @@
 namespace clipgs {
 namespace {
 
-constexpr float kStepVoxels = 0.4f;  // of the section: steps where there may be matter
-constexpr float kLeastTransmittance = 1.0f / 256;
+constexpr float kStepVoxels = 0.4f;     // of the section: steps where there may be matter
+constexpr float kOpaqueDepth = 5.545f;  // optical: what goes through is less than 1/256
 constexpr double kReferenceStepVoxels = 0.02;
 
 /// The part of a ray, mm from the eye, that planes and the section's box leave.
@@ -69,22 +69,24 @@ float Outline::along(float x, float y) const {
   const Vec3 stride = direction * index_from_direction_;
   const auto [enter, leave] =
       kept_span<float>(section_, planes_, camera_.position, direction, origin_, stride);
-  float transmittance = 1;
-  for (float t = enter; t < leave;) {
-    const float leap = empty_space_.leap(origin_ + t * stride, stride);
+  // Leaps by whole steps: what is sampled does not depend on how they round.
+  float depth = 0;  // optical
+  for (float step = 0; enter + step * step_ < leave;) {
+    const float begin = enter + step * step_;
+    const float length = std::min(step_, leave - begin);
+    const Vec3 at = origin_ + (begin + 0.5f * length) * stride;
+    const float leap = empty_space_.leap(at, stride);
     if (leap > 0) {
-      t += leap;
+      step += std::ceil(leap / step_);
       continue;
     }
-    const float length = std::min(step_, leave - t);
-    const Vec3 sampled = section_.sample(origin_ + (t + 0.5f * length) * stride);
-    transmittance *= std::exp(-materials_.of_value(section_.value(sampled)).extinction * length);
-    if (transmittance < kLeastTransmittance) {
+    depth += length * materials_.of_value(section_.value(section_.sample(at))).extinction;
+    if (depth > kOpaqueDepth) {
       return 1;
     }
-    t += step_;
+    ++step;
   }
-  return 1 - transmittance;
+  return 1 - std::exp(-depth);
 }
 
 float Outline::of_pixel(int x, int y) const {
@@ -96,27 +98,31 @@ float Outline::of_pixel(int x, int y) const {
   return sum / kRays;
 }
 
-void draw_outline(Image& picture, const Image* faces, const Outline& outline) {
+void draw_outline(Image& picture, const Image* faces, const Outline& outline, bool grey) {
   constexpr float kLeastBeyond = 1e-3f;  // of a face: less has no colour of its own
   parallel_for(static_cast<size_t>(picture.height), 4, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
       const int y = static_cast<int>(row);
       for (int x = 0; x < picture.width; ++x) {
         float* const pixel = picture.at(x, y);
-        const Vec4 face = faces != nullptr ? Vec4(faces->at(x, y)[0], faces->at(x, y)[1],
-                                                  faces->at(x, y)[2], faces->at(x, y)[3])
-                                           : Vec4(0);
         const float alpha = pixel[3];
-        if (alpha < Outline::kLeastAlpha || alpha > Outline::kMostAlpha ||
-            alpha - face.a < kLeastBeyond) {
+        const float share = Outline::share(alpha);
+        if (share <= 0) {
           continue;
         }
-        const float covered = std::max(face.a, outline.of_pixel(x, y));
+        const float* const at = faces != nullptr ? faces->at(x, y) : nullptr;
+        const Vec4 face = at != nullptr ? Vec4(at[0], at[1], at[2], at[3]) : Vec4(0);
+        const float beyond = alpha - face.a;  // that splats cover
+        const float covered =
+            std::max(grey ? face.a : 0, glm::mix(alpha, outline.of_pixel(x, y), share));
         pixel[3] = covered;
+        if (beyond < kLeastBeyond) {
+          continue;  // all of it looks as the face does
+        }
         for (int c = 0; c < 3 && covered > 0; ++c) {
-          const float color =
-              std::clamp((alpha * pixel[c] - face[c]) / (alpha - face.a), 0.0f, 1.0f);
-          pixel[c] = (face[c] + (covered - face.a) * color) / covered;
+          const float color = std::clamp((alpha * pixel[c] - face[c]) / beyond, 0.0f, 1.0f);
+          pixel[c] = covered > face.a ? (face[c] + (covered - face.a) * color) / covered
+                                      : face[c] / face.a;
         }
       }
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "light/empty_space.h"
@@ -17,10 +18,16 @@ namespace clipgs {
 class Outline {
  public:
   /// Rays of a pixel that are asked.
-  static constexpr int kRays = 4;
-  /// Splats that cover less of a pixel lend it no colour, and those that cover more are believed.
-  static constexpr float kLeastAlpha = 0.005f;
-  static constexpr float kMostAlpha = 0.995f;
+  static constexpr int kRays = 8;
+  /// How much the section has to say where splats cover `alpha` of a pixel, 0…1: those that cover
+  /// next to nothing lend it no colour, and those that cover all of it are believed. Not at once:
+  /// pixels that are hardly told apart must look alike.
+  static float share(float alpha) {
+    constexpr Vec2 kLeast(0.002f, 0.01f);
+    constexpr Vec2 kMost(0.97f, 0.999f);
+    return std::clamp((alpha - kLeast.x) / (kLeast.y - kLeast.x), 0.0f, 1.0f) *
+           std::clamp((kMost.y - alpha) / (kMost.y - kMost.x), 0.0f, 1.0f);
+  }
 
   /// What `cut` keeps of a section, as `camera` sees it. `section` and `empty_space`, which is the
   /// section's (find_empty_space()), must outlive it.
@@ -46,9 +53,10 @@ class Outline {
 
 /// Gives what splats show in a picture the outline of the section. `picture`: straight alpha, of
 /// splats behind `faces` (premultiplied; null: none) as put_behind() has them. Where splats cover a
-/// pixel in part (Outline::kLeastAlpha to kMostAlpha), their colour is kept, and what they cover
-/// beyond the face is what the section does.
-void draw_outline(Image& picture, const Image* faces, const Outline& outline);
+/// pixel in part (Outline::share()), all that is covered is what the section does, and colours are
+/// kept: of what faces leave, the splats.
+/// `grey`: faces show values, which may be there without matter, and cover as much as they did.
+void draw_outline(Image& picture, const Image* faces, const Outline& outline, bool grey = false);
 
 /// Outline::along() in double precision by many small steps: what it is held to.
 double outline_reference(const Section& section, const Camera& camera, const Cut& cut, double x,

@@ -177,6 +177,7 @@ export class Viewer {
     canvas.addEventListener("webglcontextrestored", () => {
       this.#renderer.setClearColor(0, 0); // three.js forgets it
       this.#case?.mesh.invalidateColors();
+      void this.#case?.faces?.giveValues(this.#renderer).then(() => this.#touch());
       this.#touch();
     });
     this.resize(this.#inset);
@@ -277,7 +278,7 @@ export class Viewer {
       state.window = null;
       state.pins = [];
     }
-    this.#case?.free();
+    this.#free(this.#case);
     this.#case = opened;
     this.#ordered = false;
     this.#pictured = false;
@@ -326,11 +327,16 @@ export class Viewer {
     }
   }
 
+  #free(gone: OpenCase | null): void {
+    this.#layer.forget();
+    gone?.free();
+  }
+
   /** Shows nothing of a case from now on. */
   #refuse(refused: OpenCase, why: CaseError): void {
     if (this.#case === refused) {
       refused.refusal = why;
-      refused.free();
+      this.#free(refused);
       this.#case = null;
       this.#ordered = false;
       this.stats.total = 0;

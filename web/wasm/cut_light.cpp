@@ -114,8 +114,9 @@ EXPORT(reserve) std::uint8_t* reserve(std::uint32_t bytes) {
   return light.section.voxels.data();
 }
 
-/// Finds the walls and their horizons. Returns whether there is anything to draw.
-EXPORT(prepare) bool prepare() {
+/// Finds the walls and their horizons. Returns 1 if there are any to draw, and 2 more if what is
+/// kept has an outline.
+EXPORT(prepare) int prepare() {
   Section& section = light.section;
   section.dims = IVec3(vec3(description.dims));
   section.channels = static_cast<int>(description.channels);
@@ -136,7 +137,7 @@ EXPORT(prepare) bool prepare() {
   section.rig = read_rig();
   light.openings = std::make_unique<Openings>(section);
   section.voxels = {};  // the walls are known
-  return light.openings->drawn();
+  return (light.openings->drawn() ? 1 : 0) + (light.openings->outlined() ? 2 : 0);
 }
 
 EXPORT(blocks) const std::uint8_t* blocks() {

@@ -4,7 +4,7 @@ import { indexFromPatient } from "../model/faces";
 import type { Plane } from "../model/geometry";
 import type { LightRig } from "../sog/section";
 import type { LightClient } from "../worker/light_client";
-import type { OpeningsInfo } from "../worker/protocol";
+import type { WallLight } from "../worker/protocol";
 import type { SectionFaces } from "./section_faces";
 import type { SplatMesh } from "./splat_mesh";
 import { uploadInPieces } from "./upload";
@@ -19,7 +19,7 @@ function same(a: readonly Plane[], b: readonly Plane[]): boolean {
 /** Bytes handed over at once. More take the main thread longer, fewer let a moving plane wait longer for its light. */
 const kUploadBytes = 1.5e6;
 
-function lightTexture(texels: Uint8Array, [x, y]: OpeningsInfo["cells"], depth: number): Data3DTexture {
+function lightTexture(texels: Uint8Array, [x, y]: WallLight["cells"], depth: number): Data3DTexture {
   const texture = new Data3DTexture(texels as BufferSource as Uint8Array<ArrayBuffer>, x, y, depth);
   texture.format = RGBAFormat;
   texture.internalFormat = "SRGB8_ALPHA8";
@@ -40,7 +40,7 @@ interface Textures {
   own: Data3DTexture;
   shown: Data3DTexture;
   next: Data3DTexture;
-  cells: OpeningsInfo["cells"];
+  cells: WallLight["cells"];
 }
 
 /**
@@ -75,10 +75,13 @@ export class OpenedLight {
     this.#mesh = mesh;
     this.#changed = changed;
     this.ready = client.openings.then(async (openings) => {
-      if (!openings || this.#state === "none") {
+      if (openings && this.#state !== "none") {
+        this.#faces.setSpace(openings);
+      }
+      if (!openings?.light || this.#state === "none") {
         this.dispose();
       } else {
-        await this.#take(openings);
+        await this.#take(openings.light);
       }
       changed();
     });
@@ -148,8 +151,8 @@ export class OpenedLight {
     return planes.length > 0 || this.#rig !== null;
   }
 
-  async #take(openings: OpeningsInfo): Promise<void> {
-    const { ownLight, cells, cellSize } = openings;
+  async #take(light: WallLight): Promise<void> {
+    const { ownLight, cells, cellSize } = light;
     const { section } = this.#faces;
     const texture = () => lightTexture(ownLight.texels, cells, 12 * cells[2]);
     const textures = { own: texture(), shown: texture(), next: texture(), cells };
@@ -160,7 +163,7 @@ export class OpenedLight {
     const [x, y, z] = section.spacing.map((mm) => mm / cellSize);
     const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
     this.#state = "drawn";
-    this.#faces.setOpenings(openings);
+    this.#faces.setOpenings(light);
     this.#mesh.setOwnLight(textures.own, ownLight.scale, cells, cellFromPatient, section.tone);
   }
 

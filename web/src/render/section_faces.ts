@@ -40,7 +40,7 @@ import { type GreyOpenings, kGreyOpenings } from "../model/face_style";
 import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
-import type { OpeningsInfo } from "../worker/protocol";
+import type { OpeningsInfo, WallLight } from "../worker/protocol";
 import { kBehindSplats, kOverSplats } from "./draw_order";
 import type { DepthCue } from "./depth_cue";
 import { shader } from "./shaders";
@@ -52,7 +52,7 @@ const kShade = 2; // channel of that row
 const kMostShade = 1000; // as good as infinite, where half floats are still fine
 
 /** Columns of the table of materials, evenly over the values of the curve; as face.glsl is told. */
-const kColumns = 2048;
+export const kColumns = 2048;
 
 /** At least as many bytes as this go to the GPU at once: more would stop the page for too long. */
 const kUploadBytes = 4e6;
@@ -66,15 +66,27 @@ function wasOutOfMemory(gl: WebGLRenderingContext | WebGL2RenderingContext): boo
   return errors.has(gl.OUT_OF_MEMORY);
 }
 
-function volumeTexture(data: Uint8Array, { dims, channels }: Section, depth = dims[2]): Data3DTexture {
+function volumeTexture(
+  data: Uint8Array | null,
+  { dims, channels }: Pick<Section, "dims" | "channels">,
+  depth = dims[2],
+): Data3DTexture {
   const [width, height] = dims;
   const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, depth);
   texture.format = channels === 3 ? RGBFormat : RedFormat;
   texture.internalFormat = channels === 3 ? "RGB8" : "R8";
   texture.type = UnsignedByteType;
   texture.minFilter = texture.magFilter = LinearFilter;
+  texture.unpackAlignment = 1;
   texture.needsUpdate = true;
   return texture;
+}
+
+/** Values of the codes as bytes: codes bend, and what is interpolated of them ends elsewhere than matter. */
+function valueBytes(curve: readonly number[]): Uint8Array {
+  const low = curve[0]!;
+  const range = curve[kCodes - 1]! - low;
+  return Uint8Array.from(curve, (value) => Math.round((255 * (value - low)) / range));
 }
 
 /** Values of the codes from 0 to 1. */
@@ -230,13 +242,20 @@ export class SectionFaces {
   readonly partial: FaceMesh;
   readonly section: Section;
   readonly #uniforms: Record<string, IUniform>;
-  /** Of its volume, on the GPU; the section's own voxels are as many. */
-  readonly bytes: number;
+  readonly indexFromPatient: Matrix4;
+  /** mm, that optical depths of materials are told by. */
+  readonly firstStep: number;
+  /** What its outline is drawn by, and whether it can be. */
+  readonly outlineUniforms: Record<string, IUniform>;
+  /** Of its volumes, on the GPU. */
+  bytes: number;
   /** The sides of the volume that are faces. */
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
   #freed = false;
   #hasOpenings = false;
+  #isOutlined = false;
+  #hasValues: boolean;
   #rig: LightRig;
 
   constructor(section: Section, cue: DepthCue) {
@@ -245,9 +264,12 @@ export class SectionFaces {
     this.bytes = section.voxels.length;
     const steps = planSteps(section);
     const first = steps[0]!.length;
+    this.firstStep = first;
+    this.indexFromPatient = indexFromPatient(section);
+    this.#hasValues = section.channels === 3; // of colours no table is needed
     this.#uniforms = {
       uPatientFromWorld: { value: new Matrix4() },
-      uIndexFromPatient: { value: indexFromPatient(section) },
+      uIndexFromPatient: { value: this.indexFromPatient },
       uVoxels: { value: volumeTexture(section.voxels, section) },
       uCurve: { value: curveTexture(section.curve) },
       uMaterials: { value: materialTexture(section, first) },
@@ -281,6 +303,18 @@ export class SectionFaces {
         },
       },
     };
+    const { uVoxels, uBlocks, uMaterials, uPlanes, uPlaneCount, uGrey } = this.#uniforms as Record<
+      "uVoxels" | "uBlocks" | "uMaterials" | "uPlanes" | "uPlaneCount" | "uGrey",
+      IUniform
+    >;
+    this.outlineUniforms = {
+      uValues: this.#hasValues ? uVoxels : { value: volumeTexture(null, { ...section, channels: 1 }) },
+      uBlocks,
+      uMaterials,
+      uPlanes,
+      uPlaneCount,
+      uGrey,
+    };
     this.opaque = faceMesh(this.#uniforms, true, section);
     this.partial = faceMesh(this.#uniforms, false, section);
     this.ends = sectionEnds(section);
@@ -288,30 +322,53 @@ export class SectionFaces {
 
   /**
    * Gives the volume to the GPU, piece by piece, so that the page can do other things in between. Returns whether there
-   * is memory for it.
+   * is memory for it. Without memory for its values there is no outline.
    */
   async upload(renderer: WebGLRenderer): Promise<boolean> {
     const { section } = this;
-    const gl = renderer.getContext();
-    wasOutOfMemory(gl); // before this, for something else
-    const [nx, ny] = section.dims;
-    const sliceBytes = nx * ny * section.channels;
-    const slices = Math.ceil(kUploadBytes / sliceBytes);
-    const texture = this.#uniforms["uVoxels"]!.value as Data3DTexture;
-    const piece = (z: number, depth: number) =>
-      volumeTexture(section.voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes), section, depth);
-    const lost = await uploadInPieces(renderer, texture, piece, slices, () => !this.#freed);
-    return this.#freed || lost || !wasOutOfMemory(gl);
+    if (!(await this.#give(renderer, this.#uniforms["uVoxels"]!.value, section.channels, (codes) => codes))) {
+      return false;
+    }
+    await this.giveValues(renderer);
+    return true;
   }
 
-  /** From now on walls behind gaps are drawn: in no more than a glow until there is light of a cut. */
-  setOpenings(openings: OpeningsInfo): void {
-    const { uOpenings, uBlocks } = this.#uniforms;
+  /** Gives the GPU, which may be a new one, the values that the outline is drawn by, if there is memory for them. */
+  async giveValues(renderer: WebGLRenderer): Promise<void> {
+    const { curve, channels, voxels } = this.section;
+    if (channels === 3) {
+      return;
+    }
+    const bytes = valueBytes(curve);
+    const values = this.outlineUniforms["uValues"]!.value as Data3DTexture;
+    this.#hasValues = false;
+    if (await this.#give(renderer, values, 1, (codes) => codes.map((code) => bytes[code]!))) {
+      this.#hasValues = true;
+    } else {
+      values.dispose();
+    }
+    this.bytes = voxels.length * (this.#hasValues ? 2 : 1);
+  }
+
+  /** Whether the outline of what is kept can be drawn: it is known where there is nothing. */
+  get hasOutline(): boolean {
+    return this.#isOutlined && this.#hasValues;
+  }
+
+  /** From now on it is known where the volume is empty. */
+  setSpace(space: OpeningsInfo): void {
+    const uBlocks = this.#uniforms["uBlocks"]!;
+    (uBlocks.value as Data3DTexture).dispose();
+    uBlocks.value = blockTexture(space);
+    this.#isOutlined = space.outlined;
+  }
+
+  /** From now on, too, walls behind gaps are drawn: in no more than a glow until there is light of a cut. */
+  setOpenings({ cells, cellSize }: WallLight): void {
+    const { uOpenings } = this.#uniforms;
     this.#hasOpenings = true;
-    (uBlocks!.value as Data3DTexture).dispose();
-    uBlocks!.value = blockTexture(openings);
-    uOpenings!.value.cell = openings.cellSize;
-    uOpenings!.value.cells.set(...openings.cells);
+    uOpenings!.value.cell = cellSize;
+    uOpenings!.value.cells.set(...cells);
   }
 
   /** Lights walls by a texture from now on, in which 1 stands for `scale`, linear. */
@@ -324,6 +381,33 @@ export class SectionFaces {
   setRig(rig: LightRig): void {
     this.#rig = rig;
     this.#uniforms["uRig"]!.value = rigUniform(rig);
+  }
+
+  /** Gives the GPU what `meaning` makes of the voxels. Returns whether there is memory for it. */
+  async #give(
+    renderer: WebGLRenderer,
+    texture: Data3DTexture,
+    channels: Section["channels"],
+    meaning: (codes: Uint8Array) => Uint8Array,
+  ): Promise<boolean> {
+    const { dims, voxels } = this.section;
+    const gl = renderer.getContext();
+    wasOutOfMemory(gl); // before this, for something else
+    const sliceBytes = dims[0] * dims[1] * channels;
+    const piece = (z: number, depth: number) =>
+      volumeTexture(
+        meaning(voxels.subarray(z * sliceBytes, (z + depth) * sliceBytes)),
+        { dims, channels },
+        depth,
+      );
+    const slices = Math.ceil(kUploadBytes / sliceBytes);
+    const lost = await uploadInPieces(renderer, texture, piece, slices, () => !this.#freed);
+    return this.#freed || lost || !wasOutOfMemory(gl);
+  }
+
+  /** Of faces, a pixel. */
+  get rays(): number {
+    return this.#uniforms["uRays"]!.value as number;
   }
 
   set effort({ rays, walls }: FaceEffort) {
@@ -403,6 +487,7 @@ export class SectionFaces {
     for (const name of ["uVoxels", "uCurve", "uMaterials", "uBlocks"]) {
       this.#uniforms[name]!.value.dispose();
     }
+    this.outlineUniforms["uValues"]!.value.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry.dispose();
       mesh.material.dispose();

@@ -17,13 +17,13 @@ import {
 } from "three";
 
 import type { Picture } from "../api";
-import { kMaxPlanes } from "../model/cut";
 import { kClipOperators } from "../worker/protocol";
 import { type DepthCue, makeBackdrop } from "./depth_cue";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
 import { kHullDirections } from "../sog/hull";
 import { KeptShare } from "./kept_share";
-import type { SectionFaces } from "./section_faces";
+import { Outline } from "./outline";
+import { kColumns, type SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
 import type { SplatMesh } from "./splat_mesh";
 
@@ -70,7 +70,9 @@ export class SplatLayer {
   readonly #moving: WebGLRenderTarget; // the same
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
   readonly #keptShare = new KeptShare();
+  readonly #outline = new Outline();
   readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
+  #outlined: SectionFaces | null = null; // that the object's material is made for
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
@@ -85,24 +87,37 @@ export class SplatLayer {
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
       ...this.#keptShare.uniforms,
+      ...this.#outline.uniforms,
     };
-    this.object = new Mesh(
-      fullScreenTriangle(),
-      new RawShaderMaterial({
-        glslVersion: GLSL3,
-        vertexShader: shader("full_screen.vert.glsl"),
-        fragmentShader: shader("composite.frag.glsl"),
-        uniforms: this.#uniforms,
-        defines: { kStraight: 0, kMaxPlanes, kHullDirections },
-        transparent: true,
-        depthTest: false,
-        depthWrite: false,
-        blending: CustomBlending,
-        blendSrc: OneFactor,
-        blendDst: OneMinusSrcAlphaFactor,
-      }),
-    );
+    this.object = new Mesh(fullScreenTriangle(), this.#material());
     this.object.frustumCulled = false;
+  }
+
+  #material(): RawShaderMaterial {
+    const uniforms = { ...this.#uniforms, ...this.#outlined?.outlineUniforms };
+    return new RawShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: shader("full_screen.vert.glsl"),
+      fragmentShader: shader("composite.frag.glsl"),
+      uniforms,
+      defines: this.#defines(0),
+      transparent: true,
+      depthTest: false,
+      depthWrite: false,
+      blending: CustomBlending,
+      blendSrc: OneFactor,
+      blendDst: OneMinusSrcAlphaFactor,
+    });
+  }
+
+  #defines(straight: number): Record<string, number> {
+    const { section } = this.#outlined ?? {};
+    return {
+      kStraight: straight,
+      kHullDirections,
+      kOutlined: section ? 1 : 0,
+      ...(section && { kChannels: section.channels, kColumns }),
+    };
   }
 
   /** Draws at `scale` times the canvas's resolution; `moving`: for speed. */
@@ -137,8 +152,12 @@ export class SplatLayer {
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = new FullScreenPass(
       "composite.frag.glsl",
-      { ...this.#uniforms, uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) } },
-      { kStraight: 1, kMaxPlanes, kHullDirections },
+      {
+        ...this.#uniforms,
+        ...this.#outlined?.outlineUniforms,
+        uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) },
+      },
+      this.#defines(1),
     );
     straight.render(this.#renderer, bytes);
     const rows = new Uint8Array(width * height * 4);
@@ -146,6 +165,11 @@ export class SplatLayer {
     straight.dispose();
     bytes.dispose();
     return pictureOf(rows, width, height);
+  }
+
+  /** The case is gone whose picture is still shown. */
+  forget(): void {
+    this.#outlineBy(null);
   }
 
   dispose(): void {
@@ -167,11 +191,31 @@ export class SplatLayer {
     const seen = mesh.sceneCamera(camera, width, height);
     mesh.updateColors(renderer, seen.position);
     this.#keptShare.set(seen, mesh.clip === kClipOperators.exact ? mesh.planes : [], mesh.hull);
+    this.#setOutline(mesh, faces, camera);
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
     this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
+  }
+
+  /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. */
+  #setOutline(mesh: SplatMesh, faces: SectionFaces | null, camera: PerspectiveCamera): void {
+    this.#outlineBy(faces);
+    const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
+    const has = faces !== null && faces.hasOutline && byPlane;
+    this.#outline.uniforms["uHasOutline"]!.value = has;
+    if (has) {
+      this.#outline.set(faces, camera);
+    }
+  }
+
+  #outlineBy(faces: SectionFaces | null): void {
+    if (this.#outlined !== faces) {
+      this.#outlined = faces;
+      (this.object.material as RawShaderMaterial).dispose();
+      this.object.material = this.#material();
+    }
   }
 
   #render(target: WebGLRenderTarget, camera: PerspectiveCamera, objects: readonly Mesh[]): void {

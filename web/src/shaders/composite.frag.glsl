@@ -1,7 +1,25 @@
 // The splats' picture with opaque faces, premultiplied and possibly brighter than its alpha, behind the faces that
 // are not opaque, onto the page. Straight alpha where kStraight is set: what `clipgs render` writes.
 precision highp float;
+precision highp int;
 precision highp sampler2D;
+precision highp sampler3D;
+
+#if kOutlined == 1
+#include "outline.glsl"
+
+uniform bool uHasOutline;
+uniform Outline uOutline;
+uniform int uOutlineRays;  // a pixel
+uniform sampler3D uValues;
+uniform sampler3D uBlocks;
+uniform sampler2D uMaterials;
+uniform vec4 uPlanes[kMaxPlanes];
+uniform int uPlaneCount;
+uniform float uGrey;
+#else
+const int kMaxPlanes = 6;
+#endif
 
 uniform sampler2D uPicture;
 uniform sampler2D uFaces;
@@ -52,9 +70,24 @@ vec4 putBehind(vec4 face, vec4 splats) {
 void main() {
   vec2 at = gl_FragCoord.xy * uTexelsPerPixel;
   vec2 size = vec2(textureSize(uPicture, 0));
-  float share = keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
-  vec4 c = putBehind(texture(uFaces, at), share * texture(uPicture, at));
+  float kept = keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
+  vec4 c = putBehind(texture(uFaces, at), kept * texture(uPicture, at));
   c.rgb = min(c.rgb, c.a);
+#if kOutlined == 1
+  // Colours are kept: of what faces leave, the splats'.
+  float share = uHasOutline ? outlineShare(c.a) : 0.0;
+  if (share > 0.0) {
+    vec4 face = texture(uFaces, at);
+    vec2 pixel = vec2(gl_FragCoord.x, 1.0 / uTexelsPerPixel.y - gl_FragCoord.y) - 0.5;
+    float covered = mix(c.a, matterOf(pixel, uTexelsPerPixel, uOutlineRays, uOutline, uValues, uBlocks, uMaterials, uPlanes,
+                                      uPlaneCount), share);
+    covered = uGrey > 0.0 ? max(face.a, covered) : covered;
+    float beyond = c.a - face.a;  // that splats cover
+    vec3 color = beyond >= kLeastBeyond ? clamp((c.rgb - face.rgb) / beyond, 0.0, 1.0) : face.rgb / face.a;
+    vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / face.a * face.rgb;
+    c = vec4(light, covered);
+  }
+#endif
   if (kStraight == 1) {
     c.rgb /= max(c.a, 1e-6);
   }

@@ -1,5 +1,5 @@
 import type { LightRig, Section } from "../sog/section";
-import type { CutLightTexels, OpeningsInfo } from "./protocol";
+import type { CutLightTexels, OpeningsInfo, WallLight } from "./protocol";
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -18,6 +18,9 @@ interface Exports {
 
 /** Voxels along a side of a block: EmptySpace::kBlock of src/light/empty_space.h. */
 const kBlock = 2;
+/** What is drawn of a section, by the bits of wasm/cut_light.cpp's prepare(). */
+const kOpened = 1;
+const kOutlined = 2;
 /** For walls and for splats, of six sides. */
 const kSides = 2 * 6;
 
@@ -70,23 +73,25 @@ export class CutLight {
     this.#describe(0, description);
   }
 
-  /** Finds walls and horizons, a second or so; null where openings are left to the splats. */
-  prepare({ dims }: Pick<Section, "dims">): OpeningsInfo | null {
+  /** Finds walls and horizons, a second or so. */
+  prepare({ dims }: Pick<Section, "dims">): OpeningsInfo {
     const wasm = this.#wasm;
-    if (!wasm.prepare()) {
-      return null;
-    }
+    const drawn = wasm.prepare();
     const blockDims = dims.map((n) => Math.ceil(n / kBlock)) as OpeningsInfo["blockDims"];
     const count = blockDims[0] * blockDims[1] * blockDims[2];
-    const [x, y, z, cellSize] = new Float32Array(wasm.memory.buffer, wasm.grid(), 4);
-    this.#bytes = 4 * kSides * x! * y! * z!;
     return {
       blocks: new Uint8Array(wasm.memory.buffer, wasm.blocks(), count).slice(),
       blockDims,
-      cells: [x!, y!, z!],
-      cellSize: cellSize!,
-      ownLight: this.#read(wasm.own_light()),
+      outlined: (drawn & kOutlined) !== 0,
+      light: (drawn & kOpened) !== 0 ? this.#wallLight() : null,
     };
+  }
+
+  #wallLight(): WallLight {
+    const wasm = this.#wasm;
+    const [x, y, z, cellSize] = new Float32Array(wasm.memory.buffer, wasm.grid(), 4);
+    this.#bytes = 4 * kSides * x! * y! * z!;
+    return { cells: [x!, y!, z!], cellSize: cellSize!, ownLight: this.#read(wasm.own_light()) };
   }
 
   /** From now on other lights. */

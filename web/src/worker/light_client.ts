@@ -3,7 +3,7 @@ import type { CutLightTexels, OpeningsInfo, SectionReply, SectionRequest } from 
 
 /** The main thread's end of section_worker.ts, once it has decoded: what cuts open, and the light in there. */
 export class LightClient {
-  /** What openings are drawn from; null: splats show them. */
+  /** What the outline and openings are drawn from; null: splats show them. */
   readonly openings: Promise<OpeningsInfo | null>;
   readonly #worker: Worker;
   #lit: ((light: CutLightTexels | null) => void) | null = null;

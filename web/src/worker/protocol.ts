@@ -19,16 +19,24 @@ export interface CutLightTexels {
   scale: number;
 }
 
-/** Where walls may be and how their light lies in space: what openings are drawn from beside the section's voxels. */
-export interface OpeningsInfo {
-  /** Of 2³ voxels each, as EmptySpace of src/light/empty_space.h has them. */
-  blocks: Uint8Array;
-  blockDims: [number, number, number];
+/** How the light of walls lies in space. */
+export interface WallLight {
   /** Cells of the light along each axis of the section, and their side, mm. */
   cells: [number, number, number];
   cellSize: number;
   /** The light uncut, under the lights that the case was made in. */
   ownLight: CutLightTexels;
+}
+
+/** Where matter may be: what outlines and openings are drawn from beside the section's voxels. */
+export interface OpeningsInfo {
+  /** Of 2³ voxels each, as EmptySpace of src/light/empty_space.h has them. */
+  blocks: Uint8Array;
+  blockDims: [number, number, number];
+  /** Whether what is kept is given its outline. */
+  outlined: boolean;
+  /** Null: splats show what is opened. */
+  light: WallLight | null;
 }
 
 /** To the section's worker: first the section, then other lights, and cuts (x, y, z, offset of each plane, RAS mm). */
@@ -38,8 +46,8 @@ export type SectionRequest =
   | { kind: "light"; planes: Float32Array; quick: boolean };
 
 /**
- * From it: the section, or why there is none; what its openings are drawn from (null: splats show them); the light under
- * the cut that was asked for.
+ * From it: the section, or why there is none; what its outline and openings are drawn from (null: splats show
+ * them); the light under the cut that was asked for.
  */
 export type SectionReply =
   | { kind: "section"; section: Section }

@@ -7,7 +7,7 @@ import { readVoxels, type Section } from "../sog/section";
 import { CaseError } from "../sog/zip";
 import { WebpDecoder } from "../sog/webp";
 import { CutLight } from "./cut_light";
-import type { CodedSection, SectionReply, SectionRequest } from "./protocol";
+import type { CodedSection, OpeningsInfo, SectionReply, SectionRequest } from "./protocol";
 
 // What a worker's global object has of DedicatedWorkerGlobalScope, whose types clash with the page's.
 const worker = self as unknown as {
@@ -32,9 +32,10 @@ async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
   light = await takeOver(section); // before the voxels are given away
   worker.postMessage({ kind: "section", section }, [section.voxels.buffer]);
   const openings = prepare(dims);
+  const parts = [openings?.blocks, openings?.light?.ownLight.texels];
   worker.postMessage(
     { kind: "openings", openings },
-    openings ? [openings.blocks.buffer, openings.ownLight.texels.buffer] : [],
+    parts.flatMap((part) => part?.buffer ?? []),
   );
 }
 
@@ -48,7 +49,7 @@ async function takeOver(section: Section): Promise<CutLight | null> {
   }
 }
 
-function prepare(dims: Section["dims"]): ReturnType<CutLight["prepare"]> {
+function prepare(dims: Section["dims"]): OpeningsInfo | null {
   try {
     return light?.prepare({ dims }) ?? null;
   } catch {

@@ -125,10 +125,10 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
     proxy.stop();
   });
 
-  it("holds the section once on the GPU, a byte a voxel, and gives it there in pieces", async () => {
-    for (const [name, channels] of [
-      ["phantom", 1],
-      ["photo", 3],
+  it("holds codes and values of the section on the GPU, or its colours, and gives them there in pieces", async () => {
+    for (const [name, channels, volumes] of [
+      ["phantom", 1, 2],
+      ["photo", 3, 1],
     ] as const) {
       const visitor = await session.open(`#case=${name}&size=64x64`, errors, { width: 64, height: 64 }, [
         kCountVolumes,
@@ -141,14 +141,15 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
         readFileSync(join(session.cases, `${name}.sog`)).toString("latin1"),
       )!;
       const voxels = dims!.split(",").reduce((product, n) => product * Number(n), 1);
-      expect(sectionBytes).toBe(channels * voxels);
+      expect(sectionBytes).toBe(channels * volumes * voxels);
       expect(bytes[0]).toBe(channels * voxels);
       // Beside it stand blocks of 2³ voxels and, the light on surfaces, as the case was made, now and next: of at most 48³ cells.
       const blocks = dims!.split(",").reduce((product, n) => product * Math.ceil(Number(n) / 2), 1);
       const sum = (sizes: number[]) => sizes.reduce((all, n) => all + n);
-      expect(sum(bytes)).toBeLessThan(channels * voxels + blocks + 3 * 12 * 4 * 48 ** 3);
+      expect(sum(bytes)).toBeLessThan(channels * volumes * voxels + blocks + 3 * 12 * 4 * 48 ** 3);
       // Each is given once; blocks may still be on their way.
-      expect([channels * voxels, channels * voxels + blocks]).toContain(sum(pieces));
+      const given = channels * volumes * voxels;
+      expect([given, given + blocks]).toContain(sum(pieces));
       await visitor.close();
     }
   });

@@ -70,13 +70,15 @@ describe("the light of cuts, as WebAssembly", () => {
   it("finds walls, which are dark in a closed hollow and lit in an opened one", () => {
     const section = hollowBlock(5);
     const light = new CutLight(module, section);
-    const openings = light.prepare(section)!;
+    const openings = light.prepare(section);
+    const { ownLight, cells } = openings.light!;
     expect(openings.blockDims).toEqual([20, 20, 20]);
     expect(openings.blocks).toHaveLength(20 ** 3);
     expect(openings.blocks[10 + 20 * (10 + 20 * 10)]! & 127).toBeGreaterThan(2); // empty all around the middle
     expect(openings.blocks[0]! & 127).toBe(0);
-    expect(openings.ownLight.texels).toHaveLength(2 * 6 * 4 * openings.cells.reduce((a, b) => a * b));
-    const closed = meanLight(openings.ownLight);
+    expect(openings.outlined).toBe(true);
+    expect(ownLight.texels).toHaveLength(2 * 6 * 4 * cells.reduce((a, b) => a * b));
+    const closed = meanLight(ownLight);
     expect(closed.cells).toBeGreaterThan(50);
     expect(closed.mean).toEqual([0, 0, 0]);
 
@@ -104,6 +106,8 @@ describe("the light of cuts, as WebAssembly", () => {
 
   it("leaves what is translucent to the splats", () => {
     const section = hollowBlock(0.05);
-    expect(new CutLight(module, section).prepare(section)).toBe(null);
+    const { outlined, light } = new CutLight(module, section).prepare(section);
+    expect(outlined).toBe(false);
+    expect(light).toBe(null);
   });
 });

@@ -1,0 +1,58 @@
+import { type IUniform, Matrix3, Matrix4, type PerspectiveCamera, Vector3 } from "three";
+
+import { kWorldFromPatient } from "../model/geometry";
+import type { SectionFaces } from "./section_faces";
+
+/** Of the section: steps where there may be matter (kStepVoxels of src/section/outline.cpp). */
+const kStepVoxels = 0.4;
+
+/** A pixel: with one, edges have steps. */
+const kLeastRays = 2;
+
+const kPatientFromWorld = kWorldFromPatient.clone().invert();
+
+/**
+ * Where matter of a section ends, as uniforms of composite.frag.glsl: splats are round and soft there, a section knows
+ * it to a fraction of its voxels. The twin of Outline in src/section/outline.h.
+ */
+export class Outline {
+  readonly #view = {
+    eye: new Vector3(),
+    origin: new Vector3(),
+    corner: new Vector3(),
+    right: new Vector3(),
+    down: new Vector3(),
+    indexFromDirection: new Matrix3(),
+    step: 1,
+    firstStep: 1,
+  };
+  readonly #scratch = new Matrix4();
+  readonly uniforms: Record<string, IUniform> = {
+    uHasOutline: { value: false },
+    uOutline: { value: this.#view },
+    uOutlineRays: { value: 1 },
+  };
+
+  /** Of what `camera`, which is in the world, sees from now on. */
+  set(faces: SectionFaces, camera: PerspectiveCamera): void {
+    const view = this.#view;
+    this.uniforms["uOutlineRays"]!.value = Math.max(kLeastRays, faces.rays);
+    const { spacing } = faces.section;
+    const patientFromCamera = this.#scratch.multiplyMatrices(kPatientFromWorld, camera.matrixWorld);
+    const p = camera.projectionMatrix.elements;
+    const [x, y, z] = [new Vector3(), new Vector3(), new Vector3()];
+    patientFromCamera.extractBasis(x, y, z);
+    view.eye.setFromMatrixPosition(patientFromCamera);
+    view.right.copy(x).multiplyScalar(2 / p[0]!);
+    view.down.copy(y).multiplyScalar(-2 / p[5]!);
+    view.corner
+      .copy(x)
+      .multiplyScalar((p[8]! - 1) / p[0]!)
+      .addScaledVector(y, (p[9]! + 1) / p[5]!)
+      .sub(z);
+    view.origin.copy(view.eye).applyMatrix4(faces.indexFromPatient);
+    view.indexFromDirection.setFromMatrix4(faces.indexFromPatient);
+    view.step = kStepVoxels * Math.cbrt(spacing[0] * spacing[1] * spacing[2]);
+    view.firstStep = faces.firstStep;
+  }
+}
