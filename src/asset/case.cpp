@@ -26,8 +26,8 @@ constexpr const char* kSectionKey = "section";
 constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
-/// Of a section's image that is too large without loss: the last of them whatever it takes.
-constexpr std::array kLossyQualities = {97.0f, 94.0f, 90.0f, 85.0f, 80.0f, 75.0f, 70.0f};
+/// Of a section's image: the first that is small enough, or the last.
+constexpr std::array kQualities = {kLossless, 97.0f, 94.0f, 90.0f, 85.0f, 80.0f, 75.0f, 70.0f};
 /// Of the JSON, at most, about, and of the ZIP's directory.
 constexpr size_t kMetaBytes = 40'000;
 constexpr size_t kDirectoryBytes = 2'000;
@@ -88,6 +88,44 @@ size_t size_of(const CodedSection& section) {
   return section.file.bytes.size() + text_of(section.block).size();
 }
 
+/// A section by kQualities, or by one that is given: each is coded once, for it takes seconds.
+class SectionCodings {
+ public:
+  SectionCodings(const Section& section, std::optional<float> quality)
+      : section_(section), given_(quality) {}
+
+  /// The best that takes no more than `room` bytes. What does not fit by one is not tried by a
+  /// better one.
+  const CodedSection& best(size_t room) {
+    if (given_) {
+      return by(*given_);
+    }
+    size_t low = 0;  // what is before is too large
+    size_t high = kQualities.size() - 1;
+    while (low < high) {
+      const size_t middle = (low + high) / 2;
+      if (size_of(by(kQualities[middle])) <= room) {
+        high = middle;
+      } else {
+        low = middle + 1;
+      }
+    }
+    return by(kQualities[high]);
+  }
+
+ private:
+  const CodedSection& by(float quality) {
+    const auto known = coded_.find(quality);
+    return known != coded_.end()
+               ? known->second
+               : coded_.emplace(quality, code_section(section_, quality)).first->second;
+  }
+
+  const Section& section_;
+  std::optional<float> given_;
+  std::map<float, CodedSection> coded_;
+};
+
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
 /// Everything but its size and its thumbnail. `sizes`: of the case's files.
@@ -145,12 +183,12 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   json block = scene_to_json(scene, world);
   block["generator"] = fmt::format("clipgs {}", program_version());
   // Where the size of the case decides, splats have what the section leaves of it when it is kept
-  // without loss; where that is too little for them, the section is kept less well.
-  std::optional<CodedSection> section;
+  // as well as fits; where that is too little for them, the section is kept less well.
+  std::optional<SectionCodings> section;
   size_t others = kMetaBytes + scene.layers.size() / kLayersPerByte;
   if (contents.section) {
-    section = code_section(*contents.section, coding.section_quality.value_or(kLossless));
-    others += section->file.bytes.size();
+    section.emplace(*contents.section, coding.section_quality);
+    others += section->best(coding.bytes - std::min(coding.bytes, others)).file.bytes.size();
   }
   ZipEntry picture;
   if (thumbnail != nullptr) {
@@ -171,13 +209,9 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   if (section) {
     const size_t rest =
         total_bytes(files) + text_of(meta).size() + text_of(block).size() + kDirectoryBytes;
-    for (size_t q = 0; !coding.section_quality && q < kLossyQualities.size() &&
-                       rest + size_of(*section) > coding.bytes;
-         ++q) {
-      section = code_section(*contents.section, kLossyQualities[q]);
-    }
-    block[kSectionKey] = std::move(section->block);
-    files.push_back(std::move(section->file));
+    CodedSection coded = section->best(coding.bytes - std::min(coding.bytes, rest));
+    block[kSectionKey] = std::move(coded.block);
+    files.push_back(std::move(coded.file));
   }
   meta["clipgs"].update(block);
   const std::string text = text_of(meta);
