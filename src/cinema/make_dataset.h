@@ -61,7 +61,7 @@ std::vector<Frame> plan_frames(const CinemaScene& scene, const VisibleMatter& ma
 Dataset make_dataset(const Volume& volume, const Preset& preset,
                      const std::filesystem::path& folder, const DatasetOptions& options);
 /// The same of what has finer voxels for others, too, as `options.upsample` says.
-Dataset make_dataset(TracedVolume& volume, const Preset& preset,
+Dataset make_dataset(TracedVolume& source, const Preset& preset,
                      const std::filesystem::path& folder, const DatasetOptions& options);
 
 }  // namespace clipgs

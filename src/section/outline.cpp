@@ -11,9 +11,9 @@
 namespace clipgs {
 namespace {
 
-constexpr float kStepVoxels = 0.4f;     // of the section: steps where there may be matter
+constexpr float kMarchVoxels = 0.4f;    // of the section: steps where there may be matter
 constexpr float kOpaqueDepth = 5.545f;  // optical: what goes through is less than 1/256
-constexpr double kReferenceStepVoxels = 0.02;
+constexpr double kReferenceMarch = 0.02;
 
 /// The part of a ray, mm from the eye, that planes and the section's box leave.
 template <typename T>
@@ -58,7 +58,7 @@ Outline::Outline(const Section& section, const EmptySpace& empty_space, const Ca
       camera_(camera),
       planes_(cut.planes().begin(), cut.planes().end()),
       origin_(section.index_from_world(camera.position)),
-      step_(kStepVoxels * mean_spacing(section.spacing)) {
+      step_(kMarchVoxels * mean_spacing(section.spacing)) {
   for (int k = 0; k < 3; ++k) {
     index_from_direction_[k] = section.direction[k] / section.spacing[k];
   }
@@ -142,9 +142,11 @@ double outline_reference(const Section& section, const Camera& camera, const Cut
   const V stride = index(direction);
   const auto [enter, leave] =
       kept_span<double>(section, cut.planes(), eye, direction, origin, stride);
-  const double step = kReferenceStepVoxels * mean_spacing(section.spacing);
+  const double step = kReferenceMarch * mean_spacing(section.spacing);
   double depth = 0;
-  for (double t = enter; t < leave; t += step) {
+  const int steps = static_cast<int>(std::ceil(std::max(0.0, leave - enter) / step));
+  for (int i = 0; i < steps; ++i) {
+    const double t = enter + i * step;
     const double length = std::min(step, leave - t);
     const Vec3 sampled = section.sample(Vec3(origin + (t + 0.5 * length) * stride));
     const float code = section.curve.code(section.value(sampled));

@@ -3,7 +3,7 @@ import { type IUniform, Matrix3, Matrix4, type PerspectiveCamera, Vector3 } from
 import { kWorldFromPatient } from "../model/geometry";
 import type { SectionFaces } from "./section_faces";
 
-/** Of the section: steps where there may be matter (kStepVoxels of src/section/outline.cpp). */
+/** Of the section: steps where there may be matter (kMarchVoxels of src/section/outline.cpp). */
 const kStepVoxels = 0.4;
 
 /** A pixel: with one, edges have steps. */
