@@ -120,6 +120,10 @@ const char* split_name(Split split) {
       return "test_uncut";
     case Split::kTestClose:
       return "test_close";
+    case Split::kTestCutAxis:
+      return "test_cut_axis";
+    case Split::kTestCutOblique:
+      return "test_cut_oblique";
     case Split::kValidationAxis:
       return "validation_axis";
     case Split::kValidationOblique:

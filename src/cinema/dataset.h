@@ -21,27 +21,30 @@ enum class Split {
   kTestAxis,     ///< cut across the axis
   kTestOblique,  ///< cut by any plane
   kTestUncut,
-  kTestClose,  ///< two to four times as near: a face of a cut, or the skin of the uncut body
+  kTestClose,       ///< two to four times as near: a face of a cut, or the skin of the uncut body
+  kTestCutAxis,     ///< XClipGS's views of cuts across each axis (plan_cut_views()) …
+  kTestCutOblique,  ///< … and of oblique ones
   kValidationAxis,
   kValidationOblique,
   kValidationUncut,
   kValidationClose
 };
-inline constexpr std::array kTestSplits{Split::kTestAxis, Split::kTestOblique, Split::kTestUncut,
-                                        Split::kTestClose};
+inline constexpr std::array kTestSplits{Split::kTestAxis,    Split::kTestOblique,
+                                        Split::kTestUncut,   Split::kTestClose,
+                                        Split::kTestCutAxis, Split::kTestCutOblique};
 inline constexpr std::array kValidationSplits{Split::kValidationAxis, Split::kValidationOblique,
                                               Split::kValidationUncut, Split::kValidationClose};
-inline constexpr std::array kSplits{Split::kTrain,
-                                    Split::kTestAxis,
-                                    Split::kTestOblique,
-                                    Split::kTestUncut,
-                                    Split::kTestClose,
-                                    Split::kValidationAxis,
-                                    Split::kValidationOblique,
-                                    Split::kValidationUncut,
-                                    Split::kValidationClose};
+inline constexpr std::array kSplits{
+    Split::kTrain,           Split::kTestAxis,       Split::kTestOblique,
+    Split::kTestUncut,       Split::kTestClose,      Split::kTestCutAxis,
+    Split::kTestCutOblique,  Split::kValidationAxis, Split::kValidationOblique,
+    Split::kValidationUncut, Split::kValidationClose};
 /// "train", "test_axis", "validation_oblique" and so on.
 const char* split_name(Split split);
+/// Whether its pictures are measured by what the cut does (measure/cut_face.h).
+inline bool is_cut_view(Split split) {
+  return split == Split::kTestCutAxis || split == Split::kTestCutOblique;
+}
 
 /// One picture of the dataset.
 struct Frame {
@@ -50,7 +53,8 @@ struct Frame {
   Split split = Split::kTrain;
   std::string file;  ///< PNG, relative to the folder: 8-bit sRGB RGBA, straight alpha
   // Of test and validation frames only, and the uncut ones of those that are cut:
-  std::string uncut_file;        ///< the same view without the plane ("leak" needs it)
+  std::string uncut_file;        ///< the same view without the plane ("leak" needs it); of cut
+                                 ///< views (is_cut_view()) as clean as the picture itself
   std::string depth_file;        ///< first-hit depth, 16-bit grey PNG: mm = value·depth_scale
   std::string uncut_depth_file;  ///< … without the plane
 

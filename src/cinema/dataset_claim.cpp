@@ -123,8 +123,9 @@ Claim claim_of_look(const Volume& volume, const Preset& preset) {
 
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options) {
   const auto& [size, test_size, train_frames, test_frames, validation_frames, uncut_frames,
-               close_frames, train_spp, test_noise_db, test_masked_noise_db, test_spp, max_bounces,
-               seed_points, seed, axis, one_sided, choose_views, upsample, denoise] = options;
+               close_frames, cut_views, train_spp, test_noise_db, test_masked_noise_db, test_spp,
+               max_bounces, seed_points, seed, axis, one_sided, choose_views, upsample, denoise] =
+      options;
   const Claim look = claim_of_look(volume, preset);
   DatasetClaims claims{claim_of_step("pictures", kPicturesRevision),
                        claim_of_step("points", kPointsRevision)};
@@ -147,7 +148,8 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
   // What claims of before there was such a thing do not name.
   for (const auto& [name, value] : {std::pair("test_size", test_size == size ? 0 : test_size),
                                     {"uncut_frames", uncut_frames},
-                                    {"close_frames", close_frames}}) {
+                                    {"close_frames", close_frames},
+                                    {"cut_views", cut_views ? 1 : 0}}) {
     if (value != 0) {
       claims.pictures[name] = value;
     }

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <unistd.h>
@@ -355,6 +356,38 @@ TEST(PlanFrames, UncutAndCloseTestsOfTheirOwnSize) {
       EXPECT_NEAR(frame.plane->signed_distance(place), 0, 2) << i;
     }
   }
+}
+
+TEST(Dataset, CutViewsSeeFacesStraightAndEdgesAlongThePlane) {
+  const Fixture f;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  const std::vector<Frame> frames = plan_cut_views(matter, 40, 3);
+  std::map<Split, int> counts;
+  int edges = 0;
+  for (const Frame& frame : frames) {
+    ++counts[frame.split];
+    const Plane& plane = *frame.plane;
+    EXPECT_NEAR(plane.signed_distance(matter.sphere.center), 0, 1e-3f);
+    const Vec3 from = glm::normalize(frame.camera.position - matter.sphere.center);
+    const float sine = glm::dot(from, plane.normal);
+    if (sine > 0) {
+      EXPECT_NEAR(sine, std::sin(1.5f * 0.0174533f), 1e-4f);
+      ++edges;
+    } else {
+      EXPECT_LT(sine, -std::cos(10.1f * 0.0174533f));
+    }
+    for (int k = 0; k < 9; ++k) {
+      EXPECT_TRUE(std::isfinite(frame.camera.rotation[k / 3][k % 3]));
+    }
+  }
+  EXPECT_EQ(counts[Split::kTestCutAxis], 30);
+  EXPECT_EQ(counts[Split::kTestCutOblique], 15);
+  EXPECT_EQ(edges, 25);
+  std::set<std::string> files;
+  for (const Frame& frame : frames) {
+    files.insert(frame.file);
+  }
+  EXPECT_EQ(files.size(), frames.size());
 }
 
 TEST(Dataset, HasUncutAndClosePictures) {

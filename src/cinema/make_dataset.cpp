@@ -162,7 +162,7 @@ class Maker {
   size_t cost(const Frame& frame) const {
     const size_t share = static_cast<size_t>(4 * frame.camera.width) * frame.camera.height /
                          (static_cast<size_t>(options_.size) * options_.size);
-    return frame.split == Split::kTrain ? share : 16 * share;
+    return frame.split == Split::kTrain ? share : (is_cut_view(frame.split) ? 32 : 16) * share;
   }
 
   /// Writes the frame's pictures, the one that State counts last, and returns its noise floor:
@@ -175,17 +175,21 @@ class Maker {
     if (!training) {
       write_depth(folder_ / frame.depth_file, render_depth(scene_, frame.camera, frame.plane),
                   depth_scale_);
+      PictureOptions clean = options;
+      clean.noise_db = options_.test_noise_db + kNoiseMargin;
+      clean.masked_noise_db = options_.test_masked_noise_db + kNoiseMargin;
+      clean.spp = options_.test_spp;
       if (frame.plane) {
         options.spp = kUncutSpp;
-        write_picture(frame.uncut_file,
-                      render_picture(scene_, frame.camera, std::nullopt, options));
+        write_picture(frame.uncut_file, render_picture(scene_, frame.camera, std::nullopt,
+                                                       is_cut_view(frame.split) ? clean : options));
         write_depth(folder_ / frame.uncut_depth_file,
                     render_depth(scene_, frame.camera, std::nullopt), depth_scale_);
       }
-      options.noise_db = options_.test_noise_db + kNoiseMargin;
-      options.masked_noise_db = options_.test_masked_noise_db + kNoiseMargin;
+      options = clean;
+    } else {
+      options.spp = options_.train_spp;
     }
-    options.spp = training ? options_.train_spp : options_.test_spp;
     options.features = training && options_.denoise;
     const Picture picture = render_picture(scene_, frame.camera, frame.plane, options);
     write_picture(frame.file,

@@ -21,6 +21,7 @@ struct DatasetOptions {
   int validation_frames = 15;       ///< of each validation split
   int uncut_frames = 0;             ///< of kTestUncut, and half as many of kValidationUncut
   int close_frames = 0;             ///< of kTestClose, and half as many of kValidationClose
+  bool cut_views = false;           ///< those of plan_cut_views(), too
   int train_spp = 32;               ///< samples a pixel of a training picture, mean over matter
   float test_noise_db = 46;         ///< noise floor that test and validation pictures reach …
   float test_masked_noise_db = 40;  ///< … and that of its pixels that show matter …
@@ -43,6 +44,12 @@ struct DatasetOptions {
 /// Test and validation frames are held out (HeldOut): no plane of another split comes within 1 % of
 /// the extent of theirs, no view within 5°.
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options);
+
+/// Views that XClipGS measures cuts by (arXiv 2608.07760), through the middle of the matter. Of
+/// each axis of the patient's one plane, five views of its face, straight and 10° from that, and
+/// five of its edge, 1.5° from the kept side; of five random normals, at least 20° from the axes
+/// and each other, one of the face, 10° from straight, and two of the edge. `size`: px.
+std::vector<Frame> plan_cut_views(const VisibleMatter& matter, int size, std::uint64_t seed);
 
 /// Aims close-ups, which plan_frames() leaves at the whole body, at what they see: at a random
 /// place of their face, or of the skin where they are uncut.

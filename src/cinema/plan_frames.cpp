@@ -32,6 +32,14 @@ constexpr std::array<float, 4> kDistances{1.0f, 0.8f, 1.0f, 1.2f};
 constexpr int kMostTestPlanes = 10;
 constexpr int kMostValidationPlanes = 5;
 
+// XClipGS's views of cuts: of three axes ten each, of five oblique planes three.
+constexpr size_t kMostCutViews = 45;
+constexpr int kObliqueCuts = 5;
+constexpr float kDegree = 0.0174532925f;
+constexpr float kFaceTilt = 10 * kDegree;    // of a view of a face, from straight
+constexpr float kEdgeTilt = 1.5f * kDegree;  // of one of an edge, from along the plane
+constexpr float kLeastAngle = 20 * kDegree;  // between oblique normals, and to axes
+
 // Frames that are planned besides to choose from, as a multiple of the training frames.
 constexpr int kOthers = 4;
 
@@ -49,7 +57,8 @@ enum Stream : std::uint64_t {
   kTestClose,
   kValidationUncut,
   kValidationClose,
-  kAims
+  kAims,
+  kCutViews
 };
 
 // Of close-ups, in turn.
@@ -95,11 +104,16 @@ class Planner {
         held_out_(matter, options.axis, options.one_sided,
                   2 * static_cast<size_t>(options.test_frames + options.validation_frames) +
                       static_cast<size_t>(with_validation(options.uncut_frames) +
-                                          with_validation(options.close_frames))) {}
+                                          with_validation(options.close_frames)) +
+                      (options.cut_views ? kMostCutViews : 0)) {}
 
   std::vector<Frame> plan() {
     std::vector<Frame> others;
-    const auto hold_out = [&](const std::array<Split, 4>& splits, int cut, int uncut, int close) {
+    if (options_.cut_views) {
+      others = plan_cut_views(matter_, test_size(), options_.seed);
+      held_out_.add(others);
+    }
+    const auto hold_out = [&](std::span<const Split> splits, int cut, int uncut, int close) {
       const size_t begin = others.size();
       plan_held_out(splits[0], cut, others);
       plan_held_out(splits[1], cut, others);
@@ -136,6 +150,7 @@ class Planner {
   }
 
  private:
+  int test_size() const { return options_.test_size == 0 ? options_.size : options_.test_size; }
   static int half(int count) { return (count + 1) / 2; }
   static int with_validation(int count) { return count + half(count); }
 
@@ -211,6 +226,9 @@ class Planner {
         return kValidationUncut;
       case Split::kValidationClose:
         return kValidationClose;
+      case Split::kTestCutAxis:
+      case Split::kTestCutOblique:
+        return kCutViews;
       case Split::kTrain:
         break;
     }
@@ -256,8 +274,7 @@ class Planner {
   Frame make_frame(Split split, int number, const Vec3& direction, float distance) const {
     Frame frame;
     const Sphere& sphere = matter_.sphere;
-    const int size =
-        split == Split::kTrain || options_.test_size == 0 ? options_.size : options_.test_size;
+    const int size = split == Split::kTrain ? options_.size : test_size();
     frame.camera = look_at(sphere.center + framing_distance(sphere.radius) * distance * direction,
                            sphere.center, Vec3(0, 0, 1), size, size);
     frame.split = split;
@@ -314,7 +331,82 @@ class Planner {
   HeldOut held_out_;
 };
 
+/// Views of cuts, numbered by their splits.
+class CutViews {
+ public:
+  CutViews(const Sphere& sphere, int size) : sphere_(sphere), size_(size) {}
+
+  /// `faces` views from the removed side, the first straight unless `tilted`, and `edges` along the
+  /// plane.
+  void add(Split split, const Vec3& normal, int faces, bool tilted, int edges, float turn) {
+    const Plane plane{normal, glm::dot(normal, sphere_.center)};
+    Vec3 a;
+    Vec3 b;
+    orthonormal_basis(normal, a, b);
+    const auto around = [&](int i, int count) {
+      const float angle = turn + 6.2831853f * static_cast<float>(i) / static_cast<float>(count);
+      return std::cos(angle) * a + std::sin(angle) * b;
+    };
+    for (int i = 0; i < faces; ++i) {
+      const float tilt = i == 0 && !tilted ? 0 : kFaceTilt;
+      add_view(split, plane, -std::cos(tilt) * normal + std::sin(tilt) * around(i, faces));
+    }
+    for (int i = 0; i < edges; ++i) {
+      add_view(split, plane, std::cos(kEdgeTilt) * around(i, edges) + std::sin(kEdgeTilt) * normal);
+    }
+  }
+
+  std::vector<Frame> frames;
+
+ private:
+  void add_view(Split split, const Plane& plane, const Vec3& direction) {
+    Frame frame;
+    frame.camera = frame_sphere(sphere_, direction, 1, size_, size_);
+    frame.plane = plane;
+    frame.split = split;
+    const auto number = std::ranges::count(frames, split, &Frame::split);
+    const std::string file = fmt::format("{}_{:04}.png", split_name(split), number);
+    frame.file = "images/" + file;
+    frame.depth_file = "depth/" + file;
+    frame.uncut_file = "uncut/" + file;
+    frame.uncut_depth_file = "uncut_depth/" + file;
+    frames.push_back(frame);
+  }
+
+  const Sphere& sphere_;
+  int size_;
+};
+
+/// Unit normals at least kLeastAngle from the axes and from each other.
+std::vector<Vec3> oblique_normals(Rng& rng) {
+  std::vector<Vec3> taken = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  while (taken.size() < 3 + kObliqueCuts) {
+    const Vec3 normal = random_direction(rng);
+    const bool is_free = std::ranges::all_of(taken, [&](const Vec3& other) {
+      return std::abs(glm::dot(normal, other)) < std::cos(kLeastAngle);
+    });
+    if (is_free) {
+      taken.push_back(normal);
+    }
+  }
+  return {taken.begin() + 3, taken.end()};
+}
+
 }  // namespace
+
+std::vector<Frame> plan_cut_views(const VisibleMatter& matter, int size, std::uint64_t seed) {
+  Rng rng(seed, kCutViews);
+  CutViews views(matter.sphere, size);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 normal(0);
+    normal[axis] = 1;
+    views.add(Split::kTestCutAxis, normal, 5, false, 5, 0);
+  }
+  for (const Vec3& normal : oblique_normals(rng)) {
+    views.add(Split::kTestCutOblique, normal, 1, true, 2, 6.2831853f * rng.uniform());
+  }
+  return std::move(views.frames);
+}
 
 std::vector<Frame> plan_frames(const VisibleMatter& matter, const DatasetOptions& options) {
   return Planner(matter, options).plan();

@@ -7,9 +7,9 @@
 
 namespace clipgs {
 
-/// --test-size, --uncut-frames and --close-frames: what a dataset is measured by besides cuts of
-/// whole bodies at the size of training pictures; and how clean all test pictures are. `options`
-/// must outlive the parsing.
+/// --test-size, --uncut-frames, --close-frames and --cut-views: what a dataset is measured by
+/// besides cuts of whole bodies at the size of training pictures; and how clean all test pictures
+/// are. `options` must outlive the parsing.
 inline void add_test_picture_options(CLI::App& command, DatasetOptions& options,
                                      const std::string& group) {
   command
@@ -28,6 +28,11 @@ inline void add_test_picture_options(CLI::App& command, DatasetOptions& options,
           "Test pictures close up besides, of faces and of the uncut body in turn, magnified "
           "2, 3 and 4 times; half as many to validate by")
       ->check(CLI::Range(0, 10000))
+      ->group(group);
+  command
+      .add_flag("--cut-views", options.cut_views,
+                "The 45 test views besides that XClipGS measures cuts by: faces seen from before, "
+                "edges along the plane")
       ->group(group);
   command.add_option("--test-noise-db", options.test_noise_db, "Noise floor of test pictures, dB")
       ->check(CLI::Range(10.0, 80.0))

@@ -182,6 +182,7 @@ EvaluationRow make_row(const Dataset& dataset, const std::vector<FrameScores>& f
     flip.add(scores.flip);
     row.mean.masked.add(scores.masked);
     add_to(row.mean.leak, scores.leak, [](Leak& sum, const Leak& one) { sum.add(one); });
+    add_to(row.mean.cut, scores.cut, [](CutFace& sum, const CutFace& one) { sum.add(one); });
     add_to(row.mean.classes, scores.classes, [](ClassErrors& sum, const ClassErrors& one) {
       for (size_t i = 0; i < sum.size(); ++i) {
         sum[i].add(one[i]);
@@ -378,6 +379,14 @@ Evaluation evaluate(std::span<const Subject> subjects, const Dataset& dataset,
       const Truth& expected = drawing.against_model ? of_model : truth;
       evaluation.frames.push_back(
           {tests[i], drawing, compare(expected, picture, frame, band, options.pixels_per_degree)});
+      if (is_cut_view(frame.split) && expected.uncut) {
+        Frame uncut = frame;
+        uncut.plane.reset();
+        evaluation.frames.back().scores.cut =
+            cut_face({expected.picture, *expected.uncut, picture,
+                      draw_frame(contents, uncut, drawing), frame.camera, *frame.plane},
+                     dataset.sphere);
+      }
     }
     progress.update(i + 1);
   }
@@ -414,6 +423,12 @@ void add_scores(const Scores& scores, OrderedJson& json) {
   json["band_ssim"] = number(scores.band_ssim);
   json["flip"] = number(scores.flip);
   json["leak"] = number(scores.leak_percent());
+  if (scores.cut) {
+    json["cut_face_ssim"] = number(scores.cut->ssim());
+    json["cut_leak"] = number(scores.cut->leak_percent());
+    json["cut_edge_error"] = number(scores.cut->edge.percent());
+    json["cut_face_error"] = number(scores.cut->face.percent());
+  }
   for (const PixelClass which : kPixelClasses) {
     const std::string name = pixel_class_name(which);
     const ClassShare share = scores.share(which);
@@ -496,6 +511,18 @@ std::string evaluation_table(const Evaluation& evaluation, const Dataset& datase
                                    cell(row.mean.masked.psnr(), 2), cell(row.worst_db, 2),
                                    share(PixelClass::kFace), share(PixelClass::kOpened),
                                    share(PixelClass::kOutside));
+  }
+  if (std::ranges::any_of(evaluation.rows,
+                          [](const EvaluationRow& row) { return row.mean.cut.has_value(); })) {
+    constexpr const char* kCut = " {:>10} {:>9} {:>9} {:>9}\n";
+    text += "\ncuts as XClipGS measures them (errors and leak e-2)\n" + title +
+            fmt::format(kCut, "face SSIM", "leak", "edge CDE", "face CDE");
+    for (const EvaluationRow& row : evaluation.rows) {
+      if (const std::optional<CutFace>& cut = row.mean.cut) {
+        text += way(row) + fmt::format(kCut, cell(cut->ssim(), 3), cell(cut->leak_percent(), 3),
+                                       cell(cut->edge.percent(), 2), cell(cut->face.percent(), 2));
+      }
+    }
   }
   if (!evaluation.rows.empty() && evaluation.rows.front().worst) {
     text += fmt::format("worst of the first row: {}\n",

@@ -10,6 +10,7 @@
 
 #include "asset/draw_case.h"
 #include "cinema/dataset.h"
+#include "measure/cut_face.h"
 #include "measure/flip.h"
 #include "measure/metrics.h"
 
@@ -36,6 +37,7 @@ struct Scores {
   std::optional<Leak> leak;
   SquaredError masked;  ///< what psnr_masked is made of
   std::optional<ClassErrors> classes;
+  std::optional<CutFace> cut;  ///< of views that are for it (is_cut_view())
 
   std::optional<double> leak_percent() const { return leak ? leak->percent() : std::nullopt; }
   ClassShare share(PixelClass which) const;  ///< empty where classes are not known

@@ -257,6 +257,32 @@ TEST_F(EvaluationTest, ValidationIsASplitOfItsOwn) {
   EXPECT_THAT(evaluation_table(evaluation, dataset_), testing::HasSubstr("validation_oblique"));
 }
 
+TEST_F(EvaluationTest, CutViewsAreMeasuredByWhatTheCutDoes) {
+  for (Frame& frame : dataset_.frames) {
+    frame.split = frame.split == Split::kTestAxis ? Split::kTestCutAxis : Split::kTestCutOblique;
+  }
+  const auto cut = [&](ClipOperator clip) {
+    const Evaluation evaluation = evaluate(subjects_, dataset_, only(clip));
+    EXPECT_EQ(evaluation.rows.size(), 2U);
+    EXPECT_THAT(evaluation_table(evaluation, dataset_), testing::HasSubstr("edge CDE"));
+    const auto json = nlohmann::json::parse(evaluation_json(evaluation, dataset_));
+    EXPECT_EQ(json["rows"][0]["cut_face_error"].is_null(),
+              !evaluation.rows[0].mean.cut->face.percent());
+    return *evaluation.rows[0].mean.cut;
+  };
+  // The truth is the exact operator's own picture, in 8 bits.
+  const CutFace exact = cut(ClipOperator::kExact);
+  EXPECT_GT(*exact.ssim(), 0.999);
+  EXPECT_LT(*exact.face.percent(), 1);
+  const CutFace hard = cut(ClipOperator::kHard);
+  EXPECT_LT(*hard.ssim(), *exact.ssim());
+  EXPECT_GT(*hard.face.percent(), *exact.face.percent() + 5);
+  // Other splits have no such figures.
+  dataset_.frames[0].split = Split::kTestAxis;
+  const Evaluation evaluation = evaluate(subjects_, dataset_, only(ClipOperator::kExact));
+  EXPECT_FALSE(evaluation.rows[0].mean.cut);
+}
+
 TEST_F(EvaluationTest, MetricsThatAPictureDoesNotDefineAreNull) {
   for (Frame& frame : dataset_.frames) {
     frame.uncut_file.clear();

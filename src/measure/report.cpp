@@ -110,6 +110,10 @@ const char* split_title(Split split) {
       return "Uncut";
     case Split::kTestClose:
       return "Close up";
+    case Split::kTestCutAxis:
+      return "Faces and edges of cuts across each axis";
+    case Split::kTestCutOblique:
+      return "Faces and edges of oblique cuts";
     case Split::kValidationAxis:
       return "Planes along the axis, validation";
     case Split::kValidationOblique:
