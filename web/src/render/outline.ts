@@ -1,13 +1,22 @@
-import { type IUniform, Matrix3, Matrix4, type PerspectiveCamera, Vector3 } from "three";
+import { type IUniform, Matrix3, Matrix4, type PerspectiveCamera, Vector3, Vector4 } from "three";
 
 import { kWorldFromPatient } from "../model/geometry";
 import type { SectionFaces } from "./section_faces";
 
-/** Of the section: steps where there may be matter (kMarchVoxels of src/section/outline.cpp). */
-const kStepVoxels = 0.4;
+/** How closely outlines are looked for. */
+interface Effort {
+  /** A pixel: with one, edges have steps. */
+  rays: number;
+  /** Of the section: where there may be matter. */
+  stepVoxels: number;
+  /** Of alpha: between the first and the last two, the section has more and less to say than splats. */
+  ramps: Vector4;
+}
 
-/** A pixel: with one, edges have steps. */
-const kLeastRays = 2;
+/** As `clipgs render` does (src/section/outline.h), … */
+const kAtRest: Effort = { rays: 8, stepVoxels: 0.4, ramps: new Vector4(0.002, 0.01, 0.97, 0.999) };
+/** … and in a tenth of the time. */
+const kMoving: Effort = { rays: 2, stepVoxels: 0.8, ramps: new Vector4(0.02, 0.1, 0.8, 0.95) };
 
 const kPatientFromWorld = kWorldFromPatient.clone().invert();
 
@@ -31,12 +40,15 @@ export class Outline {
     uHasOutline: { value: false },
     uOutline: { value: this.#view },
     uOutlineRays: { value: 1 },
+    uOutlineRamps: { value: kAtRest.ramps },
   };
 
   /** Of what `camera`, which is in the world, sees from now on. */
   set(faces: SectionFaces, camera: PerspectiveCamera): void {
     const view = this.#view;
-    this.uniforms["uOutlineRays"]!.value = Math.max(kLeastRays, faces.rays);
+    const { rays, stepVoxels, ramps } = faces.rays > 1 ? kAtRest : kMoving;
+    this.uniforms["uOutlineRays"]!.value = rays;
+    this.uniforms["uOutlineRamps"]!.value = ramps;
     const { spacing } = faces.section;
     const patientFromCamera = this.#scratch.multiplyMatrices(kPatientFromWorld, camera.matrixWorld);
     const p = camera.projectionMatrix.elements;
@@ -52,7 +64,7 @@ export class Outline {
       .sub(z);
     view.origin.copy(view.eye).applyMatrix4(faces.indexFromPatient);
     view.indexFromDirection.setFromMatrix4(faces.indexFromPatient);
-    view.step = kStepVoxels * Math.cbrt(spacing[0] * spacing[1] * spacing[2]);
+    view.step = stepVoxels * Math.cbrt(spacing[0] * spacing[1] * spacing[2]);
     view.firstStep = faces.firstStep;
   }
 }

@@ -72,7 +72,8 @@ export class SplatLayer {
   readonly #keptShare = new KeptShare();
   readonly #outline = new Outline();
   readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
-  #outlined: SectionFaces | null = null; // that the object's material is made for
+  #outlined: SectionFaces | null = null; // that the object's material is made for, and
+  #straight: FullScreenPass | null = null;
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
@@ -91,6 +92,16 @@ export class SplatLayer {
     };
     this.object = new Mesh(fullScreenTriangle(), this.#material());
     this.object.frustumCulled = false;
+  }
+
+  /** Kept: browsers take long to compile it. */
+  #straightPass(): FullScreenPass {
+    const uniforms = {
+      ...this.#uniforms,
+      ...this.#outlined?.outlineUniforms,
+      uTexelsPerPixel: { value: new Vector2() },
+    };
+    return new FullScreenPass("composite.frag.glsl", uniforms, this.#defines(1));
   }
 
   #material(): RawShaderMaterial {
@@ -150,19 +161,11 @@ export class SplatLayer {
   async #read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
     this.#draw(subject, camera, this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
-    const straight = new FullScreenPass(
-      "composite.frag.glsl",
-      {
-        ...this.#uniforms,
-        ...this.#outlined?.outlineUniforms,
-        uTexelsPerPixel: { value: new Vector2(1 / width, 1 / height) },
-      },
-      this.#defines(1),
-    );
+    const straight = (this.#straight ??= this.#straightPass());
+    (straight.uniforms["uTexelsPerPixel"]!.value as Vector2).set(1 / width, 1 / height);
     straight.render(this.#renderer, bytes);
     const rows = new Uint8Array(width * height * 4);
     await this.#renderer.readRenderTargetPixelsAsync(bytes, 0, 0, width, height, rows);
-    straight.dispose();
     bytes.dispose();
     return pictureOf(rows, width, height);
   }
@@ -178,6 +181,7 @@ export class SplatLayer {
     this.#faces.dispose();
     this.object.geometry.dispose();
     (this.object.material as RawShaderMaterial).dispose();
+    this.#straight?.dispose();
   }
 
   #draw(
@@ -215,6 +219,8 @@ export class SplatLayer {
       this.#outlined = faces;
       (this.object.material as RawShaderMaterial).dispose();
       this.object.material = this.#material();
+      this.#straight?.dispose();
+      this.#straight = null;
     }
   }
 

@@ -11,6 +11,7 @@ precision highp sampler3D;
 uniform bool uHasOutline;
 uniform Outline uOutline;
 uniform int uOutlineRays;  // a pixel
+uniform vec4 uOutlineRamps;
 uniform sampler3D uValues;
 uniform sampler3D uBlocks;
 uniform sampler2D uMaterials;
@@ -75,7 +76,7 @@ void main() {
   c.rgb = min(c.rgb, c.a);
 #if kOutlined == 1
   // Colours are kept: of what faces leave, the splats'.
-  float share = uHasOutline ? outlineShare(c.a) : 0.0;
+  float share = uHasOutline ? outlineShare(c.a, uOutlineRamps) : 0.0;
   if (share > 0.0) {
     vec4 face = texture(uFaces, at);
     vec2 pixel = vec2(gl_FragCoord.x, 1.0 / uTexelsPerPixel.y - gl_FragCoord.y) - 0.5;

@@ -67,9 +67,11 @@ float matterAlong(vec3 direction, Outline o, highp sampler3D values, sampler3D b
   return 1.0 - exp(-depth);
 }
 
-// How much the section has to say where splats cover so much of a pixel: Outline::share().
-float outlineShare(float alpha) {
-  return clamp((alpha - 0.002) / 0.008, 0.0, 1.0) * clamp((0.999 - alpha) / 0.029, 0.0, 1.0);
+// How much the section has to say where splats cover so much of a pixel: Outline::share(), whose ramps begin and end
+// at `ramps`.
+float outlineShare(float alpha, vec4 ramps) {
+  return clamp((alpha - ramps.x) / (ramps.y - ramps.x), 0.0, 1.0) *
+         clamp((ramps.w - alpha) / (ramps.w - ramps.z), 0.0, 1.0);
 }
 
 // Of a pixel from the top left of a picture.
