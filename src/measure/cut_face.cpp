@@ -8,13 +8,13 @@
 namespace clipgs {
 namespace {
 
-constexpr float kShown = 0.04f;      // brightness of what counts as shown
-constexpr float kChanged = 0.04f;    // of luminance
-constexpr float kEdgeBand = 12;      // px
-constexpr float kLeakMargin = 2;     // px: of the edge itself
-constexpr float kLeakWindow = 60;    // px
-constexpr double kC1 = 0.01 * 0.01;  // of SSIM
-constexpr double kC2 = 0.03 * 0.03;
+constexpr float kShown = 0.04f;          // brightness of what counts as shown
+constexpr float kChanged = 0.04f;        // of luminance
+constexpr float kEdgeBand = 12;          // px
+constexpr float kLeakMargin = 2;         // px: of the edge itself
+constexpr float kLeakWindow = 60;        // px
+constexpr double kMeansC = 0.01 * 0.01;  // of SSIM
+constexpr double kSpreadsC = 0.03 * 0.03;
 constexpr double kStraight = 1e-6;  // of a line's slope: there is none
 
 struct Shown {
@@ -58,8 +58,8 @@ std::optional<double> face_ssim(const Shown& truth, const Shown& picture) {
   const double var_a = sum_aa / count - a * a;
   const double var_b = sum_bb / count - b * b;
   const double covariance = sum_ab / count - a * b;
-  return (2 * a * b + kC1) * (2 * covariance + kC2) /
-         ((a * a + b * b + kC1) * (var_a + var_b + kC2));
+  return (2 * a * b + kMeansC) * (2 * covariance + kSpreadsC) /
+         ((a * a + b * b + kMeansC) * (var_a + var_b + kSpreadsC));
 }
 
 /// What the cut changes of the pixels that `counts(i)` is true of.
