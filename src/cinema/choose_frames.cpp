@@ -1,11 +1,11 @@
 #include "cinema/choose_frames.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 #include <queue>
 
 #include "core/parallel.h"
+#include "core/ray_span.h"
 
 namespace clipgs {
 namespace {
@@ -107,32 +107,22 @@ class CoarseMatter {
   /// Appends the surface that a ray from the camera first meets, if any: where half of the light is
   /// lost.
   void add_hit(const Frame& frame, const Vec3& direction, std::vector<std::uint32_t>& hits) const {
-    float begin = 0;
-    float end = std::numeric_limits<float>::max();
-    const auto keep = [&](float height, float slope) {  // where height + t·slope ≥ 0
-      if (slope > 0) {
-        begin = std::max(begin, -height / slope);
-      } else if (slope < 0) {
-        end = std::min(end, -height / slope);
-      } else if (height < 0) {
-        end = begin;
-      }
-    };
+    RaySpan<float> span;
     const Vec3 origin = frame.camera.position - corner();
     for (int k = 0; k < 3; ++k) {
-      keep(origin[k], direction[k]);
-      keep(2 * sphere_.radius - origin[k], -direction[k]);
+      span.keep(origin[k], direction[k]);
+      span.keep(2 * sphere_.radius - origin[k], -direction[k]);
     }
     if (frame.plane) {
-      keep(frame.plane->signed_distance(frame.camera.position),
-           glm::dot(frame.plane->normal, direction));
+      span.keep(frame.plane->signed_distance(frame.camera.position),
+                glm::dot(frame.plane->normal, direction));
     }
     const float step = cell_size();
-    const int steps = static_cast<int>((end - begin) / step);
+    const int steps = static_cast<int>((span.leave - span.enter) / step);
     constexpr float kHalf = std::numbers::ln2_v<float>;  // of the light is gone
     float depth = 0;
     for (int i = 0; i < steps; ++i) {
-      const float t = begin + (static_cast<float>(i) + 0.5f) * step;
+      const float t = span.enter + (static_cast<float>(i) + 0.5f) * step;
       const Vec3 unit = (origin + t * direction) / (2 * sphere_.radius);
       depth += step * extinction_[cell_of(unit, kFine)];
       if (depth > kHalf) {

@@ -264,43 +264,16 @@ ErrorBands resizing_errors(const Section& fine, const Section& coarse) {
   });
 }
 
-/// What is read of the scanned voxels and left out of the pictures (Volume::readings()), between
-/// them; 0 everywhere where nothing was.
-class LeftOut {
- public:
-  LeftOut(const Volume& traced, const Volume& scanned) : traced_(traced), scanned_(scanned) {}
-
-  float operator()(const IVec3& voxel) const {
-    if (scanned_.scanned.empty()) {
-      return 0;
-    }
-    const Vec3 at = glm::clamp(scanned_.index_from_world(traced_.world_from_index(Vec3(voxel))),
-                               Vec3(0), Vec3(scanned_.dims - 1));
-    const IVec3 low(at + kOnGrid);
-    const Vec3 t = glm::max(at - Vec3(low), Vec3(0));
-    float sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      float weight = 1;
-      IVec3 from = low;
-      for (int k = 0; k < 3; ++k) {
-        const bool high = ((corner >> k) & 1) != 0;
-        weight *= high ? t[k] : 1 - t[k];
-        from[k] = std::min(from[k] + (high ? 1 : 0), scanned_.dims[k] - 1);
-      }
-      const size_t i = scanned_.offset(from.x, from.y, from.z);
-      sum += weight * (scanned_.scanned[i] - scanned_.values[i]);
-    }
-    return sum;
-  }
-
- private:
-  const Volume& traced_;
-  const Volume& scanned_;
-};
-
 void fill_scalar(Section& section, const Volume& traced, const Volume& scanned,
                  const Preset& preset, const Grid& grid) {
-  const LeftOut left_out(traced, scanned);
+  // What is read of the scanned voxels and left out of the pictures, between them.
+  const auto left_out = [&](const IVec3& at) {
+    if (scanned.scanned.empty()) {
+      return 0.0f;
+    }
+    const Vec3 world = traced.world_from_index(Vec3(at));
+    return scanned.sample(scanned.scanned, world) - scanned.sample(world);
+  };
   const Field field = resample_volume(
       grid, [&](const IVec3& at) { return traced.at(at.x, at.y, at.z) + left_out(at); });
   const std::vector<std::uint8_t> air =

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/parallel.h"
+#include "core/ray_span.h"
 #include "section/face_rays.h"
 
 namespace clipgs {
@@ -16,27 +16,10 @@ constexpr float kOpaqueDepth = 5.545f;  // optical: what goes through is less th
 constexpr double kReferenceMarch = 0.02;
 
 /// The part of a ray, mm from the eye, that planes and the section's box leave.
-template <typename T>
-struct Span {
-  T enter = 0;
-  T leave = std::numeric_limits<T>::max();
-
-  /// Leaves what lies at `distance` + t·`slope` ≥ 0.
-  void keep(T distance, T slope) {
-    if (slope > 0) {
-      enter = std::max(enter, -distance / slope);
-    } else if (slope < 0) {
-      leave = std::min(leave, -distance / slope);
-    } else if (distance < 0) {
-      leave = enter;
-    }
-  }
-};
-
 template <typename T, typename V>
-Span<T> kept_span(const Section& section, std::span<const Plane> planes, const V& eye,
-                  const V& direction, const V& origin, const V& stride) {
-  Span<T> span;
+RaySpan<T> kept_span(const Section& section, std::span<const Plane> planes, const V& eye,
+                     const V& direction, const V& origin, const V& stride) {
+  RaySpan<T> span;
   for (const Plane& plane : planes) {
     const V normal(plane.normal);
     span.keep(glm::dot(normal, eye) - plane.offset, glm::dot(normal, direction));

@@ -60,7 +60,9 @@ struct Volume {
   }
 
   /// Trilinear value at a world position; positions outside the grid take the nearest voxel's.
-  float sample(const Vec3& world) const;
+  float sample(const Vec3& world) const { return sample(values, world); }
+  /// The same of other values of its voxels.
+  float sample(const VoxelValues& of, const Vec3& world) const;
   /// World-space box around all voxel centres.
   Box bounds() const;
 };
