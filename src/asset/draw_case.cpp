@@ -6,6 +6,8 @@
 #include "core/json_reader.h"
 #include "section/outline.h"
 #include "section/relight.h"
+#include "section/surface.h"
+#include "section/tint.h"
 
 namespace clipgs {
 
@@ -65,20 +67,21 @@ Gaussians whitened(const Gaussians& gaussians) {
   return white;
 }
 
-/// Draws as draw_case() says, by draw(gaussians, gain, front). With a cue twice: how a splat hides
-/// what is behind it must not change, so what is left of the covering has a picture of its own, in
-/// which all is white. Over any background the result then fades towards that.
+/// Draws as draw_case() says, by draw(gaussians, gain, front, surface), where `surface` says
+/// whether the section's is drawn. With a cue twice: how a splat hides what is behind it must not
+/// change, so what is left of the covering has a picture of its own, in which all is white. Over
+/// any background the result then fades towards that.
 template <typename Draw>
 Image draw_cued(const Gaussians& gaussians, const FaceGain& gain, const std::optional<Image>& faces,
                 const std::optional<Image>& distances, const DepthCue& cue, const Draw& draw) {
   if (cue.strength == 0) {
-    return draw(gaussians, gain, faces);
+    return draw(gaussians, gain, faces, true);
   }
   const auto front = [&](bool covering) {
     return faces ? std::optional(faded(*faces, *distances, cue, covering)) : std::nullopt;
   };
-  Image picture = draw(gaussians, gain, front(false));
-  const Image covering = draw(whitened(gaussians), FaceGain(), front(true));
+  Image picture = draw(gaussians, gain, front(false), true);
+  const Image covering = draw(whitened(gaussians), FaceGain(), front(true), false);
   for (size_t i = 0; i < picture.pixels(); ++i) {
     float* const pixel = &picture.data[4 * i];
     const float kept = covering.data[4 * i];
@@ -141,19 +144,30 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
           ? std::optional(face_distances(*contents.section, camera, cut))
           : std::nullopt;
   const std::optional<Outline> outline = outline_of(contents, camera, cut, options);
+  // Of photographs, brightness does not tell which way a surface faces.
+  const bool has_surface = outline && light && contents.section->channels == 1;
+  const std::optional<Image> surface =
+      has_surface ? std::optional(draw_surface(*contents.section, camera, cut, *light))
+                  : std::nullopt;
   const auto draw = [&](const Gaussians& gaussians, const FaceGain& gain, const Cut& kept,
                         const LayerSwitch& switched) {
-    return draw_cued(gaussians, gain, faces, distances, options.cue,
-                     [&](const Gaussians& shown, const FaceGain& by, const auto& front) {
-                       Image picture = (options.reference ? render_reference : render)(
-                           shown, camera, kept, options.clip, front ? &*front : nullptr, by,
-                           switched, options.cue);
-                       if (outline) {
-                         draw_outline(picture, front ? &*front : nullptr, *outline,
-                                      options.style.grey > 0);
-                       }
-                       return picture;
-                     });
+    return draw_cued(
+        gaussians, gain, faces, distances, options.cue,
+        [&](const Gaussians& shown, const FaceGain& by, const auto& front, bool on_surface) {
+          Image picture = (options.reference ? render_reference : render)(
+              shown, camera, kept, options.clip, front ? &*front : nullptr, by, switched,
+              options.cue);
+          if (outline) {
+            const std::optional<Image> colors =
+                surface && on_surface
+                    ? std::optional(tinted(premultiplied(picture), front ? &*front : nullptr,
+                                           *surface, tint_block(*contents.section, camera)))
+                    : std::nullopt;
+            draw_outline(picture, front ? &*front : nullptr, *outline, colors ? &*colors : nullptr,
+                         options.style.grey > 0);
+          }
+          return picture;
+        });
   };
   if (contents.model) {
     UniaxialState state;

@@ -11,6 +11,19 @@
 
 namespace clipgs {
 
+Image premultiplied(const Image& image) {
+  Image out(image.width, image.height, 4);
+  for (size_t i = 0; i < image.pixels(); ++i) {
+    const float* in = &image.data[i * image.channels];
+    const float alpha = image.channels == 4 ? in[3] : 1.0f;
+    for (int c = 0; c < 3; ++c) {
+      out.data[i * 4 + c] = alpha * in[c];
+    }
+    out.data[i * 4 + 3] = alpha;
+  }
+  return out;
+}
+
 Image composite(const Image& rgba, float r, float g, float b) {
   return composite(rgba, Background{Vec3(r, g, b), Vec3(r, g, b)});
 }

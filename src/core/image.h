@@ -29,6 +29,10 @@ struct Image {
 float srgb_from_linear(float linear);
 float linear_from_srgb(float srgb);
 
+/// Colours times alpha, of straight alpha: those of transparent pixels mean nothing, premultiplied
+/// they can be averaged. Of 3 channels: opaque. [height, width, 4].
+Image premultiplied(const Image& image);
+
 /// Straight-alpha RGBA over a constant background, as RGB. A picture of 3 channels is copied.
 Image composite(const Image& rgba, float r, float g, float b);
 

@@ -10,13 +10,17 @@ template <typename T>
 struct RaySpan {
   T enter = 0;
   T leave = std::numeric_limits<T>::max();
+  T slope = 0;  ///< at which it is entered; 0 from inside
 
-  /// Leaves what lies at `height` + t·`slope` ≥ 0.
-  void keep(T height, T slope) {
-    if (slope > 0) {
-      enter = std::max(enter, -height / slope);
-    } else if (slope < 0) {
-      leave = std::min(leave, -height / slope);
+  /// Leaves what lies at `height` + t·`rise` ≥ 0.
+  void keep(T height, T rise) {
+    if (rise > 0) {
+      if (-height / rise > enter) {
+        enter = -height / rise;
+        slope = rise;
+      }
+    } else if (rise < 0) {
+      leave = std::min(leave, -height / rise);
     } else if (height < 0) {
       leave = enter;
     }

@@ -6,13 +6,15 @@
 namespace clipgs {
 namespace {
 
-// Of steps along a ray, in mean voxels of the traced volume: where there may be matter, and through
-// it, where they grow.
-constexpr float kSearch = 1;
-constexpr float kFine = 0.25f;
-constexpr float kGrowth = 1.2f;
+// Of steps along a ray, in mean voxels of the traced volume: where there may be matter, …
+constexpr float kSearch = 0.5f;
+constexpr int kSearchSteps = 512;  // leaps included
+// … to its beginning, by halves, and through it, where they grow. What is seen must not depend on
+// where a step happens to end: it would show as rings around whatever is nearly flat.
+constexpr int kHalvings = 3;
+constexpr float kFine = 0.1f;
+constexpr float kGrowth = 1.3f;
 constexpr int kFineSteps = 12;
-constexpr int kSearchSteps = 256;  // leaps included
 // From here on the rest is this wall's …
 constexpr float kOpaqueWall = 1.0f / 32;
 // … and of matter that takes less light than this nothing is seen.
@@ -25,34 +27,12 @@ constexpr int kQuickBounces = 2;
 constexpr float kDim = 0.001f;
 constexpr float kMostGain = 10;
 
-/// How a section changes around a point.
-struct Change {
-  Vec3 slope;       // towards larger codes, RAS, any length
-  float steepness;  // of the values, per mm
-};
-
-/// Differences over a voxel of the traced volume, as the path tracer takes them.
-Change change_at(const Section& section, const Vec3& index) {
-  Vec3 codes;
-  Vec3 values;
-  for (int k = 0; k < 3; ++k) {
-    Vec3 step(0);
-    step[k] = section.source_spacing[k] / section.spacing[k];
-    const float above = section.code(index + step);
-    const float below = section.code(index - step);
-    const float width = 2 * section.source_spacing[k];
-    codes[k] = (above - below) / width;
-    values[k] = (section.curve.value(above) - section.curve.value(below)) / width;
-  }
-  return {section.direction * codes, glm::length(values)};
-}
-
 }  // namespace
 
 Openings::Openings(const Section& section) : Openings(section, scan_surfaces(section)) {}
 
 Openings::Openings(const Section& section, const SurfaceScan& scan)
-    : materials_(section.materials),
+    : materials_(section),
       empty_space_(find_empty_space(section)),
       translucent_(scan.points.empty() ? 1 : scan.translucent),
       // What is not drawn needs no horizons.
@@ -65,42 +45,47 @@ std::vector<Vec3> Openings::solve(std::span<const Plane> planes, std::span<const
   return light_.solve(planes, from.empty() ? kBounces : kQuickBounces, from);
 }
 
-FaceMaterial Openings::material_of(float code) const {
-  const size_t low = std::min(static_cast<size_t>(code), ValueCurve::kCodes - 2);
-  return mix(materials_[low], materials_[low + 1], code - static_cast<float>(low));
-}
-
 std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye,
                                          const Vec3& direction, float from, float to) const {
   const float voxel = mean_spacing(section.source_spacing);
   const Vec3 origin = section.index_from_world(eye);
   const Vec3 stride = (direction * section.direction) / section.spacing;
+  const auto material_at = [&](const Vec3& sampled) -> const FaceMaterial& {
+    return materials_.of_value(section.value(sampled));
+  };
+  const auto is_matter = [&](float t) {
+    return material_at(section.sample(origin + t * stride)).extinction > 0;
+  };
   float t = from;
   for (int i = 0; i < kSearchSteps && t < to; ++i) {
-    const Vec3 at = origin + t * stride;
-    const float leap = empty_space_.leap(at, stride);
+    const float leap = empty_space_.leap(origin + t * stride, stride);
     if (leap > 0) {
       t += leap;
       continue;
     }
-    if (material_of(section.code(at)).extinction <= 0) {
+    if (!is_matter(t)) {
       t += kSearch * voxel;
       continue;
     }
-    // Matter began within the last step.
-    Vec3 sum(0);
-    Vec3 steep_sum(0);
+    float before = std::max(from, t - kSearch * voxel);
+    for (int k = 0; k < kHalvings; ++k) {
+      const float middle = 0.5f * (before + t);
+      (is_matter(middle) ? t : before) = middle;
+    }
+    t = before;
+    FaceMaterial seen{.roughness = 0};  // sums
     float depth = 0;
     float transmittance = 1;
     float length = kFine * voxel;
-    t = std::max(from, t - kSearch * voxel);
     for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
-      const Vec3 at_middle = origin + (t + 0.5f * length) * stride;
-      const FaceMaterial material = material_of(section.code(at_middle));
+      const Vec3 sampled = section.sample(origin + (t + 0.5f * length) * stride);
+      const FaceMaterial& material = material_at(sampled);
       const float weight = transmittance * (1 - std::exp(-material.extinction * length));
-      const Vec3 tint = section.channels == 3 ? photo_albedo(section.sample(at_middle)) : Vec3(1);
-      sum += weight * material.surface * tint;
-      steep_sum += weight * material.boundary * tint;
+      const Vec3 tint = section.channels == 3 ? photo_albedo(sampled) : Vec3(1);
+      seen.surface += weight * material.surface * tint;
+      seen.boundary += weight * material.boundary * tint;
+      seen.specular += weight * material.specular;
+      seen.roughness += weight * material.specular * material.roughness;
       depth += weight * (t + 0.5f * length);
       transmittance -= weight;
       t += length;
@@ -110,13 +95,14 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     if (alpha < kWisp) {
       continue;
     }
-    const Change change = change_at(section, origin + depth / alpha * stride);
-    const float share = section.steep ? section.steep->share(change.steepness) : 0;
-    Wall wall{eye + depth / alpha * direction, -direction, glm::mix(sum, steep_sum, share) / alpha};
-    const float length_of_slope = glm::length(change.slope);
-    if (length_of_slope > 0) {
-      const float facing = glm::dot(change.slope, direction);
-      wall.normal = (facing > 0 ? -1.0f : 1.0f) / length_of_slope * change.slope;
+    const Vec3 slope = gradient_at(section, origin + depth / alpha * stride);
+    const float steepness = glm::length(slope);
+    const float share = section.steep ? section.steep->share(steepness) : 0;
+    Wall wall{eye + depth / alpha * direction, -direction,
+              glm::mix(seen.surface, seen.boundary, share) / alpha, seen.specular / alpha,
+              seen.specular > 0 ? seen.roughness / seen.specular : 1};
+    if (steepness > 0) {
+      wall.normal = (glm::dot(slope, direction) > 0 ? -1.0f : 1.0f) / steepness * slope;
     }
     return wall;
   }

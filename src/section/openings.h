@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -9,16 +8,19 @@
 #include "light/empty_space.h"
 
 #include "core/cut.h"
+#include "section/material_table.h"
 #include "section/section.h"
 #include "section/section_light.h"
 
 namespace clipgs {
 
-/// What a ray meets behind an opening.
+/// The first surface that a ray meets.
 struct Wall {
   Vec3 position;     ///< RAS mm
   Vec3 normal;       ///< unit, RAS, towards the camera
   Vec3 reflectance;  ///< linear RGB
+  float specular;    ///< weight of its gloss, 0…1, and
+  float roughness;   ///< α of the GGX lobe
 };
 
 /// What a cut opens (method.md §8): walls of lungs, bowel or the skull behind a gap of a face,
@@ -67,9 +69,7 @@ class Openings {
 
   Openings(const Section& section, const SurfaceScan& scan);
 
-  FaceMaterial material_of(float code) const;
-
-  std::array<FaceMaterial, ValueCurve::kCodes> materials_;
+  MaterialTable materials_;
   EmptySpace empty_space_;
   float translucent_;  // share of the matter
   CutLight light_;

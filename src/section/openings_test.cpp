@@ -135,6 +135,25 @@ TEST(Openings, WallsAreWhereTheyAre) {
   EXPECT_FALSE(scenery.openings.first_wall(scenery.section, {0, 0, 29}, {0, 0, 1}, 0, 100));
 }
 
+// Or rings would be seen around what is nearly flat.
+TEST(Openings, WallsDoNotDependOnWhereASearchBegins) {
+  const Scenery scenery;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 direction = fibonacci_sphere(i, 100);
+    const auto from = [&](float begin) {
+      return scenery.openings.first_wall(scenery.section, {3, 6, 0}, direction, begin, 100);
+    };
+    const std::optional<Wall> wall = from(0);
+    ASSERT_TRUE(wall);
+    for (const float begin : {0.11f, 0.23f, 0.37f}) {
+      const std::optional<Wall> same = from(begin);
+      ASSERT_TRUE(same);
+      EXPECT_LT(glm::distance(same->position, wall->position), 0.06f) << i;
+      EXPECT_LT(glm::distance(same->reflectance, wall->reflectance), 0.01f) << i;
+    }
+  }
+}
+
 // What walls of `section` look like beside the path tracer's under a cut, dB of display sRGB.
 double walls_psnr(const CinemaScene& scene, const Section& section, const Cut& cut,
                   const Vec3& from) {

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/parallel.h"
-#include "core/ray_span.h"
 #include "section/face_rays.h"
+#include "section/kept_span.h"
 
 namespace clipgs {
 namespace {
@@ -14,22 +14,6 @@ namespace {
 constexpr float kMarchVoxels = 0.4f;    // of the section: steps where there may be matter
 constexpr float kOpaqueDepth = 5.545f;  // optical: what goes through is less than 1/256
 constexpr double kReferenceMarch = 0.02;
-
-/// The part of a ray, mm from the eye, that planes and the section's box leave.
-template <typename T, typename V>
-RaySpan<T> kept_span(const Section& section, std::span<const Plane> planes, const V& eye,
-                     const V& direction, const V& origin, const V& stride) {
-  RaySpan<T> span;
-  for (const Plane& plane : planes) {
-    const V normal(plane.normal);
-    span.keep(glm::dot(normal, eye) - plane.offset, glm::dot(normal, direction));
-  }
-  for (int k = 0; k < 3; ++k) {
-    span.keep(origin[k], stride[k]);
-    span.keep(static_cast<T>(section.dims[k] - 1) - origin[k], -stride[k]);
-  }
-  return span;
-}
 
 }  // namespace
 
@@ -50,7 +34,7 @@ Outline::Outline(const Section& section, const EmptySpace& empty_space, const Ca
 float Outline::along(float x, float y) const {
   const Vec3 direction = camera_.ray_direction(x, y);
   const Vec3 stride = direction * index_from_direction_;
-  const auto [enter, leave] =
+  const auto [enter, leave, slope] =
       kept_span<float>(section_, planes_, camera_.position, direction, origin_, stride);
   // Leaps by whole steps: what is sampled does not depend on how they round.
   float depth = 0;  // optical
@@ -81,29 +65,41 @@ float Outline::of_pixel(int x, int y) const {
   return sum / kRays;
 }
 
-void draw_outline(Image& picture, const Image* faces, const Outline& outline, bool grey) {
+void draw_outline(Image& picture, const Image* faces, const Outline& outline, const Image* surface,
+                  bool grey) {
   constexpr float kLeastBeyond = 1e-3f;  // of a face: less has no colour of its own
+  constexpr float kSomeMatter = 0.01f;   // splats at a surface that they may not cover at all
+  const auto at = [](const Image* image, int x, int y) {
+    const float* const p = image != nullptr ? image->at(x, y) : nullptr;
+    return p != nullptr ? Vec4(p[0], p[1], p[2], p[3]) : Vec4(0);
+  };
   parallel_for(static_cast<size_t>(picture.height), 4, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {
       const int y = static_cast<int>(row);
       for (int x = 0; x < picture.width; ++x) {
         float* const pixel = picture.at(x, y);
         const float alpha = pixel[3];
-        const float share = Outline::share(alpha);
-        if (share <= 0) {
+        const Vec4 on_surface = at(surface, x, y);
+        const bool has_surface = on_surface.a > 0;
+        const float share = Outline::share(has_surface ? std::max(alpha, kSomeMatter) : alpha);
+        if (share <= 0 && !has_surface) {
           continue;
         }
-        const float* const at = faces != nullptr ? faces->at(x, y) : nullptr;
-        const Vec4 face = at != nullptr ? Vec4(at[0], at[1], at[2], at[3]) : Vec4(0);
+        const Vec4 face = at(faces, x, y);
         const float beyond = alpha - face.a;  // that splats cover
-        const float covered =
-            std::max(grey ? face.a : 0, glm::mix(alpha, outline.of_pixel(x, y), share));
+        const float matter = share > 0 ? outline.of_pixel(x, y) : alpha;
+        const float covered = std::max(grey ? face.a : 0, glm::mix(alpha, matter, share));
         pixel[3] = covered;
-        if (beyond < kLeastBeyond) {
+        if (beyond < kLeastBeyond && !has_surface) {
           continue;  // all of it looks as the face does
         }
+        const bool has_splats = beyond >= kLeastBeyond;
+        // Where a ray more or less meets a surface, at its rim, must not be seen.
+        const float seen = has_splats ? std::min(2 * on_surface.a, 1.0f) : 1;
         for (int c = 0; c < 3 && covered > 0; ++c) {
-          const float color = std::clamp((alpha * pixel[c] - face[c]) / beyond, 0.0f, 1.0f);
+          const float splats =
+              has_splats ? std::clamp((alpha * pixel[c] - face[c]) / beyond, 0.0f, 1.0f) : 0;
+          const float color = glm::mix(splats, on_surface[c], seen);
           pixel[c] = covered > face.a ? (face[c] + (covered - face.a) * color) / covered
                                       : face[c] / face.a;
         }
@@ -123,7 +119,7 @@ double outline_reference(const Section& section, const Camera& camera, const Cut
   };
   const V origin = index(eye - V(section.origin));
   const V stride = index(direction);
-  const auto [enter, leave] =
+  const auto [enter, leave, slope] =
       kept_span<double>(section, cut.planes(), eye, direction, origin, stride);
   const double step = kReferenceMarch * mean_spacing(section.spacing);
   double depth = 0;

@@ -53,10 +53,12 @@ class Outline {
 
 /// Gives what splats show in a picture the outline of the section. `picture`: straight alpha, of
 /// splats behind `faces` (premultiplied; null: none) as put_behind() has them. Where splats cover a
-/// pixel in part (Outline::share()), all that is covered is what the section does, and colours are
-/// kept: of what faces leave, the splats.
+/// pixel in part (Outline::share()), all that is covered is what the section does. Of what faces
+/// leave, the colour is `surface`'s (Tint::forward(); null: none) where there is one, also without
+/// any splats, and the splats' elsewhere.
 /// `grey`: faces show values, which may be there without matter, and cover as much as they did.
-void draw_outline(Image& picture, const Image* faces, const Outline& outline, bool grey = false);
+void draw_outline(Image& picture, const Image* faces, const Outline& outline,
+                  const Image* surface = nullptr, bool grey = false);
 
 /// Outline::along() in double precision by many small steps: what it is held to.
 double outline_reference(const Section& section, const Camera& camera, const Cut& cut, double x,

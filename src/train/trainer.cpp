@@ -32,20 +32,6 @@ enum Stream : std::uint64_t {
   kAdjustment
 };
 
-/// Straight colours of transparent pixels mean nothing; premultiplied they can be averaged.
-Image premultiplied(const Image& image) {
-  Image out(image.width, image.height, 4);
-  for (size_t i = 0; i < image.pixels(); ++i) {
-    const float* in = &image.data[i * image.channels];
-    const float alpha = image.channels == 4 ? in[3] : 1.0f;
-    for (int c = 0; c < 3; ++c) {
-      out.data[i * 4 + c] = alpha * in[c];
-    }
-    out.data[i * 4 + 3] = alpha;
-  }
-  return out;
-}
-
 std::vector<std::uint8_t> to_bytes(const Image& image) {
   std::vector<std::uint8_t> bytes(image.data.size());
   for (size_t i = 0; i < bytes.size(); ++i) {

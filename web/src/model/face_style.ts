@@ -15,10 +15,16 @@ export interface FaceEffort {
 }
 
 /** WallSteps of shaders/face.glsl. */
-export const kWallSteps: Readonly<
-  Record<WallEffort, { search: number; fine: number; growth: number; count: number }>
-> = {
-  fine: { search: 1, fine: 0.25, growth: 1.2, count: 12 },
-  coarse: { search: 1, fine: 0.5, growth: 2, count: 3 },
-  least: { search: 1.5, fine: 1, growth: 1, count: 2 },
+export interface WallSteps {
+  search: number;
+  halvings: number;
+  fine: number;
+  growth: number;
+  count: number;
+}
+
+export const kWallSteps: Readonly<Record<WallEffort, WallSteps>> = {
+  fine: { search: 0.5, halvings: 3, fine: 0.1, growth: 1.3, count: 12 },
+  coarse: { search: 1, halvings: 3, fine: 0.3, growth: 2, count: 3 },
+  least: { search: 1.5, halvings: 0, fine: 1, growth: 1, count: 2 },
 };

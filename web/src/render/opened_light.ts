@@ -164,6 +164,7 @@ export class OpenedLight {
     const cellFromPatient = new Matrix4().makeScale(x!, y!, z!).multiply(indexFromPatient(section));
     this.#state = "drawn";
     this.#faces.setOpenings(light);
+    this.#faces.setOwnLight(textures.own, ownLight.scale);
     this.#mesh.setOwnLight(textures.own, ownLight.scale, cells, cellFromPatient, section.tone);
   }
 

@@ -32,6 +32,7 @@ export class Outline {
     right: new Vector3(),
     down: new Vector3(),
     indexFromDirection: new Matrix3(),
+    spacing: new Vector3(),
     step: 1,
     firstStep: 1,
   };
@@ -42,6 +43,11 @@ export class Outline {
     uOutlineRays: { value: 1 },
     uOutlineRamps: { value: kAtRest.ramps },
   };
+
+  /** The camera, RAS mm. */
+  get eye(): Vector3 {
+    return this.#view.eye;
+  }
 
   /** Of what `camera`, which is in the world, sees from now on. */
   set(faces: SectionFaces, camera: PerspectiveCamera): void {
@@ -64,6 +70,7 @@ export class Outline {
       .sub(z);
     view.origin.copy(view.eye).applyMatrix4(faces.indexFromPatient);
     view.indexFromDirection.setFromMatrix4(faces.indexFromPatient);
+    view.spacing.set(...spacing);
     view.step = stepVoxels * Math.cbrt(spacing[0] * spacing[1] * spacing[2]);
     view.firstStep = faces.firstStep;
   }

@@ -46,7 +46,7 @@ import type { DepthCue } from "./depth_cue";
 import { shader } from "./shaders";
 import { uploadInPieces } from "./upload";
 
-const kTableRows = 5;
+const kTableRows = 4;
 const kGlossRow = 2;
 const kShade = 2; // channel of that row
 const kMostShade = 1000; // as good as infinite, where half floats are still fine
@@ -106,11 +106,6 @@ function columnValues(curve: readonly number[]): number[] {
   return Array.from({ length: kColumns }, (_, i) => low + step * i);
 }
 
-/** Codes of the columns of the table's last rows. */
-function columnCodes(): number[] {
-  return Array.from({ length: kColumns }, (_, i) => ((kCodes - 1) * i) / (kColumns - 1));
-}
-
 /**
  * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
  * by the optical depth of the first step, at most ½, so that any fits.
@@ -122,8 +117,7 @@ function materialTexture({ materials, boundary, curve }: Section, firstStep: num
     [ofValues, [...materials.surface, depth]],
     [ofValues, [...materials.interior, depth]],
     [ofValues, [materials.specular, materials.roughness]],
-    [columnCodes(), [...materials.surface, depth]],
-    [columnCodes(), boundary?.reflectance ?? []],
+    [ofValues, boundary?.reflectance ?? []],
   ];
   const data = new Uint16Array(kTableRows * kColumns * 4);
   rows.forEach(([codes, tables], row) =>
@@ -198,6 +192,13 @@ function transposed([x, y, z]: Section["axes"]): [
   return [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]];
 }
 
+/** A texture of light, and what 1 in it stands for. */
+interface WallTexture {
+  light: Data3DTexture | null;
+  scale: number;
+}
+const kNoLight: WallTexture = { light: null, scale: 0 };
+
 type FaceMesh = Mesh<BufferGeometry, RawShaderMaterial>;
 
 /** Faces where no splat is seen behind them, or those elsewhere. */
@@ -247,6 +248,8 @@ export class SectionFaces {
   readonly firstStep: number;
   /** What its outline is drawn by, and whether it can be. */
   readonly outlineUniforms: Record<string, IUniform>;
+  /** What its surface is drawn by. */
+  readonly surfaceUniforms: Record<string, IUniform>;
   /** Of its volumes, on the GPU. */
   bytes: number;
   /** The sides of the volume that are faces. */
@@ -257,6 +260,7 @@ export class SectionFaces {
   #isOutlined = false;
   #hasValues: boolean;
   #rig: LightRig;
+  #lights: { own: WallTexture | null; shown: WallTexture | null } = { own: null, shown: null };
 
   constructor(section: Section, cue: DepthCue) {
     this.section = section;
@@ -300,15 +304,40 @@ export class SectionFaces {
           cells: new Vector3(1, 1, 1),
           lightScale: 0,
           glow: glow(section),
+          glossy: Math.max(...section.materials.specular) > 0,
         },
       },
     };
-    const { uVoxels, uBlocks, uMaterials, uPlanes, uPlaneCount, uGrey } = this.#uniforms as Record<
-      "uVoxels" | "uBlocks" | "uMaterials" | "uPlanes" | "uPlaneCount" | "uGrey",
+    const { uVoxels, uBlocks, uMaterials, uPlanes, uPlaneCount, uGrey, uOpenings, uRig, uExposure } = this
+      .#uniforms as Record<
+      | "uVoxels"
+      | "uBlocks"
+      | "uMaterials"
+      | "uPlanes"
+      | "uPlaneCount"
+      | "uGrey"
+      | "uOpenings"
+      | "uRig"
+      | "uExposure",
       IUniform
     >;
+    const uValues = this.#hasValues ? uVoxels : { value: volumeTexture(null, { ...section, channels: 1 }) };
+    this.#uniforms["uValues"] = uValues;
+    this.surfaceUniforms = {
+      uValues,
+      uBlocks,
+      uMaterials,
+      uPlanes,
+      uPlaneCount,
+      uOpenings,
+      uRig,
+      uExposure,
+      uLight: { value: null },
+      uLightScale: { value: 0 },
+      uSurfaceDepth: { value: surfaceDepth(section) },
+    };
     this.outlineUniforms = {
-      uValues: this.#hasValues ? uVoxels : { value: volumeTexture(null, { ...section, channels: 1 }) },
+      uValues,
       uBlocks,
       uMaterials,
       uPlanes,
@@ -371,10 +400,32 @@ export class SectionFaces {
     uOpenings!.value.cells.set(...cells);
   }
 
-  /** Lights walls by a texture from now on, in which 1 stands for `scale`, linear. */
+  /**
+   * Whether the surface of what is kept can be drawn: how it is lit is known. Of photographs, brightness does not tell
+   * which way a surface faces.
+   */
+  get hasSurface(): boolean {
+    return this.#lights.own !== null && this.section.channels === 1;
+  }
+
+  /** Lights the surface by a texture, in which 1 stands for `scale`, linear, while it is uncut under its own lights. */
+  setOwnLight(light: Data3DTexture, scale: number): void {
+    this.#lights.own = { light, scale };
+  }
+
+  /** Lights walls, and the surface otherwise, by a texture from now on. */
   setLight(light: Data3DTexture, scale: number): void {
+    this.#lights.shown = { light, scale };
     this.#uniforms["uLight"]!.value = light;
     this.#uniforms["uOpenings"]!.value.lightScale = scale;
+  }
+
+  /** Of a cut: until there is light of any, the surface has its own. */
+  #lightSurface(cut: boolean): void {
+    const { own, shown } = this.#lights;
+    const { light, scale } = (cut || this.#rig !== this.section.rig ? shown : null) ?? own ?? kNoLight;
+    this.surfaceUniforms["uLight"]!.value = light;
+    this.surfaceUniforms["uLightScale"]!.value = scale;
   }
 
   /** Lights the faces otherwise from the next setPlanes() on. */
@@ -423,6 +474,7 @@ export class SectionFaces {
   setPlanes(planes: readonly Plane[], margin: number, alone = false): void {
     planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
     this.#uniforms["uPlaneCount"]!.value = planes.length;
+    this.#lightSurface(planes.length > 0);
     this.#uniforms["uOpened"]!.value = this.#hasOpenings && planes.length > 0 && !alone;
     const all = alone ? planes : [...planes, ...this.ends];
     const corners: number[] = [];

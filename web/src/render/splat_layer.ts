@@ -1,5 +1,6 @@
 import {
   CustomBlending,
+  DepthTexture,
   GLSL3,
   HalfFloatType,
   type IUniform,
@@ -25,6 +26,7 @@ import { KeptShare } from "./kept_share";
 import { Outline } from "./outline";
 import { kColumns, type SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
+import { Surface } from "./surface";
 import type { SplatMesh } from "./splat_mesh";
 
 /** The picture of what WebGL reads: rows from the bottom. */
@@ -71,6 +73,7 @@ export class SplatLayer {
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
   readonly #keptShare = new KeptShare();
   readonly #outline = new Outline();
+  readonly #surface: Surface | null;
   readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
   #straight: FullScreenPass | null = null;
@@ -78,10 +81,12 @@ export class SplatLayer {
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
     // Without the extension 8 bits must do.
-    const type = renderer.extensions.has("EXT_color_buffer_float") ? HalfFloatType : UnsignedByteType;
+    const hasHalfFloats = renderer.extensions.has("EXT_color_buffer_float");
+    const type = hasHalfFloats ? HalfFloatType : UnsignedByteType;
+    this.#surface = hasHalfFloats ? new Surface(renderer, this.#outline) : null;
     const filter = { minFilter: LinearFilter, magFilter: LinearFilter } as const;
-    this.#still = new WebGLRenderTarget(1, 1, { type, ...filter });
-    this.#moving = new WebGLRenderTarget(1, 1, filter);
+    this.#still = new WebGLRenderTarget(1, 1, { type, ...filter, depthTexture: new DepthTexture(1, 1) });
+    this.#moving = new WebGLRenderTarget(1, 1, { ...filter, depthTexture: new DepthTexture(1, 1) });
     this.#faces = new WebGLRenderTarget(1, 1, { type, ...filter, depthBuffer: false });
     this.#uniforms = {
       uPicture: { value: null },
@@ -89,6 +94,7 @@ export class SplatLayer {
       uTexelsPerPixel: { value: new Vector2() },
       ...this.#keptShare.uniforms,
       ...this.#outline.uniforms,
+      ...(this.#surface?.uniforms ?? { uHasSurface: { value: false } }),
     };
     this.object = new Mesh(fullScreenTriangle(), this.#material());
     this.object.frustumCulled = false;
@@ -173,19 +179,21 @@ export class SplatLayer {
   /** The case is gone whose picture is still shown. */
   forget(): void {
     this.#outlineBy(null);
+    this.#surface?.forget();
   }
 
   dispose(): void {
     this.#still.dispose();
     this.#moving.dispose();
     this.#faces.dispose();
+    this.#surface?.dispose();
     this.object.geometry.dispose();
     (this.object.material as RawShaderMaterial).dispose();
     this.#straight?.dispose();
   }
 
   #draw(
-    { mesh, faces }: Subject,
+    { mesh, faces, cue }: Subject,
     camera: PerspectiveCamera,
     target: WebGLRenderTarget,
     width: number,
@@ -195,23 +203,29 @@ export class SplatLayer {
     const seen = mesh.sceneCamera(camera, width, height);
     mesh.updateColors(renderer, seen.position);
     this.#keptShare.set(seen, mesh.clip === kClipOperators.exact ? mesh.planes : [], mesh.hull);
-    this.#setOutline(mesh, faces, camera);
+    const outlined = this.#setOutline(mesh, faces, camera);
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
     this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
+    if (outlined && outlined.hasSurface && mesh.visible && !cue.covering) {
+      this.#surface?.draw(outlined, camera, target, this.#faces);
+    } else {
+      this.#surface?.hide();
+    }
   }
 
-  /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. */
-  #setOutline(mesh: SplatMesh, faces: SectionFaces | null, camera: PerspectiveCamera): void {
+  /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. Returns whose it is. */
+  #setOutline(mesh: SplatMesh, faces: SectionFaces | null, camera: PerspectiveCamera): SectionFaces | null {
     this.#outlineBy(faces);
     const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
-    const has = faces !== null && faces.hasOutline && byPlane;
-    this.#outline.uniforms["uHasOutline"]!.value = has;
-    if (has) {
-      this.#outline.set(faces, camera);
+    const outlined = faces?.hasOutline && byPlane ? faces : null;
+    this.#outline.uniforms["uHasOutline"]!.value = outlined !== null;
+    if (outlined) {
+      this.#outline.set(outlined, camera);
     }
+    return outlined;
   }
 
   #outlineBy(faces: SectionFaces | null): void {

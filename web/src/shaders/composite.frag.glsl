@@ -5,6 +5,8 @@ precision highp int;
 precision highp sampler2D;
 precision highp sampler3D;
 
+#include "behind.glsl"
+
 #if kOutlined == 1
 #include "outline.glsl"
 
@@ -18,6 +20,11 @@ uniform sampler2D uMaterials;
 uniform vec4 uPlanes[kMaxPlanes];
 uniform int uPlaneCount;
 uniform float uGrey;
+uniform bool uHasSurface;
+uniform sampler2D uSurface;      // as surface.frag.glsl draws it, and
+uniform sampler2D uTintSplats;   // as tint.frag.glsl does
+uniform sampler2D uTintSurface;
+uniform float uTintBlock;        // pixels
 #else
 const int kMaxPlanes = 6;
 #endif
@@ -62,11 +69,28 @@ float keptShare(vec3 pixel) {
   return share;
 }
 
-// What covers a pixel in part covers the same part of it: the twin of put_behind() in src/splat/behind.h.
-vec4 putBehind(vec4 face, vec4 splats) {
-  float seen = splats.a > face.a ? (splats.a - face.a) / splats.a : 0.0;
-  return vec4(face.rgb + seen * splats.rgb, max(face.a, splats.a));
+#if kOutlined == 1
+const float kBelief = 1e-3;  // what little splats show of a surface says nothing of its colour
+const float kMostTint = 4.0;
+const float kLeastSurface = 0.125;  // half a ray of four: less is what a filter spreads
+
+// A block's mean around a pixel from the top left: four samples half a block beside it.
+vec3 aroundPixel(vec2 pixel, sampler2D means) {
+  vec2 blocks = vec2(textureSize(means, 0));
+  vec2 at = pixel / uTintBlock;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 4; ++i) {
+    sum += texture(means, (at + vec2(i & 1, i >> 1) - 0.5) / blocks).rgb;
+  }
+  return 0.25 * sum;
 }
+
+// The surface as splats tint it: the twin of tinted() in src/section/tint.h.
+vec3 tinted(vec4 surface, vec2 pixel) {
+  vec3 ratio = (aroundPixel(pixel, uTintSplats) + kBelief) / (aroundPixel(pixel, uTintSurface) + kBelief);
+  return min(surface.rgb / surface.a * min(ratio, kMostTint), 1.0);
+}
+#endif
 
 void main() {
   vec2 at = gl_FragCoord.xy * uTexelsPerPixel;
@@ -75,16 +99,25 @@ void main() {
   vec4 c = putBehind(texture(uFaces, at), kept * texture(uPicture, at));
   c.rgb = min(c.rgb, c.a);
 #if kOutlined == 1
-  // Colours are kept: of what faces leave, the splats'.
-  float share = uHasOutline ? outlineShare(c.a, uOutlineRamps) : 0.0;
-  if (share > 0.0) {
+  // Of what faces leave, the colour is the surface's where there is one, and else the splats'.
+  vec4 surface = uHasSurface ? texture(uSurface, at) : vec4(0.0);
+  bool onSurface = surface.a > kLeastSurface;
+  float share = uHasOutline ? outlineShare(onSurface ? max(c.a, uOutlineRamps.y) : c.a, uOutlineRamps) : 0.0;
+  if (share > 0.0 || onSurface) {
     vec4 face = texture(uFaces, at);
     vec2 pixel = vec2(gl_FragCoord.x, 1.0 / uTexelsPerPixel.y - gl_FragCoord.y) - 0.5;
-    float covered = mix(c.a, matterOf(pixel, uTexelsPerPixel, uOutlineRays, uOutline, uValues, uBlocks, uMaterials, uPlanes,
-                                      uPlaneCount), share);
+    float covered = c.a;
+    if (share > 0.0) {
+      covered = mix(c.a, matterOf(pixel, uTexelsPerPixel, uOutlineRays, uOutline, uValues, uBlocks, uMaterials, uPlanes,
+                                  uPlaneCount), share);
+    }
     covered = uGrey > 0.0 ? max(face.a, covered) : covered;
     float beyond = c.a - face.a;  // that splats cover
     vec3 color = beyond >= kLeastBeyond ? clamp((c.rgb - face.rgb) / beyond, 0.0, 1.0) : face.rgb / face.a;
+    if (onSurface) {
+      float seen = beyond >= kLeastBeyond ? min(2.0 * surface.a, 1.0) : 1.0;
+      color = mix(color, tinted(surface, vec2(at.x, 1.0 - at.y) * size), seen);
+    }
     vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / face.a * face.rgb;
     c = vec4(light, covered);
   }

@@ -32,6 +32,7 @@ uniform int uGreyOpenings;
 uniform bool uOpened;  // whether walls behind gaps are drawn; splats show them else
 uniform Openings uOpenings;
 uniform sampler3D uBlocks;
+uniform highp sampler3D uValues;  // that walls are found by: 0 to 1, or sRGB
 uniform highp sampler3D uLight;
 uniform DepthCue uCue;
 uniform Backdrop uBackdrop;
@@ -82,7 +83,7 @@ void main() {
       vec2 gap = march(ray, uVoxels, uCurve, uMaterials, uSteps, uGlossy, sum);
       Wall wall;
       if (uOpened && gap.x > 0.0 && isInside(ray.start, uBlocks) &&
-          firstWall(ray, direction, gap.y, uOpenings, uVoxels, uBlocks, uCurve, uMaterials, wall)) {
+          firstWall(ray, direction, gap.y, uOpenings, uValues, uBlocks, uMaterials, wall)) {
         if (uGrey > 0.0 && uGreyOpenings != kGapValues) {
           open = openness(gap.x, ray.start, uVoxels, uCurve, uMaterials);
         }

@@ -14,11 +14,10 @@ const float kLeastTransmittance = 1.0 / 256.0;
 const float kPi = 3.14159265;
 
 // Rows of the table of materials, whose columns are evenly spread over the values.
-const float kSurfaceRow = 0.1;   // reflectance at the face; optical depth of the first step
-const float kInteriorRow = 0.3;  // reflectance beneath it; optical depth of the first step
-const float kGlossRow = 0.5;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
-const float kCodeRow = 0.7;      // as kSurfaceRow, but with columns evenly spread over the codes
-const float kBoundaryRow = 0.9;  // as kCodeRow: reflectance of walls where values are steep
+const float kSurfaceRow = 0.125;   // reflectance at the face; optical depth of the first step
+const float kInteriorRow = 0.375;  // reflectance beneath it; optical depth of the first step
+const float kGlossRow = 0.625;     // specular, roughness; grey: 0 black, 1 white, beyond them outside the window
+const float kBoundaryRow = 0.875;  // reflectance of walls where values are steep
 
 // Of codes: between these, interpolation mixes the body with the air around it.
 const float kLowestInside = 4.0 / 255.0;
@@ -48,7 +47,7 @@ struct FaceRay {
 };
 
 // Of what cuts open (src/section/openings.h).
-const int kSearchSteps = 256;  // leaps included
+const int kSearchSteps = 512;  // leaps included
 const float kOpaqueWall = 1.0 / 32.0;
 const float kWisp = 0.3;
 const int kBlock = 2;
@@ -56,7 +55,8 @@ const float kAround = 128.0;
 
 // How closely walls are looked for.
 struct WallSteps {
-  float search;  // mean voxels of the traced volume: steps where there may be matter
+  float search;  // mean voxels of the traced volume: steps where there may be matter,
+  int halvings;  // … to its beginning, by halves,
   float fine;    // … and through it, where they grow
   float growth;
   int count;     // of fine ones, at most
@@ -74,12 +74,16 @@ struct Openings {
   ivec3 cells;
   float lightScale;   // what 1 in the texture of the light stands for; 0 until some is computed: all walls are in …
   vec3 glow;          // … this, linear RGB
+  bool glossy;
 };
 
 struct Wall {
   vec3 index;
   vec3 normal;  // RAS, towards the eye
   vec3 reflectance;
+  float specular;
+  float roughness;
+  float depth;  // mm from where its ray starts
 };
 
 // Sums over what rays see, each weighted by transmittance times opacity.
@@ -263,53 +267,34 @@ float leapAt(vec3 index, vec3 stride, sampler3D blocks) {
   return max(min(sides.x, min(sides.y, sides.z)), kBeyond / length(stride));
 }
 
-// Code at an index, interpolated: 0…1.
-float codeAt(vec3 index, highp sampler3D voxels) {
-  return valueOf(texture(voxels, (index + 0.5) / vec3(textureSize(voxels, 0))));
+// Value at an index, interpolated: 0…1. `values`: a volume of them; of photographs, their colours.
+float valueNear(vec3 index, highp sampler3D values) {
+  return valueOf(texture(values, (index + 0.5) / vec3(textureSize(values, 0))));
 }
 
-vec4 materialOfCode(float code, sampler2D materials) {
-  return texture(materials, vec2(materialColumn(code), kCodeRow));
-}
-
-// Value of an interpolated code, 0…1.
-float valueOfCode(float code, highp sampler2D curve) {
-  float at = 255.0 * code;
-  int low = min(int(at), 254);
-  return mix(texelFetch(curve, ivec2(low, 0), 0).r, texelFetch(curve, ivec2(low + 1, 0), 0).r, at - float(low));
-}
-
-vec3 valuesOfCodes(vec3 codes, highp sampler2D curve) {
-  return vec3(valueOfCode(codes.x, curve), valueOfCode(codes.y, curve), valueOfCode(codes.z, curve));
-}
-
-// How codes and values change around an index.
-struct Change {
-  vec3 slope;       // towards larger codes, RAS, any length
-  float steepness;  // of the values, per mm; 0 where `o` has no steep range
-};
-
-Change changeAt(vec3 index, Openings o, highp sampler3D voxels, highp sampler2D curve) {
+// How values, 0…1, change around an index: per mm, RAS.
+vec3 slopeAt(vec3 index, Openings o, highp sampler3D values) {
   vec3 s = o.sourceVoxel / o.spacing;
   vec3 x = vec3(s.x, 0.0, 0.0), y = vec3(0.0, s.y, 0.0), z = vec3(0.0, 0.0, s.z);
-  vec3 above = vec3(codeAt(index + x, voxels), codeAt(index + y, voxels), codeAt(index + z, voxels));
-  vec3 below = vec3(codeAt(index - x, voxels), codeAt(index - y, voxels), codeAt(index - z, voxels));
-  vec3 width = 2.0 * o.sourceVoxel;
-  float steepness =
-      o.steep.y > 0.0 ? length((valuesOfCodes(above, curve) - valuesOfCodes(below, curve)) / width) : 0.0;
-  return Change(o.axes * ((above - below) / width), steepness);
+  vec3 above = vec3(valueNear(index + x, values), valueNear(index + y, values), valueNear(index + z, values));
+  vec3 below = vec3(valueNear(index - x, values), valueNear(index - y, values), valueNear(index - z, values));
+  return o.axes * ((above - below) / (2.0 * o.sourceVoxel));
 }
 
-// How far along a ray matter begins at or after `from` mm; ray.leave if it does not. `left` are the steps that it may
-// take.
-float searchMatter(FaceRay ray, float from, Openings o, highp sampler3D voxels, sampler3D blocks, sampler2D materials,
+bool isMatter(vec3 index, highp sampler3D values, sampler2D materials) {
+  return texture(materials, vec2(materialColumn(valueNear(index, values)), kSurfaceRow)).a > 0.0;
+}
+
+// How far along a ray a step meets matter at or after `from` mm; ray.leave if none does. `left` are the steps that it
+// may take.
+float searchMatter(FaceRay ray, float from, Openings o, highp sampler3D values, sampler3D blocks, sampler2D materials,
                    inout int left) {
   float t = from;
   for (; left > 0 && t < ray.leave; --left) {
     vec3 at = ray.start + t * ray.stride;
     float leap = leapAt(at, ray.stride, blocks);
     if (leap == 0.0) {
-      if (materialOfCode(codeAt(at, voxels), materials).a > 0.0) {
+      if (isMatter(at, values, materials)) {
         return t;
       }
       leap = o.steps.search * o.voxel;
@@ -321,37 +306,52 @@ float searchMatter(FaceRay ray, float from, Openings o, highp sampler3D voxels, 
 
 // The first wall along a ray from `from` mm on: whether there is one. Rays of neighbouring pixels search and look
 // closely together: what only one of them does costs as much as if all did.
-bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D voxels, sampler3D blocks,
-               highp sampler2D curve, sampler2D materials, out Wall wall) {
+bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sampler3D values, sampler3D blocks,
+               sampler2D materials, out Wall wall) {
   vec3 sum;
   vec3 steepSum;
+  vec2 gloss;  // specular, and that times roughness
   float depth;
   float alpha = 0.0;
   float t = from;
   int left = kSearchSteps;
   while (alpha < kWisp) {
-    t = searchMatter(ray, t, o, voxels, blocks, materials, left);
+    t = searchMatter(ray, t, o, values, blocks, materials, left);
     if (left <= 0 || t >= ray.leave) {
       return false;
     }
     --left;
     // Matter began within the last step.
-    t = max(from, t - o.steps.search * o.voxel);
+    float before = max(from, t - o.steps.search * o.voxel);
+    for (int k = 0; k < o.steps.halvings; ++k) {
+      float middle = 0.5 * (before + t);
+      if (isMatter(ray.start + middle * ray.stride, values, materials)) {
+        t = middle;
+      } else {
+        before = middle;
+      }
+    }
+    t = before;
     sum = vec3(0.0);
     steepSum = vec3(0.0);
+    gloss = vec2(0.0);
     depth = 0.0;
     float transmittance = 1.0;
     float stepLength = o.steps.fine * o.voxel;
     for (int k = 0; k < o.steps.count && transmittance > kOpaqueWall; ++k) {
       vec3 middle = ray.start + (t + 0.5 * stepLength) * ray.stride;
-      vec4 voxel = texture(voxels, (middle + 0.5) / vec3(textureSize(voxels, 0)));
-      float code = valueOf(voxel);
-      vec4 material = materialOfCode(code, materials);
+      vec4 voxel = texture(values, (middle + 0.5) / vec3(textureSize(values, 0)));
+      float column = materialColumn(valueOf(voxel));
+      vec4 material = texture(materials, vec2(column, kSurfaceRow));
       float weight = transmittance * (1.0 - exp(-material.a * stepLength / o.firstStep));
       vec3 tint = kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0);
       sum += weight * material.rgb * tint;
       if (o.steep.y > 0.0) {
-        steepSum += weight * texture(materials, vec2(materialColumn(code), kBoundaryRow)).rgb * tint;
+        steepSum += weight * texture(materials, vec2(column, kBoundaryRow)).rgb * tint;
+      }
+      if (o.glossy) {
+        vec2 lobe = texture(materials, vec2(column, kGlossRow)).rg;
+        gloss += weight * lobe.x * vec2(1.0, lobe.y);
       }
       depth += weight * (t + 0.5 * stepLength);
       transmittance -= weight;
@@ -360,11 +360,14 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
     }
     alpha = 1.0 - transmittance;
   }
-  wall.index = ray.start + depth / alpha * ray.stride;
-  Change change = changeAt(wall.index, o, voxels, curve);
-  wall.reflectance = mix(sum, steepSum, clamp((change.steepness - o.steep.x) * o.steep.y, 0.0, 1.0)) / alpha;
-  float slope = length(change.slope);
-  wall.normal = slope > 0.0 ? (dot(change.slope, direction) > 0.0 ? -1.0 : 1.0) / slope * change.slope : -direction;
+  wall.depth = depth / alpha;
+  wall.index = ray.start + wall.depth * ray.stride;
+  vec3 slope = slopeAt(wall.index, o, values);
+  float steepness = length(slope);
+  wall.reflectance = mix(sum, steepSum, clamp((steepness - o.steep.x) * o.steep.y, 0.0, 1.0)) / alpha;
+  wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -1.0 : 1.0) / steepness * slope : -direction;
+  wall.specular = gloss.x / alpha;
+  wall.roughness = gloss.x > 0.0 ? gloss.y / gloss.x : 1.0;
   return true;
 }
 

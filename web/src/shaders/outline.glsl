@@ -14,34 +14,47 @@ struct Outline {
   vec3 right;
   vec3 down;
   mat3 indexFromDirection;
+  vec3 spacing;     // mm
   float step;       // mm: where there may be matter
   float firstStep;  // mm, that optical depths of materials are told by
 };
 
-// Part of a ray, mm from the eye, of which is kept what lies at distance + t·slope >= 0.
-vec2 keptSpan(vec2 span, float distance, float slope) {
-  if (slope > 0.0) {
-    return vec2(max(span.x, -distance / slope), span.y);
+// Part of a ray, mm from the eye, and the slope at which it is entered, of which is kept what lies at
+// height + t·rise >= 0.
+vec3 keep(vec3 span, float height, float rise) {
+  if (rise > 0.0) {
+    float enter = -height / rise;
+    return enter > span.x ? vec3(enter, span.y, rise) : span;
   }
-  if (slope < 0.0) {
-    return vec2(span.x, min(span.y, -distance / slope));
+  if (rise < 0.0) {
+    return vec3(span.x, min(span.y, -height / rise), span.z);
   }
-  return distance < 0.0 ? vec2(span.x) : span;
+  return height < 0.0 ? span.xxz : span;
 }
+
+// The part of a ray that planes and the volume's box leave.
+vec3 keptSpan(vec3 direction, vec3 stride, Outline o, vec3 size, vec4 planes[kMaxPlanes], int planeCount) {
+  vec3 span = vec3(0.0, 1e30, 0.0);
+  for (int i = 0; i < planeCount; ++i) {
+    span = keep(span, dot(planes[i].xyz, o.eye) - planes[i].w, dot(planes[i].xyz, direction));
+  }
+  for (int k = 0; k < 3; ++k) {
+    float mm = o.spacing[k];
+    span = keep(span, mm * o.origin[k], mm * stride[k]);
+    span = keep(span, mm * (size[k] - 1.0 - o.origin[k]), -mm * stride[k]);
+  }
+  return span;
+}
+
+// Of a place in the picture, 0…1 from its top left.
+vec3 directionThrough(vec2 at, Outline o) { return normalize(o.corner + at.x * o.right + at.y * o.down); }
 
 // How much of the light along a ray matter takes. `values`: of photographs, their colours.
 float matterAlong(vec3 direction, Outline o, highp sampler3D values, sampler3D blocks, sampler2D materials,
                   vec4 planes[kMaxPlanes], int planeCount) {
   vec3 stride = o.indexFromDirection * direction;
   vec3 size = vec3(textureSize(values, 0));
-  vec2 span = vec2(0.0, 1e30);
-  for (int i = 0; i < planeCount; ++i) {
-    span = keptSpan(span, dot(planes[i].xyz, o.eye) - planes[i].w, dot(planes[i].xyz, direction));
-  }
-  for (int k = 0; k < 3; ++k) {
-    span = keptSpan(span, o.origin[k], stride[k]);
-    span = keptSpan(span, size[k] - 1.0 - o.origin[k], -stride[k]);
-  }
+  vec3 span = keptSpan(direction, stride, o, size, planes, planeCount);
   // Leaps by whole steps: what is sampled does not depend on how they round.
   float depth = 0.0;  // optical
   float steps = 0.0;
@@ -80,8 +93,7 @@ float matterOf(vec2 pixel, vec2 texelsPerPixel, int rays, Outline o, highp sampl
   float sum = 0.0;
   for (int i = 0; i < rays; ++i) {
     vec2 at = (pixel + placeInPixel(i, rays)) * texelsPerPixel;
-    vec3 direction = normalize(o.corner + at.x * o.right + at.y * o.down);
-    sum += matterAlong(direction, o, values, blocks, materials, planes, planeCount);
+    sum += matterAlong(directionThrough(at, o), o, values, blocks, materials, planes, planeCount);
   }
   return sum / float(rays);
 }

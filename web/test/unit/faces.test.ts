@@ -228,9 +228,13 @@ describe("face.glsl", () => {
     const openings = readFileSync("../src/section/openings.cpp", "utf8");
     expect(kWallSteps.fine).toEqual(
       Object.fromEntries(
-        Object.entries({ search: "kSearch", fine: "kFine", growth: "kGrowth", count: "kFineSteps" }).map(
-          ([step, name]) => [step, Number(value(openings, new RegExp(`${name} = ([\\d.]+)`)))],
-        ),
+        Object.entries({
+          search: "kSearch",
+          halvings: "kHalvings",
+          fine: "kFine",
+          growth: "kGrowth",
+          count: "kFineSteps",
+        }).map(([step, name]) => [step, Number(value(openings, new RegExp(`${name} = ([\\d.]+)`)))]),
       ),
     );
     for (const name of ["kSearchSteps", "kWisp"]) {

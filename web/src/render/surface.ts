@@ -1,0 +1,132 @@
+import {
+  HalfFloatType,
+  type IUniform,
+  LinearFilter,
+  type PerspectiveCamera,
+  Vector2,
+  Vector3,
+  type WebGLRenderer,
+  WebGLRenderTarget,
+} from "three";
+
+import { gridMiddle } from "../model/faces";
+import type { Section } from "../sog/section";
+import { FullScreenPass } from "./full_screen";
+import type { Outline } from "./outline";
+import { kColumns, type SectionFaces } from "./section_faces";
+
+/** Rays a pixel, as `clipgs render` has them; while something moves, one. */
+const kRays = 4;
+
+/** Of the half diagonal of a section: the side of a block, and its most, pixels (src/section/tint.cpp). */
+const kBlockShare = 1 / 110;
+const kMostBlock = 16;
+
+/**
+ * The surface of a section's volume, and the means by which splats tint it, as uniforms of composite.frag.glsl: the
+ * twin of draw_surface() and tinted() in src/section/.
+ */
+export class Surface {
+  readonly #renderer: WebGLRenderer;
+  readonly #outline: Outline;
+  readonly #surface: WebGLRenderTarget;
+  readonly #means: WebGLRenderTarget;
+  readonly #tint: FullScreenPass;
+  readonly uniforms: Record<string, IUniform>;
+  #pass: { of: SectionFaces; draw: FullScreenPass } | null = null;
+
+  constructor(renderer: WebGLRenderer, outline: Outline) {
+    this.#renderer = renderer;
+    this.#outline = outline;
+    const filter = { minFilter: LinearFilter, magFilter: LinearFilter, depthBuffer: false } as const;
+    this.#surface = new WebGLRenderTarget(1, 1, filter);
+    this.#means = new WebGLRenderTarget(1, 1, { ...filter, type: HalfFloatType, count: 2 });
+    this.#tint = new FullScreenPass("tint.frag.glsl", {
+      uPicture: { value: null },
+      uFaces: { value: null },
+      uSurface: { value: this.#surface.texture },
+      uBlock: { value: 1 },
+    });
+    const [splats, surface] = this.#means.textures;
+    this.uniforms = {
+      uHasSurface: { value: false },
+      uSurface: { value: this.#surface.texture },
+      uTintSplats: { value: splats },
+      uTintSurface: { value: surface },
+      uTintBlock: { value: 1 },
+    };
+  }
+
+  /** Draws none. */
+  hide(): void {
+    this.uniforms["uHasSurface"]!.value = false;
+  }
+
+  /** Of what the outline's camera sees, in splats' colours: those of a picture behind faces, of width × height px. */
+  draw(
+    faces: SectionFaces,
+    camera: PerspectiveCamera,
+    picture: WebGLRenderTarget,
+    front: WebGLRenderTarget,
+  ): void {
+    const { width, height } = picture;
+    const draw = this.#passOf(faces);
+    (draw.uniforms["uSize"]!.value as Vector2).set(width, height);
+    draw.uniforms["uDepth"]!.value = picture.depthTexture;
+    draw.uniforms["uRays"]!.value = faces.rays > 1 ? kRays : 1;
+    this.#surface.setSize(width, height);
+    draw.render(this.#renderer, this.#surface);
+    const block = tintBlock(
+      faces.section,
+      this.#outline.eye,
+      (camera.projectionMatrix.elements[5]! * height) / 2,
+    );
+    this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));
+    this.#tint.uniforms["uPicture"]!.value = picture.texture;
+    this.#tint.uniforms["uFaces"]!.value = front.texture;
+    this.#tint.uniforms["uBlock"]!.value = block;
+    this.#tint.render(this.#renderer, this.#means);
+    this.uniforms["uTintBlock"]!.value = block;
+    this.uniforms["uHasSurface"]!.value = true;
+  }
+
+  /** The case is gone. */
+  forget(): void {
+    this.hide();
+    this.#pass?.draw.dispose();
+    this.#pass = null;
+  }
+
+  dispose(): void {
+    this.forget();
+    this.#tint.dispose();
+    this.#surface.dispose();
+    this.#means.dispose();
+  }
+
+  /** Kept: browsers take long to compile it. */
+  #passOf(faces: SectionFaces): FullScreenPass {
+    if (this.#pass?.of !== faces) {
+      this.forget();
+      const uniforms = {
+        ...faces.surfaceUniforms,
+        uOutline: this.#outline.uniforms["uOutline"]!,
+        uDepth: { value: null },
+        uSize: { value: new Vector2() },
+        uRays: { value: 1 },
+      };
+      const { channels, tone } = faces.section;
+      const defines = { kChannels: channels, kFilmic: tone === "filmic" ? 1 : 0, kColumns };
+      this.#pass = { of: faces, draw: new FullScreenPass("surface.frag.glsl", uniforms, defines) };
+    }
+    return this.#pass.draw;
+  }
+}
+
+/** Side of the blocks that tint is told by, pixels, seen from `eye` (RAS mm) at a focal length in pixels. */
+export function tintBlock(section: Section, eye: Vector3, focal: number): number {
+  const extent = new Vector3(...section.dims).subScalar(1).multiply(new Vector3(...section.spacing));
+  const radius = 0.5 * extent.length();
+  const distance = Math.max(eye.distanceTo(gridMiddle(section)), 0.01 * radius);
+  return Math.round(Math.min(Math.max((kBlockShare * focal * radius) / distance, 1), kMostBlock));
+}
