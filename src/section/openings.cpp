@@ -20,6 +20,10 @@ constexpr float kOpaqueWall = 1.0f / 32;
 // … and of matter that takes less light than this nothing is seen.
 constexpr float kWisp = 0.3f;
 
+// Values rise into matter, or, where a surface would be seen from within by more than this cosine,
+// out of it. At a rim a normal that is turned towards the camera might look into the body.
+constexpr float kGrazing = 0.25f;
+
 constexpr int kBounces = 10;
 constexpr int kQuickBounces = 2;
 
@@ -57,6 +61,7 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     return material_at(section.sample(origin + t * stride)).extinction > 0;
   };
   float t = from;
+  float begin = from;  // nothing before is looked at again
   for (int i = 0; i < kSearchSteps && t < to; ++i) {
     const float leap = empty_space_.leap(origin + t * stride, stride);
     if (leap > 0) {
@@ -67,7 +72,7 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
       t += kSearch * voxel;
       continue;
     }
-    float before = std::max(from, t - kSearch * voxel);
+    float before = std::max(begin, t - kSearch * voxel);
     for (int k = 0; k < kHalvings; ++k) {
       const float middle = 0.5f * (before + t);
       (is_matter(middle) ? t : before) = middle;
@@ -80,6 +85,9 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     for (int k = 0; k < kFineSteps && transmittance > kOpaqueWall; ++k) {
       const Vec3 sampled = section.sample(origin + (t + 0.5f * length) * stride);
       const FaceMaterial& material = material_at(sampled);
+      if (material.extinction <= 0 && transmittance < 1) {
+        break;  // what is seen beyond a gap is another wall
+      }
       const float weight = transmittance * (1 - std::exp(-material.extinction * length));
       const Vec3 tint = section.channels == 3 ? photo_albedo(sampled) : Vec3(1);
       seen.surface += weight * material.surface * tint;
@@ -93,6 +101,8 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
     }
     const float alpha = 1 - transmittance;
     if (alpha < kWisp) {
+      t += length;
+      begin = t;
       continue;
     }
     const Vec3 slope = gradient_at(section, origin + depth / alpha * stride);
@@ -102,7 +112,8 @@ std::optional<Wall> Openings::first_wall(const Section& section, const Vec3& eye
               glm::mix(seen.surface, seen.boundary, share) / alpha, seen.specular / alpha,
               seen.specular > 0 ? seen.roughness / seen.specular : 1};
     if (steepness > 0) {
-      wall.normal = (glm::dot(slope, direction) > 0 ? -1.0f : 1.0f) / steepness * slope;
+      const bool away = glm::dot(slope, direction) < -kGrazing * steepness;
+      wall.normal = (away ? 1.0f : -1.0f) / steepness * slope;
     }
     return wall;
   }

@@ -17,7 +17,7 @@ namespace clipgs {
 /// The first surface that a ray meets.
 struct Wall {
   Vec3 position;     ///< RAS mm
-  Vec3 normal;       ///< unit, RAS, towards the camera
+  Vec3 normal;       ///< unit, RAS, towards the camera, or past it at a rim
   Vec3 reflectance;  ///< linear RGB
   float specular;    ///< weight of its gloss, 0…1, and
   float roughness;   ///< α of the GGX lobe

@@ -50,6 +50,7 @@ struct FaceRay {
 const int kSearchSteps = 512;  // leaps included
 const float kOpaqueWall = 1.0 / 32.0;
 const float kWisp = 0.3;
+const float kGrazing = 0.25;  // cosine: values rise into matter unless a surface faces away by more
 const int kBlock = 2;
 const float kAround = 128.0;
 
@@ -79,7 +80,7 @@ struct Openings {
 
 struct Wall {
   vec3 index;
-  vec3 normal;  // RAS, towards the eye
+  vec3 normal;  // RAS, towards the eye, or past it at a rim
   vec3 reflectance;
   float specular;
   float roughness;
@@ -314,6 +315,7 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
   float depth;
   float alpha = 0.0;
   float t = from;
+  float begin = from;  // nothing before is looked at again
   int left = kSearchSteps;
   while (alpha < kWisp) {
     t = searchMatter(ray, t, o, values, blocks, materials, left);
@@ -322,7 +324,7 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
     }
     --left;
     // Matter began within the last step.
-    float before = max(from, t - o.steps.search * o.voxel);
+    float before = max(begin, t - o.steps.search * o.voxel);
     for (int k = 0; k < o.steps.halvings; ++k) {
       float middle = 0.5 * (before + t);
       if (isMatter(ray.start + middle * ray.stride, values, materials)) {
@@ -343,6 +345,9 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
       vec4 voxel = texture(values, (middle + 0.5) / vec3(textureSize(values, 0)));
       float column = materialColumn(valueOf(voxel));
       vec4 material = texture(materials, vec2(column, kSurfaceRow));
+      if (material.a <= 0.0 && transmittance < 1.0) {
+        break;  // what is seen beyond a gap is another wall
+      }
       float weight = transmittance * (1.0 - exp(-material.a * stepLength / o.firstStep));
       vec3 tint = kChannels == 3 ? linearFromSrgb(voxel.rgb) : vec3(1.0);
       sum += weight * material.rgb * tint;
@@ -359,13 +364,16 @@ bool firstWall(FaceRay ray, vec3 direction, float from, Openings o, highp sample
       stepLength *= o.steps.growth;
     }
     alpha = 1.0 - transmittance;
+    t += stepLength;
+    begin = t;
   }
   wall.depth = depth / alpha;
   wall.index = ray.start + wall.depth * ray.stride;
   vec3 slope = slopeAt(wall.index, o, values);
   float steepness = length(slope);
   wall.reflectance = mix(sum, steepSum, clamp((steepness - o.steep.x) * o.steep.y, 0.0, 1.0)) / alpha;
-  wall.normal = steepness > 0.0 ? (dot(slope, direction) > 0.0 ? -1.0 : 1.0) / steepness * slope : -direction;
+  bool away = dot(slope, direction) < -kGrazing * steepness;
+  wall.normal = steepness > 0.0 ? (away ? 1.0 : -1.0) / steepness * slope : -direction;
   wall.specular = gloss.x / alpha;
   wall.roughness = gloss.x > 0.0 ? gloss.y / gloss.x : 1.0;
   return true;

@@ -19,8 +19,6 @@ import { type Browser, type Evaluates, type Tab, waitFor } from "./tab";
 
 // dB of pictures that are drawn alike, pixel by pixel; the program has several rays through a pixel at edges alone.
 const kMinAlike = 48;
-// … of what they cover, where outlines end by a value that Mesa's software renderer interpolates to no more than a byte.
-const kMinCovered = 47;
 const kMinShown = 35; // dB of what a page shows, whose edges are drawn anew
 /** From the middle of the body to its right and forward, mm. */
 const kPins = [
@@ -273,7 +271,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
           const { color, alpha } = psnr(got, truth);
           least = Math.min(least, color, alpha);
           expect(color).toBeGreaterThan(kMinAlike);
-          expect(alpha).toBeGreaterThan(kMinCovered);
+          expect(alpha).toBeGreaterThan(kMinAlike);
         });
       }
 

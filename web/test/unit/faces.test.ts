@@ -237,7 +237,7 @@ describe("face.glsl", () => {
         }).map(([step, name]) => [step, Number(value(openings, new RegExp(`${name} = ([\\d.]+)`)))]),
       ),
     );
-    for (const name of ["kSearchSteps", "kWisp"]) {
+    for (const name of ["kSearchSteps", "kWisp", "kGrazing"]) {
       const number = new RegExp(`${name} = ([\\d.]+)`);
       expect(Number(value(glsl, number)), name).toBe(Number(value(openings, number)));
     }
