@@ -13,8 +13,9 @@ namespace {
 // Of the half diagonal of a section: at 1024 pixels a block is about four wide.
 constexpr float kBlockShare = 1.0f / 110;
 constexpr float kMostBlock = 16;
-// What little splats show of a surface says nothing of its colour: where there is none, R is 1.
-constexpr float kBelief = 1e-3f;
+// Of light: how much of the surface's own colour is believed beside the splats'. Where these show
+// nothing of it, R is 1.
+constexpr float kBelief = 0.1f;
 constexpr float kMostTint = 4;
 
 /// Of a block: the splats that lie on the surface, and the surface where there are splats.

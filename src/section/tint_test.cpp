@@ -84,7 +84,7 @@ TEST(Tint, IsTheRatioOfBlurredColours) {
           const double own = blurred(x, y, block, [&](size_t i) {
             return surface.data[4 * i + 3] * beyond(i, 3) * surface.data[4 * i + c];
           });
-          const double ratio = std::min((splats + 1e-3) / (own + 1e-3), 4.0);
+          const double ratio = std::min((splats + 0.1) / (own + 0.1), 4.0);
           EXPECT_NEAR(got.at(x, y)[c], std::min(1.0, ratio * surface.at(x, y)[c]), 1e-4);
         }
       }
@@ -107,8 +107,9 @@ TEST(Tint, GivesASurfaceTheSplatsColourAndKeepsWhatIsOnIt) {
   const float* const dark = got.at(10, 8);
   const float* const light = got.at(11, 8);
   EXPECT_NEAR(light[0] / dark[0], 2, 0.02f);
-  EXPECT_NEAR(0.5f * (light[0] + dark[0]), 0.6f, 0.01f);
-  EXPECT_NEAR(0.5f * (light[2] + dark[2]), 0.2f, 0.01f);
+  // Most of the way from the surface's 0.3, not all of it.
+  EXPECT_NEAR(0.5f * (light[0] + dark[0]), 0.525f, 0.01f);
+  EXPECT_NEAR(0.5f * (light[2] + dark[2]), 0.225f, 0.01f);
 }
 
 TEST(Tint, LeavesASurfaceAsItIsWhereThereAreNoSplats) {

@@ -70,7 +70,7 @@ float keptShare(vec3 pixel) {
 }
 
 #if kOutlined == 1
-const float kBelief = 1e-3;  // what little splats show of a surface says nothing of its colour
+const float kBelief = 0.1;  // how much of the surface's own colour is believed beside the splats'
 const float kMostTint = 4.0;
 const float kLeastSurface = 0.125;  // half a ray of four: less is what a filter spreads
 
