@@ -271,6 +271,7 @@ export class SectionFaces {
     this.firstStep = first;
     this.indexFromPatient = indexFromPatient(section);
     this.#hasValues = section.channels === 3; // of colours no table is needed
+    const glossy = Math.max(...section.materials.specular) > 0;
     this.#uniforms = {
       uPatientFromWorld: { value: new Matrix4() },
       uIndexFromPatient: { value: this.indexFromPatient },
@@ -283,7 +284,7 @@ export class SectionFaces {
       uRays: { value: 1 },
       uGrey: { value: 0 },
       uGreyOpenings: { value: 0 },
-      uGlossy: { value: Math.max(...section.materials.specular) > 0 },
+      uGlossy: { value: glossy },
       uRig: { value: rigUniform(section.rig) },
       uExposure: { value: section.exposure },
       uOpened: { value: false },
@@ -304,7 +305,7 @@ export class SectionFaces {
           cells: new Vector3(1, 1, 1),
           lightScale: 0,
           glow: glow(section),
-          glossy: Math.max(...section.materials.specular) > 0,
+          glossy,
         },
       },
     };
