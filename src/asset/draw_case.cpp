@@ -147,7 +147,7 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
   // Of photographs, brightness does not tell which way a surface faces.
   const bool has_surface = outline && light && contents.section->channels == 1;
   const std::optional<Image> surface =
-      has_surface ? std::optional(draw_surface(*contents.section, camera, cut, *light))
+      has_surface ? std::optional(draw_surface(*contents.section, camera, cut, *light, options.cue))
                   : std::nullopt;
   const auto draw = [&](const Gaussians& gaussians, const FaceGain& gain, const Cut& kept,
                         const LayerSwitch& switched) {

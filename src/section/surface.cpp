@@ -29,7 +29,7 @@ Vec3 radiance(const Wall& wall, const Section& section, const OpenedLight& light
 }  // namespace
 
 Image draw_surface(const Section& section, const Camera& camera, const Cut& cut,
-                   const OpenedLight& light, int rays) {
+                   const OpenedLight& light, const DepthCue& cue, int rays) {
   Image image(camera.width, camera.height, 4);
   const Openings& openings = light.openings();
   const DisplayCurve& display = display_curve(section.tone);
@@ -54,7 +54,8 @@ Image draw_surface(const Section& section, const Camera& camera, const Cut& cut,
     const Vec3 direction = camera.ray_direction(x, y);
     if (const std::optional<Wall> wall = look(direction)) {
       const Vec3 seen = section.exposure * radiance(*wall, section, light, direction);
-      sum += Vec4(display(seen.r), display(seen.g), display(seen.b), 1);
+      const float kept = cue.kept(glm::distance(wall->position, camera.position));
+      sum += Vec4(kept * Vec3(display(seen.r), display(seen.g), display(seen.b)), 1);
     }
   };
   parallel_for(static_cast<size_t>(image.height), 4, [&](size_t begin, size_t end) {

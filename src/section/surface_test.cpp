@@ -19,8 +19,8 @@ struct LitBall {
   Section section = test::ball_section();
   Openings openings{section};
 
-  Image seen(const Camera& camera, const Cut& cut) const {
-    return draw_surface(section, camera, cut, OpenedLight(openings, cut), 8);
+  Image seen(const Camera& camera, const Cut& cut, const DepthCue& cue = {}) const {
+    return draw_surface(section, camera, cut, OpenedLight(openings, cut), cue, 8);
   }
 };
 
@@ -66,6 +66,20 @@ TEST(Surface, IsLitByTheRig) {
   const Image keyed = s.seen(camera, Cut());
   EXPECT_GT(brightness(keyed, 0.25f, 0.5f), 1.2f * brightness(keyed, 0.75f, 0.5f));
   EXPECT_NEAR(brightness(keyed, 0.75f, 0.5f), brightness(even, 0.75f, 0.5f), 0.05f);
+}
+
+TEST(Surface, FadesWithItsOwnDepth) {
+  const LitBall s;
+  const Camera camera = camera_at({0, -1, 0});
+  const float away = glm::length(camera.position);
+  const DepthCue cue{0.8f, away - 30, away};
+  const Image plain = s.seen(camera, Cut());
+  const Image faded = s.seen(camera, Cut(), cue);
+  const float kept = cue.kept(away - 15);  // of the nearest point, to half a voxel
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(faded.at(kSide / 2, kSide / 2)[c], kept * plain.at(kSide / 2, kSide / 2)[c], 0.02);
+  }
+  EXPECT_EQ(sum_of_alpha(faded), sum_of_alpha(plain));
 }
 
 TEST(Surface, LeavesFacesOut) {

@@ -309,8 +309,19 @@ export class SectionFaces {
         },
       },
     };
-    const { uVoxels, uBlocks, uMaterials, uPlanes, uPlaneCount, uGrey, uOpenings, uRig, uExposure } = this
-      .#uniforms as Record<
+    const {
+      uVoxels,
+      uBlocks,
+      uMaterials,
+      uPlanes,
+      uPlaneCount,
+      uGrey,
+      uOpenings,
+      uRig,
+      uExposure,
+      uCue,
+      uBackdrop,
+    } = this.#uniforms as Record<
       | "uVoxels"
       | "uBlocks"
       | "uMaterials"
@@ -319,7 +330,9 @@ export class SectionFaces {
       | "uGrey"
       | "uOpenings"
       | "uRig"
-      | "uExposure",
+      | "uExposure"
+      | "uCue"
+      | "uBackdrop",
       IUniform
     >;
     const uValues = this.#hasValues ? uVoxels : { value: volumeTexture(null, { ...section, channels: 1 }) };
@@ -333,6 +346,8 @@ export class SectionFaces {
       uOpenings,
       uRig,
       uExposure,
+      uCue,
+      uBackdrop,
       uLight: { value: null },
       uLightScale: { value: 0 },
       uSurfaceDepth: { value: surfaceDepth(section) },

@@ -4,6 +4,7 @@ precision highp int;
 precision highp sampler2D;
 precision highp sampler3D;
 
+#include "depth_cue.glsl"
 #include "surface.glsl"
 #include "tone.glsl"
 
@@ -22,6 +23,8 @@ uniform sampler2D uMaterials;
 uniform highp sampler3D uLight;
 uniform vec4 uPlanes[kMaxPlanes];
 uniform int uPlaneCount;
+uniform DepthCue uCue;
+uniform Backdrop uBackdrop;
 
 out vec4 fragColor;
 
@@ -40,7 +43,9 @@ void main() {
     if (meetsSurface(direction, uOutline, openings, uSurfaceDepth, uValues, uBlocks, uMaterials, uPlanes, uPlaneCount,
                      wall)) {
       vec3 light = wallRadiance(wall, direction, uRig, openings, uLight);
-      sum += vec4(displayFromLinear(uExposure * light, kFilmic == 1), 1.0);
+      vec3 color = displayFromLinear(uExposure * light, kFilmic == 1);
+      vec3 at = uOutline.eye + wall.depth * direction;
+      sum += vec4(cued(color, at, uOutline.eye, gl_FragCoord.xy, uCue, uBackdrop), 1.0);
     }
   }
   fragColor = sum / float(uRays);

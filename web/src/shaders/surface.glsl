@@ -45,8 +45,8 @@ vec3 wallRadiance(Wall wall, vec3 direction, LightRig rig, Openings o, highp sam
   return sum;
 }
 
-// The wall that a ray meets: whether there is one that is not seen as a face, or through a gap of one. `depth`: mm below
-// a face that count as the face.
+// The wall that a ray meets, with its depth from the eye: whether there is one that is not seen as a face, or through a
+// gap of one. `depth`: mm below a face that count as the face.
 bool meetsSurface(vec3 direction, Outline view, Openings o, float depth, highp sampler3D values, sampler3D blocks,
                   sampler2D materials, vec4 planes[kMaxPlanes], int planeCount, out Wall wall) {
   vec3 stride = view.indexFromDirection * direction;
@@ -58,5 +58,9 @@ bool meetsSurface(vec3 direction, Outline view, Openings o, float depth, highp s
   if (ray.leave <= 0.0 || (planeCount > 0 && isInside(ray.start, blocks))) {
     return false;
   }
-  return firstWall(ray, direction, 0.0, o, values, blocks, materials, wall) && wall.depth * span.z >= depth;
+  if (!firstWall(ray, direction, 0.0, o, values, blocks, materials, wall) || wall.depth * span.z < depth) {
+    return false;
+  }
+  wall.depth += span.x;
+  return true;
 }
