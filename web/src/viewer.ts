@@ -188,6 +188,11 @@ export class Viewer {
     return this.#renderer;
   }
 
+  /** What draws the body. */
+  get layer(): SplatLayer {
+    return this.#layer;
+  }
+
   get openCase(): OpenCase | null {
     return this.#case;
   }

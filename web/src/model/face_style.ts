@@ -8,10 +8,14 @@ export type GreyOpenings = (typeof kGreyOpenings)[number];
 /** How closely walls behind gaps are looked at: as `clipgs render` does, while things move, and where time is short. */
 export type WallEffort = "fine" | "coarse" | "least";
 
-/** What a pixel of a face may cost. */
+/** What is drawn of a volume beside faces: where the body ends and its surface, where it ends, or nothing: splats alone. */
+export type Detail = "surface" | "outline" | "splats";
+
+/** What a pixel of a volume may cost. */
 export interface FaceEffort {
   rays: number;
   walls: WallEffort;
+  detail: Detail;
 }
 
 /** WallSteps of shaders/face.glsl. */

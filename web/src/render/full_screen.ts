@@ -1,4 +1,5 @@
 import {
+  AlwaysDepth,
   BufferAttribute,
   BufferGeometry,
   Camera,
@@ -8,30 +9,38 @@ import {
   NoBlending,
   RawShaderMaterial,
   Scene,
+  Sphere,
+  Vector3,
   type WebGLRenderer,
   type WebGLRenderTarget,
 } from "three";
 
 import { shader } from "./shaders";
 
-/** One triangle that covers everything: clip space from its corners. */
+/** One triangle that covers everything: clip space from its corners. Among others it is sorted as a point of its object. */
 export function fullScreenTriangle(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute(
     "position",
     new BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3),
   );
+  geometry.boundingSphere = new Sphere(new Vector3(), 0);
   return geometry;
 }
 
-/** Runs a fragment shader once for every pixel of a target. */
+/** Runs a fragment shader once for every pixel of a target; `depth`: which writes that, too. */
 export class FullScreenPass {
   readonly uniforms: Record<string, IUniform>;
   readonly #scene = new Scene();
   readonly #camera = new Camera();
   readonly #mesh: Mesh<BufferGeometry, RawShaderMaterial>;
 
-  constructor(fragment: string, uniforms: Record<string, IUniform>, defines: Record<string, number> = {}) {
+  constructor(
+    fragment: string,
+    uniforms: Record<string, IUniform>,
+    defines: Record<string, number> = {},
+    depth = false,
+  ) {
     this.uniforms = uniforms;
     const material = new RawShaderMaterial({
       glslVersion: GLSL3,
@@ -39,8 +48,9 @@ export class FullScreenPass {
       fragmentShader: shader(fragment),
       uniforms,
       defines,
-      depthTest: false,
-      depthWrite: false,
+      depthTest: depth, // without a test none is written
+      depthFunc: AlwaysDepth,
+      depthWrite: depth,
       blending: NoBlending,
     });
     this.#mesh = new Mesh(fullScreenTriangle(), material);

@@ -31,6 +31,7 @@ export class Outline {
     corner: new Vector3(),
     right: new Vector3(),
     down: new Vector3(),
+    forward: new Vector3(),
     indexFromDirection: new Matrix3(),
     spacing: new Vector3(),
     step: 1,
@@ -68,6 +69,7 @@ export class Outline {
       .multiplyScalar((p[8]! - 1) / p[0]!)
       .addScaledVector(y, (p[9]! + 1) / p[5]!)
       .sub(z);
+    view.forward.copy(z).normalize().negate();
     view.origin.copy(view.eye).applyMatrix4(faces.indexFromPatient);
     view.indexFromDirection.setFromMatrix4(faces.indexFromPatient);
     view.spacing.set(...spacing);

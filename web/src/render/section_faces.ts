@@ -19,7 +19,6 @@ import {
   NearestFilter,
   NoBlending,
   OneFactor,
-  OneMinusSrcAlphaFactor,
   RawShaderMaterial,
   RedFormat,
   RGBAFormat,
@@ -31,7 +30,7 @@ import {
   type WebGLRenderer,
 } from "three";
 
-import { type FaceEffort, kWallSteps } from "../model/face_style";
+import { type Detail, type FaceEffort, kWallSteps } from "../model/face_style";
 import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
 import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
@@ -41,7 +40,7 @@ import { shades, type Window } from "../model/grey";
 import { between, codeOfValue } from "../model/values";
 import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
 import type { OpeningsInfo, WallLight } from "../worker/protocol";
-import { kBehindSplats, kOverSplats } from "./draw_order";
+import { kBehindSplats } from "./draw_order";
 import type { DepthCue } from "./depth_cue";
 import { shader } from "./shaders";
 import { uploadInPieces } from "./upload";
@@ -252,6 +251,8 @@ export class SectionFaces {
   readonly surfaceUniforms: Record<string, IUniform>;
   /** Of its volumes, on the GPU. */
   bytes: number;
+  /** What is drawn of it beside the faces, where that can be. */
+  detail: Detail = "surface";
   /** The sides of the volume that are faces. */
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
@@ -477,7 +478,8 @@ export class SectionFaces {
     return this.#uniforms["uRays"]!.value as number;
   }
 
-  set effort({ rays, walls }: FaceEffort) {
+  set effort({ rays, walls, detail }: FaceEffort) {
+    this.detail = detail;
     this.#uniforms["uRays"]!.value = rays;
     this.#uniforms["uOpenings"]!.value.steps = kWallSteps[walls];
   }
@@ -518,16 +520,6 @@ export class SectionFaces {
       mesh.geometry = geometry;
       mesh.material.side = alone && planes.length === 1 ? DoubleSide : FrontSide;
     }
-  }
-
-  setVisible(visible: boolean): void {
-    this.#meshes.forEach((mesh) => (mesh.visible = visible));
-  }
-
-  /** Whether those that are not opaque lie over the splats in one picture, or in a picture of their own. */
-  setBlended(over: boolean): void {
-    this.partial.material.blendDst = over ? OneMinusSrcAlphaFactor : OneFactor;
-    this.partial.renderOrder = over ? kOverSplats : kBehindSplats;
   }
 
   /**

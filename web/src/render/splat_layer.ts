@@ -13,6 +13,8 @@ import {
   Scene,
   UnsignedByteType,
   Vector2,
+  Vector3,
+  type Vector4,
   type WebGLRenderer,
   WebGLRenderTarget,
 } from "three";
@@ -64,8 +66,10 @@ export interface Subject {
  * a headset, which blend faster.
  */
 export class SplatLayer {
-  /** Put this into the scene of the canvas. */
+  /** Put this into the scene of the canvas, … */
   readonly object: Mesh;
+  /** … or this, where the body is among other things, into that of a headset, in the body's middle. */
+  readonly solid: Mesh;
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
   readonly #still: WebGLRenderTarget; // splats and opaque faces
@@ -74,7 +78,8 @@ export class SplatLayer {
   readonly #keptShare = new KeptShare();
   readonly #outline = new Outline();
   readonly #surface: Surface | null;
-  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel", IUniform>;
+  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel" | "uCorner", IUniform>;
+  readonly #solidUniforms = { uDepth: { value: null as DepthTexture | null }, uMiddleDepth: { value: 1 } };
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
   #straight: FullScreenPass | null = null;
 
@@ -92,12 +97,25 @@ export class SplatLayer {
       uPicture: { value: null },
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
+      uCorner: { value: new Vector2() },
       ...this.#keptShare.uniforms,
       ...this.#outline.uniforms,
-      ...(this.#surface?.uniforms ?? { uHasSurface: { value: false } }),
+      ...(this.#surface?.uniforms ?? { uHasSurface: { value: false }, uSurfaceDepth: { value: null } }),
     };
-    this.object = new Mesh(fullScreenTriangle(), this.#material());
-    this.object.frustumCulled = false;
+    this.object = this.#mesh(false);
+    this.solid = this.#mesh(true);
+    (this.solid as Mesh & { pointerEvents?: string }).pointerEvents = "none";
+    const middle = new Vector3();
+    this.solid.onBeforeRender = (_renderer, _scene, camera) => {
+      this.#solidUniforms.uMiddleDepth.value =
+        0.5 + 0.5 * middle.setFromMatrixPosition(this.solid.matrixWorld).project(camera).z;
+    };
+  }
+
+  #mesh(solid: boolean): Mesh {
+    const mesh = new Mesh(fullScreenTriangle(), this.#material(solid));
+    mesh.frustumCulled = false;
+    return mesh;
   }
 
   /** Kept: browsers take long to compile it. */
@@ -106,31 +124,32 @@ export class SplatLayer {
       ...this.#uniforms,
       ...this.#outlined?.outlineUniforms,
       uTexelsPerPixel: { value: new Vector2() },
+      uCorner: { value: new Vector2() },
     };
-    return new FullScreenPass("composite.frag.glsl", uniforms, this.#defines(1));
+    return new FullScreenPass("composite.frag.glsl", uniforms, this.#defines({ kStraight: 1, kSolid: 0 }));
   }
 
-  #material(): RawShaderMaterial {
-    const uniforms = { ...this.#uniforms, ...this.#outlined?.outlineUniforms };
+  #material(solid: boolean): RawShaderMaterial {
+    const uniforms = { ...this.#uniforms, ...this.#solidUniforms, ...this.#outlined?.outlineUniforms };
     return new RawShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: shader("full_screen.vert.glsl"),
       fragmentShader: shader("composite.frag.glsl"),
       uniforms,
-      defines: this.#defines(0),
+      defines: this.#defines({ kStraight: 0, kSolid: solid ? 1 : 0 }),
       transparent: true,
-      depthTest: false,
-      depthWrite: false,
+      depthTest: solid,
+      depthWrite: solid,
       blending: CustomBlending,
       blendSrc: OneFactor,
       blendDst: OneMinusSrcAlphaFactor,
     });
   }
 
-  #defines(straight: number): Record<string, number> {
+  #defines(how: { kStraight: number; kSolid: number }): Record<string, number> {
     const { section } = this.#outlined ?? {};
     return {
-      kStraight: straight,
+      ...how,
       kHullDirections,
       kOutlined: section ? 1 : 0,
       ...(section && { kChannels: section.channels, kColumns }),
@@ -142,8 +161,31 @@ export class SplatLayer {
     const canvas = this.#renderer.getDrawingBufferSize(new Vector2());
     const width = Math.max(1, Math.round(canvas.x * scale));
     const height = Math.max(1, Math.round(canvas.y * scale));
+    this.#color(subject, camera);
     this.#draw(subject, camera, moving ? this.#moving : this.#still, width, height);
-    (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / canvas.x, 1 / canvas.y);
+    this.#show(0, 0, canvas.x, canvas.y);
+  }
+
+  /**
+   * For speed, what an eye sees in a viewport of a headset's picture: `solid` shows it until another eye's is drawn. The
+   * splats keep their colours.
+   */
+  drawEye(subject: Subject, eye: PerspectiveCamera, { x, y, z: width, w: height }: Vector4): void {
+    this.#draw(subject, eye, this.#moving, width, height);
+    this.#solidUniforms.uDepth.value = this.#moving.depthTexture;
+    this.#show(x, y, width, height);
+  }
+
+  /** Shows what was drawn in so many pixels. */
+  #show(x: number, y: number, width: number, height: number): void {
+    (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / width, 1 / height);
+    (this.#uniforms.uCorner.value as Vector2).set(x, y);
+  }
+
+  /** Colours splats as `camera` sees them. */
+  #color({ mesh }: Subject, camera: PerspectiveCamera): void {
+    const eye = new Vector3().setFromMatrixPosition(camera.matrixWorld);
+    mesh.updateColors(this.#renderer, mesh.scenePoint(eye));
   }
 
   /**
@@ -165,6 +207,7 @@ export class SplatLayer {
 
   /** Draws at once; what was drawn comes later. */
   async #read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+    this.#color(subject, camera);
     this.#draw(subject, camera, this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = (this.#straight ??= this.#straightPass());
@@ -187,8 +230,10 @@ export class SplatLayer {
     this.#moving.dispose();
     this.#faces.dispose();
     this.#surface?.dispose();
-    this.object.geometry.dispose();
-    (this.object.material as RawShaderMaterial).dispose();
+    for (const mesh of [this.object, this.solid]) {
+      mesh.geometry.dispose();
+      (mesh.material as RawShaderMaterial).dispose();
+    }
     this.#straight?.dispose();
   }
 
@@ -199,9 +244,7 @@ export class SplatLayer {
     width: number,
     height: number,
   ): void {
-    const renderer = this.#renderer;
     const seen = mesh.sceneCamera(camera, width, height);
-    mesh.updateColors(renderer, seen.position);
     this.#keptShare.set(seen, mesh.clip === kClipOperators.exact ? mesh.planes : [], mesh.hull);
     const outlined = this.#setOutline(mesh, faces, camera);
     target.setSize(width, height);
@@ -209,7 +252,7 @@ export class SplatLayer {
     this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
-    if (outlined && outlined.hasSurface && mesh.visible && !cue.covering) {
+    if (outlined?.hasSurface && outlined.detail === "surface" && mesh.visible && !cue.covering) {
       this.#surface?.draw(outlined, camera, target, this.#faces);
     } else {
       this.#surface?.hide();
@@ -220,7 +263,7 @@ export class SplatLayer {
   #setOutline(mesh: SplatMesh, faces: SectionFaces | null, camera: PerspectiveCamera): SectionFaces | null {
     this.#outlineBy(faces);
     const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
-    const outlined = faces?.hasOutline && byPlane ? faces : null;
+    const outlined = faces?.hasOutline && byPlane && faces.detail !== "splats" ? faces : null;
     this.#outline.uniforms["uHasOutline"]!.value = outlined !== null;
     if (outlined) {
       this.#outline.set(outlined, camera);
@@ -231,8 +274,10 @@ export class SplatLayer {
   #outlineBy(faces: SectionFaces | null): void {
     if (this.#outlined !== faces) {
       this.#outlined = faces;
-      (this.object.material as RawShaderMaterial).dispose();
-      this.object.material = this.#material();
+      for (const mesh of [this.object, this.solid]) {
+        (mesh.material as RawShaderMaterial).dispose();
+        mesh.material = this.#material(mesh === this.solid);
+      }
       this.#straight?.dispose();
       this.#straight = null;
     }
@@ -240,11 +285,12 @@ export class SplatLayer {
 
   #render(target: WebGLRenderTarget, camera: PerspectiveCamera, objects: readonly Mesh[]): void {
     const renderer = this.#renderer;
+    const before = renderer.getRenderTarget();
     objects.forEach((object) => this.#scene.add(object));
     renderer.setRenderTarget(target);
     renderer.clear();
     renderer.render(this.#scene, camera);
-    renderer.setRenderTarget(null);
+    renderer.setRenderTarget(before);
     this.#scene.clear();
   }
 }

@@ -1,4 +1,5 @@
 import {
+  DepthTexture,
   HalfFloatType,
   type IUniform,
   LinearFilter,
@@ -38,9 +39,14 @@ export class Surface {
   constructor(renderer: WebGLRenderer, outline: Outline) {
     this.#renderer = renderer;
     this.#outline = outline;
-    const filter = { minFilter: LinearFilter, magFilter: LinearFilter, depthBuffer: false } as const;
-    this.#surface = new WebGLRenderTarget(1, 1, filter);
-    this.#means = new WebGLRenderTarget(1, 1, { ...filter, type: HalfFloatType, count: 2 });
+    const filter = { minFilter: LinearFilter, magFilter: LinearFilter } as const;
+    this.#surface = new WebGLRenderTarget(1, 1, { ...filter, depthTexture: new DepthTexture(1, 1) });
+    this.#means = new WebGLRenderTarget(1, 1, {
+      ...filter,
+      depthBuffer: false,
+      type: HalfFloatType,
+      count: 2,
+    });
     this.#tint = new FullScreenPass("tint.frag.glsl", {
       uPicture: { value: null },
       uFaces: { value: null },
@@ -51,6 +57,7 @@ export class Surface {
     this.uniforms = {
       uHasSurface: { value: false },
       uSurface: { value: this.#surface.texture },
+      uSurfaceDepth: { value: this.#surface.depthTexture },
       uTintSplats: { value: splats },
       uTintSurface: { value: surface },
       uTintBlock: { value: 1 },
@@ -74,13 +81,11 @@ export class Surface {
     (draw.uniforms["uSize"]!.value as Vector2).set(width, height);
     draw.uniforms["uDepth"]!.value = picture.depthTexture;
     draw.uniforms["uRays"]!.value = faces.rays > 1 ? kRays : 1;
+    const p = camera.projectionMatrix.elements;
+    (draw.uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, 1000 * p[14]!);
     this.#surface.setSize(width, height);
     draw.render(this.#renderer, this.#surface);
-    const block = tintBlock(
-      faces.section,
-      this.#outline.eye,
-      (camera.projectionMatrix.elements[5]! * height) / 2,
-    );
+    const block = tintBlock(faces.section, this.#outline.eye, (p[5]! * height) / 2);
     this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));
     this.#tint.uniforms["uPicture"]!.value = picture.texture;
     this.#tint.uniforms["uFaces"]!.value = front.texture;
@@ -114,10 +119,11 @@ export class Surface {
         uDepth: { value: null },
         uSize: { value: new Vector2() },
         uRays: { value: 1 },
+        uDepthToClip: { value: new Vector2() },
       };
       const { channels, tone } = faces.section;
       const defines = { kChannels: channels, kFilmic: tone === "filmic" ? 1 : 0, kColumns };
-      this.#pass = { of: faces, draw: new FullScreenPass("surface.frag.glsl", uniforms, defines) };
+      this.#pass = { of: faces, draw: new FullScreenPass("surface.frag.glsl", uniforms, defines, true) };
     }
     return this.#pass.draw;
   }

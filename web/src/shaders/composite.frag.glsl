@@ -1,5 +1,6 @@
 // The splats' picture with opaque faces, premultiplied and possibly brighter than its alpha, behind the faces that
-// are not opaque, onto the page. Straight alpha where kStraight is set: what `clipgs render` writes.
+// are not opaque, onto the page. Straight alpha where kStraight is set: what `clipgs render` writes. Where kSolid is set,
+// with a depth, so that hands can be before and behind it.
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -32,6 +33,12 @@ const int kMaxPlanes = 6;
 uniform sampler2D uPicture;
 uniform sampler2D uFaces;
 uniform vec2 uTexelsPerPixel;  // of both, where they are drawn at another size
+uniform vec2 uCorner;          // px: where the picture begins in what is drawn into
+#if kSolid == 1
+uniform sampler2D uDepth;         // of opaque faces
+uniform sampler2D uSurfaceDepth;  // of those and, where there is a surface, of that
+uniform float uMiddleDepth;       // of all else that is seen: as if it were in the body's middle
+#endif
 
 // Planes that are seen along themselves end the picture: the twin of KeptShare in src/splat/kept_share.h.
 uniform vec4 uEdges[kMaxPlanes];  // what a plane keeps of a pixel at depth z: xyz·(x, y, 1) + w/z
@@ -93,7 +100,8 @@ vec3 tinted(vec4 surface, vec2 pixel) {
 #endif
 
 void main() {
-  vec2 at = gl_FragCoord.xy * uTexelsPerPixel;
+  vec2 fromCorner = gl_FragCoord.xy - uCorner;
+  vec2 at = fromCorner * uTexelsPerPixel;
   vec2 size = vec2(textureSize(uPicture, 0));
   float kept = keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
   vec4 c = putBehind(texture(uFaces, at), kept * texture(uPicture, at));
@@ -105,7 +113,7 @@ void main() {
   float share = uHasOutline ? outlineShare(onSurface ? max(c.a, uOutlineRamps.y) : c.a, uOutlineRamps) : 0.0;
   if (share > 0.0 || onSurface) {
     vec4 face = texture(uFaces, at);
-    vec2 pixel = vec2(gl_FragCoord.x, 1.0 / uTexelsPerPixel.y - gl_FragCoord.y) - 0.5;
+    vec2 pixel = vec2(fromCorner.x, 1.0 / uTexelsPerPixel.y - fromCorner.y) - 0.5;
     float covered = c.a;
     if (share > 0.0) {
       covered = mix(c.a, matterOf(pixel, uTexelsPerPixel, uOutlineRays, uOutline, uValues, uBlocks, uMaterials, uPlanes,
@@ -121,6 +129,13 @@ void main() {
     vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / face.a * face.rgb;
     c = vec4(light, covered);
   }
+#endif
+#if kSolid == 1
+  float depth = texture(uDepth, at).r;
+#if kOutlined == 1
+  depth = uHasSurface ? texture(uSurfaceDepth, at).r : depth;
+#endif
+  gl_FragDepth = c.a < 0.5 ? 1.0 : depth < 1.0 ? depth : uMiddleDepth;
 #endif
   if (kStraight == 1) {
     c.rgb /= max(c.a, 1e-6);

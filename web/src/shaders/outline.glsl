@@ -13,6 +13,7 @@ struct Outline {
   vec3 corner;     // RAS: through (x, y), 0…1 from the picture's top left, a ray goes along corner + x·right + y·down
   vec3 right;
   vec3 down;
+  vec3 forward;  // unit, RAS: what is seen in the picture's middle lies there
   mat3 indexFromDirection;
   vec3 spacing;     // mm
   float step;       // mm: where there may be matter

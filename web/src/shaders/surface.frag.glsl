@@ -1,4 +1,5 @@
-// What is seen of the volume's surfaces, faces left out: display sRGB times the share of rays that meet any, and that.
+// What is seen of the volume's surfaces, faces left out: display sRGB times the share of rays that meet any, and that; and
+// the depth of what is seen nearest of them, or of a face.
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -11,6 +12,7 @@ precision highp sampler3D;
 uniform sampler2D uDepth;  // less than 1 where there is an opaque face
 uniform vec2 uSize;        // px
 uniform int uRays;         // a pixel
+uniform vec2 uDepthToClip;  // depth in clip space is x + y / mm
 uniform Outline uOutline;
 uniform Openings uOpenings;
 uniform float uLightScale;
@@ -29,7 +31,8 @@ uniform Backdrop uBackdrop;
 out vec4 fragColor;
 
 void main() {
-  if (texelFetch(uDepth, ivec2(gl_FragCoord.xy), 0).r < 1.0) {
+  gl_FragDepth = texelFetch(uDepth, ivec2(gl_FragCoord.xy), 0).r;
+  if (gl_FragDepth < 1.0) {
     fragColor = vec4(0.0);
     return;
   }
@@ -45,6 +48,8 @@ void main() {
       vec3 light = wallRadiance(wall, direction, uRig, openings, uLight);
       vec3 color = displayFromLinear(uExposure * light, kFilmic == 1);
       vec3 at = uOutline.eye + wall.depth * direction;
+      float mm = wall.depth * dot(direction, uOutline.forward);
+      gl_FragDepth = min(gl_FragDepth, 0.5 + 0.5 * (uDepthToClip.x + uDepthToClip.y / mm));
       sum += vec4(cued(color, at, uOutline.eye, gl_FragCoord.xy, uCue, uBackdrop), 1.0);
     }
   }

@@ -1,4 +1,4 @@
-import type { WallEffort } from "../model/face_style";
+import type { Detail, WallEffort } from "../model/face_style";
 
 /** What a frame may cost: less of it looks worse. */
 export interface Effort {
@@ -10,23 +10,32 @@ export interface Effort {
   leastPixels: number;
   /** How closely walls that a cut opens are looked at. */
   walls: WallEffort;
+  /** What is drawn of the volume beside faces. */
+  detail: Detail;
 }
 
-const kAll: Effort = { scale: 1, extent: Infinity, leastPixels: 0, walls: "fine" };
+const kAll: Effort = { scale: 1, extent: Infinity, leastPixels: 0, walls: "fine", detail: "surface" };
+const kOutlined: Effort = { ...kAll, walls: "coarse", detail: "outline" };
+const kSplats: Effort = { ...kAll, walls: "least", detail: "splats" };
 /** √5 σ leaves 92 % of a splat's light. */
 const kShort = Math.sqrt(5);
 
-/** From all to the least: first what is seen least of walls, then fewer pixels, then smaller splats, then fewer. */
+/**
+ * From all to the least: first what is seen least of walls, then the surface, fewer pixels, outlines, then smaller
+ * splats, then fewer.
+ */
 const kEfforts: readonly Effort[] = [
   kAll,
   { ...kAll, walls: "coarse" },
-  { ...kAll, scale: 0.9, walls: "coarse" },
-  { ...kAll, scale: 0.8, walls: "coarse" },
-  { scale: 0.8, extent: 2.7, leastPixels: 0, walls: "least" },
-  { scale: 0.7, extent: kShort, leastPixels: 0, walls: "least" },
-  { scale: 0.7, extent: kShort, leastPixels: 1, walls: "least" },
-  { scale: 0.6, extent: kShort, leastPixels: 2, walls: "least" },
-  { scale: 0.5, extent: kShort, leastPixels: 3, walls: "least" },
+  kOutlined,
+  { ...kOutlined, scale: 0.9 },
+  { ...kOutlined, scale: 0.8 },
+  { ...kSplats, scale: 0.8 },
+  { ...kSplats, scale: 0.8, extent: 2.7 },
+  { ...kSplats, scale: 0.7, extent: kShort },
+  { ...kSplats, scale: 0.7, extent: kShort, leastPixels: 1 },
+  { ...kSplats, scale: 0.6, extent: kShort, leastPixels: 2 },
+  { ...kSplats, scale: 0.5, extent: kShort, leastPixels: 3 },
 ];
 
 /** Of a frame's time: one that takes longer came late. */

@@ -1,11 +1,10 @@
-import { PerspectiveCamera, Vector3 } from "three";
+import { ArrayCamera, PerspectiveCamera, Vector3 } from "three";
 
 import type { Actions } from "../actions";
 import type { EyePicture, Surroundings } from "../api";
-import type { WallEffort } from "../model/face_style";
 import { makeBackdrop } from "../render/depth_cue";
 import type { OpenCase } from "../render/open_case";
-import { pictureOf } from "../render/splat_layer";
+import { pictureOf, type Subject } from "../render/splat_layer";
 import type { Marking } from "../model/pins";
 import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
@@ -36,6 +35,12 @@ const kStickSpeed = 40;
 /** Frames a second where the headset does not say: the least that one shows. */
 const kFrameRate = 72;
 
+/** Stands where its matrices say. */
+function fixedCamera<T extends PerspectiveCamera>(camera: T): T {
+  camera.matrixAutoUpdate = camera.matrixWorldAutoUpdate = false;
+  return camera;
+}
+
 /** A case in a headset: while it is worn, it draws in place of the page. */
 export class Headset {
   readonly stage: Stage;
@@ -63,7 +68,10 @@ export class Headset {
   #time = 0;
   #shown: OpenCase | null = null;
   #version = -1;
-  #walls: WallEffort | null = null; // that its faces are drawn with
+  #drawnWith: Effort | null = null;
+  #subject: Subject | null = null;
+  readonly #inWorld = fixedCamera(new PerspectiveCamera()); // what eyes see of the viewer's world
+  readonly #inRoom = fixedCamera(new ArrayCamera()); // an eye
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
@@ -203,6 +211,7 @@ export class Headset {
     }
     this.stage.setCase(null);
     this.#shown = null;
+    this.#subject = null;
     this.#viewer.yieldTo(null);
     this.changed();
   }
@@ -238,11 +247,11 @@ export class Headset {
       this.#prepare(this.#shown, camera, width, height);
     }
     if (this.#wanted.length > 0) {
-      this.#draw(false);
+      this.#draw(eyes, false);
       const pictures = eyes.map((eye) => this.#read(eye));
       this.#wanted.splice(0).forEach((resolve) => resolve(pictures));
     }
-    this.#draw(true);
+    this.#draw(eyes, true);
   }
 
   /** Sticks slide the plane that is not held, and tick at every state. */
@@ -278,15 +287,31 @@ export class Headset {
     }
   }
 
-  /** The case, with what it is held and cut by or alone. */
-  #draw(tools: boolean): void {
-    const { renderer } = this.#viewer;
+  /**
+   * The case, with what it is held and cut by or alone. One eye after the other: what both see of the case is drawn
+   * into the same textures.
+   */
+  #draw(eyes: readonly Eye[], tools: boolean): void {
+    const { renderer, layer } = this.#viewer;
     this.stage.setToolsVisible(tools);
     this.#hands.forEach((hand) => (hand.object.visible = tools));
     this.#lamp.object.visible &&= tools;
     this.panel!.object.visible = tools;
+    renderer.xr.enabled = false;
     renderer.clear();
-    renderer.render(this.stage.scene, this.#camera);
+    for (const eye of eyes) {
+      if (this.#subject) {
+        this.stage.seeWorld(eye, this.#inWorld);
+        layer.drawEye(this.#subject, this.#inWorld, eye.viewport);
+      }
+      this.#inRoom.cameras = [eye];
+      this.#inRoom.layers.mask = eye.layers.mask;
+      this.#inRoom.matrixWorld.copy(eye.matrixWorld);
+      this.#inRoom.matrixWorldInverse.copy(eye.matrixWorldInverse);
+      this.#inRoom.projectionMatrix.copy(eye.projectionMatrix);
+      renderer.render(this.stage.scene, this.#inRoom);
+    }
+    renderer.xr.enabled = true;
   }
 
   /** What was just drawn for an eye. */
@@ -316,6 +341,7 @@ export class Headset {
       this.stage.setCase(shown);
       this.#shown = shown;
       this.#version = -1;
+      this.#subject = null;
     }
   }
 
@@ -323,16 +349,18 @@ export class Headset {
   #prepare(shown: OpenCase, camera: PerspectiveCamera, width: number, height: number): void {
     const viewer = this.#viewer;
     const { state, window, version } = viewer;
-    const { extent, leastPixels, walls } = this.governor.effort;
-    if (version !== this.#version || walls !== this.#walls) {
+    const { effort } = this.governor;
+    const { extent, leastPixels, walls, detail } = effort;
+    this.stage.seeWorld(camera, this.#inWorld);
+    if (version !== this.#version || effort !== this.#drawnWith) {
       this.#version = version;
-      this.#walls = walls;
-      const { faces } = shown.subject(camera, height, state, window, { rays: 1, walls });
-      shown.faces?.setVisible(faces !== null);
+      this.#drawnWith = effort;
+      this.#subject = shown.subject(this.#inWorld, height, state, window, { rays: 1, walls, detail });
       shown.cue.setBackdrop(kDarkness, 1);
     }
-    shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(this.#eye.copy(this.#both.middle)));
+    const middle = this.stage.toWorld(this.#eye.copy(this.#both.middle));
+    shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(middle));
     shown.mesh.extent = extent;
-    viewer.sortFor(camera, width, height, leastPixels);
+    viewer.sortFor(this.#inWorld, width, height, leastPixels);
   }
 }

@@ -7,6 +7,7 @@ import {
   Mesh,
   MeshBasicMaterial,
   type Object3D,
+  type PerspectiveCamera,
   Quaternion,
   Scene,
   Vector3,
@@ -68,7 +69,7 @@ export class Stage {
     this.#body.matrixAutoUpdate = false;
     this.#body.add(this.#box, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor, this.#faceTarget, this.#pinTarget);
+    this.scene.add(this.#anchor, this.#faceTarget, this.#pinTarget, viewer.layer.solid);
     this.#store = new HandleStore(this.#anchor, () => ({
       scale: { uniform: true },
       apply: (state, target) => this.#moveCase(state, target),
@@ -110,16 +111,13 @@ export class Stage {
     if (shown === this.#case) {
       return;
     }
-    this.#takeBack();
     const before = this.#case?.info;
     this.#case = shown;
     if (!shown) {
       return;
     }
-    const { mesh, info } = shown;
-    this.#body.add(mesh);
-    const { bounds, sphere } = info;
-    if (!isSameVolume(before, info)) {
+    const { bounds, sphere } = shown.info;
+    if (!isSameVolume(before, shown.info)) {
       const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
       this.#body.matrix.makeTranslation(middle.negate());
     }
@@ -130,15 +128,6 @@ export class Stage {
     this.#body.matrixWorldNeedsUpdate = this.#box.matrixWorldNeedsUpdate = true;
     this.#widget.setSphere(sphere);
     this.grip.setSphere(sphere);
-  }
-
-  /** The faces of the case, which may come after its body. */
-  #takeFaces(): void {
-    const faces = this.#case?.faces;
-    if (faces && faces.opaque.parent !== this.#body) {
-      faces.setBlended(true);
-      this.#body.add(faces.opaque, faces.partial);
-    }
   }
 
   /** Puts the case before eyes at `eye` that look along `forward`, in life size, seen from the azimuth of the page. */
@@ -171,7 +160,6 @@ export class Stage {
 
   /** Before a frame, seen from `eye` (in the room) with `pixelAngle` the tangent of a pixel's angle. */
   update(time: number, eye: Vector3, pixelAngle: number): void {
-    this.#takeFaces();
     this.#store.update(time);
     this.grip.update(time);
     const { mark } = this.#marking;
@@ -186,12 +174,32 @@ export class Stage {
     this.scene.updateMatrixWorld();
     this.roomFromPatient.multiplyMatrices(this.#body.matrixWorld, kWorldFromPatient);
     this.#patientFromRoom.copy(this.roomFromPatient).invert();
+    const { solid } = this.#viewer.layer;
+    solid.visible = this.#case !== null;
+    solid.position.copy(this.#case?.info.sphere.center ?? eye).applyMatrix4(this.roomFromPatient);
     this.#widget.update(this.toPatient(eye), pixelAngle);
   }
 
   /** Whether the plane's handle is seen, where the viewer's state wants it. */
   setToolsVisible(visible: boolean): void {
     this.#widget.object.visible = visible && this.#widget.shown;
+  }
+
+  /** A point of the room in the viewer's world. */
+  toWorld(point: Vector3): Vector3 {
+    return point.applyMatrix4(this.#patientFromRoom).applyMatrix4(kWorldFromPatient);
+  }
+
+  /** Sets `out` so that it sees of the viewer's world what a camera in the room does, as near to its near plane. */
+  seeWorld(camera: PerspectiveCamera, out: PerspectiveCamera): void {
+    out.matrixWorld.multiplyMatrices(kWorldFromPatient, this.#patientFromRoom).multiply(camera.matrixWorld);
+    const scale = out.position.setFromMatrixScale(out.matrixWorld).x;
+    out.position.setFromMatrixPosition(out.matrixWorld);
+    out.matrixWorld.scale(new Vector3().setScalar(1 / scale));
+    out.matrixWorldInverse.copy(out.matrixWorld).invert();
+    out.projectionMatrix.copy(camera.projectionMatrix);
+    out.projectionMatrix.elements[14]! *= scale; // that of the near plane
+    out.projectionMatrixInverse.copy(out.projectionMatrix).invert();
   }
 
   /** A point of the room in RAS mm. */
@@ -208,25 +216,11 @@ export class Stage {
   }
 
   dispose(): void {
-    this.setCase(null);
     this.#release();
     this.grip.dispose();
     this.#widget.dispose();
     this.#box.geometry.dispose();
     this.#box.material.dispose();
-  }
-
-  /** Gives the case back to the page, where it lies in the viewer's world itself. */
-  #takeBack(): void {
-    if (!this.#case) {
-      return;
-    }
-    const { mesh, faces } = this.#case;
-    faces?.setBlended(false);
-    for (const part of [mesh, ...(faces ? [faces.opaque, faces.partial] : [])]) {
-      part.removeFromParent();
-      part.matrixWorld.copy(part.matrix);
-    }
   }
 
   #moveCase(state: HandleState<unknown>, target: Object3D): void {

@@ -29,7 +29,13 @@ describe("the governor", () => {
     expect(governor.effort.scale).toBeCloseTo(0.9);
     expect(governor.effort.extent).toBe(Infinity);
     draw(governor, 10, 200, 10_000); // nothing does
-    expect(governor.effort).toEqual({ scale: 0.5, extent: Math.sqrt(5), leastPixels: 3, walls: "least" });
+    expect(governor.effort).toEqual({
+      scale: 0.5,
+      extent: Math.sqrt(5),
+      leastPixels: 3,
+      walls: "least",
+      detail: "splats",
+    });
   });
 
   it("tries more again, and more and more rarely where that is too much", () => {

@@ -811,12 +811,13 @@ function help(): Container {
 }
 
 /** What is given up for frames in time. */
-function effortText({ scale, extent, leastPixels, walls }: Effort): string {
+function effortText({ scale, extent, leastPixels, walls, detail }: Effort): string {
   const parts = [
     ...(scale < 1 ? [`${Math.round(100 * scale)} % resolution`] : []),
     ...(extent < Infinity ? [`to ${extent.toFixed(1)} σ`] : []),
     ...(leastPixels > 0 ? [`from ${leastPixels} px`] : []),
     ...(walls !== "fine" ? [`${walls} walls`] : []),
+    ...(detail === "outline" ? ["no surface"] : detail === "splats" ? ["splats alone"] : []),
   ];
   return parts.length > 0 ? parts.join(", ") : "in full";
 }
