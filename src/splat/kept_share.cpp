@@ -32,6 +32,24 @@ Vec2 depths_of(const Hull& hull, const Camera& camera) {
   return {std::max(depths.x, kNearPlane), depths.y};
 }
 
+/// Whether a plane is so steep everywhere in the picture that splats show well where it ends them:
+/// `along`, ray_along() of its normal.
+bool is_steep(const Camera& camera, const Vec3& along) {
+  constexpr float kSteep = 0.25f;  // sine of its angle with a ray
+  const Vec2 last(camera.width - 1, camera.height - 1);
+  const float side = along.z + 0.5f * glm::dot(Vec2(along), last);
+  for (int corner = 0; corner < 4; ++corner) {
+    const Vec2 pixel((corner & 1) != 0 ? last.x : 0, (corner & 2) != 0 ? last.y : 0);
+    const Vec2 slope((pixel.x + 0.5f - camera.cx) / camera.fx,
+                     (pixel.y + 0.5f - camera.cy) / camera.fy);
+    const float sine = glm::dot(along, Vec3(pixel, 1)) / glm::length(Vec3(slope, 1));
+    if (sine * (side > 0 ? 1.0f : -1.0f) < kSteep) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 KeptShare::KeptShare(const Camera& camera, const Cut& cut, const Gaussians& body) {
@@ -44,6 +62,9 @@ KeptShare::KeptShare(const Camera& camera, const Cut& cut, const Gaussians& body
   const Vec2 last(camera.width - 1, camera.height - 1);
   for (const Plane& plane : cut.planes()) {
     const Vec3 along = ray_along(camera, plane.normal);
+    if (is_steep(camera, along)) {
+      continue;
+    }
     constexpr float kLeastSlope = 1e-9f;
     const float slope = std::max(std::abs(along.x) + std::abs(along.y), kLeastSlope);
     const Edge edge{along / slope, plane.signed_distance(camera.position) / slope};

@@ -9,12 +9,31 @@ const kMargin = 3;
 /** Per pixel: a plane that is seen from before is not turned into one that is seen along itself. */
 const kLeastSlope = 1e-9;
 
+/** Sine of the angle with a ray at which splats show well where a plane ends them (src/splat/kept_share.cpp). */
+const kSteep = 0.25;
+
 /** Of pixel (x, y) from the top left, (x, y, 1)·result is how far its ray goes along a direction to depth 1. */
 function rayAlong(camera: SceneCamera, direction: Vector3, out: Vector3): Vector3 {
   const { focal, principal } = camera;
   const { x, y, z } = out.copy(direction).applyMatrix3(camera.rotation);
   const [across, down] = [x / focal.x, y / focal.y];
   return out.set(across, down, z - across * (principal.x - 0.5) - down * (principal.y - 0.5));
+}
+
+/** Whether a plane is steep everywhere in the picture: `along`, rayAlong() of its normal. */
+function isSteep({ focal, principal, size }: SceneCamera, along: Vector3): boolean {
+  const [right, bottom] = [size.x - 1, size.y - 1];
+  const side = Math.sign(along.z + 0.5 * (along.x * right + along.y * bottom));
+  const corners = [
+    [0, 0],
+    [right, 0],
+    [0, bottom],
+    [right, bottom],
+  ] as const;
+  return corners.every(([x, y]) => {
+    const ray = Math.hypot((x + 0.5 - principal.x) / focal.x, (y + 0.5 - principal.y) / focal.y, 1);
+    return (side * (along.x * x + along.y * y + along.z)) / ray >= kSteep;
+  });
 }
 
 /**
@@ -59,6 +78,9 @@ export class KeptShare {
       const normal = this.#scratch.set(plane.x, plane.y, plane.z);
       const kept = normal.dot(camera.position) - plane.w;
       const { x, y, z } = rayAlong(camera, normal, normal);
+      if (isSteep(camera, normal)) {
+        continue;
+      }
       const edge = uEdges.value[uEdgeCount.value]!.set(x, y, z, kept);
       edge.divideScalar(Math.max(Math.abs(x) + Math.abs(y), kLeastSlope));
       const least =

@@ -103,8 +103,11 @@ void main() {
   vec2 fromCorner = gl_FragCoord.xy - uCorner;
   vec2 at = fromCorner * uTexelsPerPixel;
   vec2 size = vec2(textureSize(uPicture, 0));
-  float kept = keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
-  vec4 c = putBehind(texture(uFaces, at), kept * texture(uPicture, at));
+  vec4 c = texture(uPicture, at);
+  if (c.a > 0.0) {
+    c *= keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
+  }
+  c = putBehind(texture(uFaces, at), c);
   c.rgb = min(c.rgb, c.a);
 #if kOutlined == 1
   // Of what faces leave, the colour is the surface's where there is one, and else the splats'.
