@@ -388,7 +388,7 @@ export class Viewer {
     this.#touch();
   }
 
-  /** While something moves, resolution is given up where frames would come late. */
+  /** While something moves, the surface and resolution are given up where frames would come late. */
   steady = true;
 
   /** Fits the drawing buffer to the canvas's size on the page; `inset` (CSS px) is covered by panels. */
@@ -913,7 +913,8 @@ export class Viewer {
     this.#canvasStale = true;
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
     this.#coarse = moving;
-    const subject = this.#subject(current, moving ? kMoving : kAtRest, this.#height);
+    const detail = this.steady && this.#rate.lean ? "outline" : kMoving.detail;
+    const subject = this.#subject(current, moving ? { ...kMoving, detail } : kAtRest, this.#height);
     this.#placeBackdrop();
     subject.cue.setBackdrop(this.#backdrop, this.stats.scale);
     this.#layer.draw(subject, this.#camera, this.stats.scale, moving);

@@ -13,7 +13,9 @@ export type Detail = "surface" | "outline" | "splats";
 
 /** What a pixel of a volume may cost. */
 export interface FaceEffort {
-  rays: number;
+  rays: number; // of faces
+  /** Whether outlines and surfaces have as many as `clipgs render` gives them. */
+  fine: boolean;
   walls: WallEffort;
   detail: Detail;
 }

@@ -53,7 +53,7 @@ export class Outline {
   /** Of what `camera`, which is in the world, sees from now on. */
   set(faces: SectionFaces, camera: PerspectiveCamera): void {
     const view = this.#view;
-    const { rays, stepVoxels, ramps } = faces.rays > 1 ? kAtRest : kMoving;
+    const { rays, stepVoxels, ramps } = faces.fine ? kAtRest : kMoving;
     this.uniforms["uOutlineRays"]!.value = rays;
     this.uniforms["uOutlineRamps"]!.value = ramps;
     const { spacing } = faces.section;

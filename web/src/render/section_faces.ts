@@ -251,6 +251,8 @@ export class SectionFaces {
   readonly surfaceUniforms: Record<string, IUniform>;
   /** Of its volumes, on the GPU. */
   bytes: number;
+  /** How closely outline and surface are looked at. */
+  fine = true;
   /** What is drawn of it beside the faces, where that can be. */
   detail: Detail = "surface";
   /** The sides of the volume that are faces. */
@@ -473,12 +475,8 @@ export class SectionFaces {
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
-  /** Of faces, a pixel. */
-  get rays(): number {
-    return this.#uniforms["uRays"]!.value as number;
-  }
-
-  set effort({ rays, walls, detail }: FaceEffort) {
+  set effort({ rays, fine, walls, detail }: FaceEffort) {
+    this.fine = fine;
     this.detail = detail;
     this.#uniforms["uRays"]!.value = rays;
     this.#uniforms["uOpenings"]!.value.steps = kWallSteps[walls];

@@ -80,7 +80,7 @@ export class Surface {
     const draw = this.#passOf(faces);
     (draw.uniforms["uSize"]!.value as Vector2).set(width, height);
     draw.uniforms["uDepth"]!.value = picture.depthTexture;
-    draw.uniforms["uRays"]!.value = faces.rays > 1 ? kRays : 1;
+    draw.uniforms["uRays"]!.value = faces.fine ? kRays : 1;
     const p = camera.projectionMatrix.elements;
     (draw.uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, 1000 * p[14]!);
     this.#surface.setSize(width, height);

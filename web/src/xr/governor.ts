@@ -10,18 +10,27 @@ export interface Effort {
   leastPixels: number;
   /** How closely walls that a cut opens are looked at. */
   walls: WallEffort;
+  /** A pixel of a face has so many: with one, what is fine in it flickers. */
+  rays: number;
   /** What is drawn of the volume beside faces. */
   detail: Detail;
 }
 
-const kAll: Effort = { scale: 1, extent: Infinity, leastPixels: 0, walls: "fine", detail: "surface" };
-const kOutlined: Effort = { ...kAll, walls: "coarse", detail: "outline" };
-const kSplats: Effort = { ...kAll, walls: "least", detail: "splats" };
+const kAll: Effort = {
+  scale: 1,
+  extent: Infinity,
+  leastPixels: 0,
+  walls: "fine",
+  rays: 2,
+  detail: "surface",
+};
+const kOutlined: Effort = { ...kAll, walls: "coarse", rays: 1, detail: "outline" };
+const kSplats: Effort = { ...kOutlined, walls: "least", detail: "splats" };
 /** √5 σ leaves 92 % of a splat's light. */
 const kShort = Math.sqrt(5);
 
 /**
- * From all to the least: first what is seen least of walls, then the surface, fewer pixels, outlines, then smaller
+ * From all to the least: first what is seen least of walls, then the surface and every other ray, fewer pixels, outlines, then smaller
  * splats, then fewer.
  */
 const kEfforts: readonly Effort[] = [

@@ -350,12 +350,17 @@ export class Headset {
     const viewer = this.#viewer;
     const { state, window, version } = viewer;
     const { effort } = this.governor;
-    const { extent, leastPixels, walls, detail } = effort;
+    const { extent, leastPixels, walls, rays, detail } = effort;
     this.stage.seeWorld(camera, this.#inWorld);
     if (version !== this.#version || effort !== this.#drawnWith) {
       this.#version = version;
       this.#drawnWith = effort;
-      this.#subject = shown.subject(this.#inWorld, height, state, window, { rays: 1, walls, detail });
+      this.#subject = shown.subject(this.#inWorld, height, state, window, {
+        rays,
+        fine: false,
+        walls,
+        detail,
+      });
       shown.cue.setBackdrop(kDarkness, 1);
     }
     const middle = this.stage.toWorld(this.#eye.copy(this.#both.middle));

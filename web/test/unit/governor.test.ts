@@ -34,6 +34,7 @@ describe("the governor", () => {
       extent: Math.sqrt(5),
       leastPixels: 3,
       walls: "least",
+      rays: 1,
       detail: "splats",
     });
   });
