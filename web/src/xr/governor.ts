@@ -30,8 +30,8 @@ const kSplats: Effort = { ...kOutlined, walls: "least", detail: "splats" };
 const kShort = Math.sqrt(5);
 
 /**
- * From all to the least: first what is seen least of walls, then the surface and every other ray, fewer pixels, outlines, then smaller
- * splats, then fewer.
+ * From all to the least: first what is seen least of walls is given up, then the surface and every other ray, pixels, and
+ * outlines, then splats become smaller and fewer.
  */
 const kEfforts: readonly Effort[] = [
   kAll,
