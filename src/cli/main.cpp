@@ -63,7 +63,9 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "clipgs: out of memory; use a smaller volume, smaller pictures or --quality draft\n");
+    fmt::print(
+        stderr,
+        "clipgs: out of memory; use a smaller volume, smaller pictures or --quality draft\n");
   } catch (const std::exception& e) {
     fmt::print(stderr, "clipgs: {}\n", e.what());
   }
