@@ -16,7 +16,8 @@ constexpr float kMostBlock = 16;
 // Of light: how much of the surface's own colour is believed beside the splats'. Where these show
 // nothing of it, R is 1.
 constexpr float kBelief = 0.1f;
-constexpr float kMostTint = 4;
+// Splats of what was dark uncut become far too bright, and of any colour, in the light of a cut.
+constexpr float kMostTint = 1.25f;
 
 /// Of a block: the splats that lie on the surface, and the surface where there are splats.
 struct Pair {

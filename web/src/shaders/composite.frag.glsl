@@ -78,7 +78,7 @@ float keptShare(vec3 pixel) {
 
 #if kOutlined == 1
 const float kBelief = 0.1;  // how much of the surface's own colour is believed beside the splats'
-const float kMostTint = 4.0;
+const float kMostTint = 1.25;  // light that a cut lets in makes splats of what was dark far too bright
 const float kLeastSurface = 0.125;  // half a ray of four: less is what a filter spreads
 
 // A block's mean around a pixel from the top left: four samples half a block beside it.
