@@ -643,8 +643,8 @@ export class Viewer {
   }
 
   /**
-   * The picture of exactly width × height px without the handle: as `clipgs render` writes it, or while something
-   * moves, with less effort for faces.
+   * The picture of exactly width × height px without the handle: as `clipgs render` writes it, or as it is drawn while
+   * something moves.
    */
   async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
     const current = this.#case;
@@ -656,7 +656,7 @@ export class Viewer {
     return this.#capture(
       current,
       () => frame,
-      () => this.#layer.read(this.#subject(current, effort, height), this.#camera, width, height),
+      () => this.#layer.read(this.#subject(current, effort, height), this.#camera, width, height, moving),
     );
   }
 

@@ -28,7 +28,7 @@ import { KeptShare } from "./kept_share";
 import { Outline } from "./outline";
 import { kColumns, type SectionFaces } from "./section_faces";
 import { shader } from "./shaders";
-import { Surface } from "./surface";
+import { Surface, tintBlock } from "./surface";
 import type { SplatMesh } from "./splat_mesh";
 
 /** The picture of what WebGL reads: rows from the bottom. */
@@ -53,6 +53,9 @@ function faded(picture: Picture, left: Picture): Picture {
   return picture;
 }
 
+/** Side of a pixel of splats that need not be fine, in pixels, at most. */
+const kMostCoarse = 4;
+
 /** What a picture shows: the splats and, where they are not left to the splats, the exposed faces. */
 export interface Subject {
   mesh: SplatMesh;
@@ -73,12 +76,17 @@ export class SplatLayer {
   readonly #renderer: WebGLRenderer;
   readonly #scene = new Scene();
   readonly #still: WebGLRenderTarget; // splats and opaque faces
-  readonly #moving: WebGLRenderTarget; // the same
+  readonly #moving: WebGLRenderTarget; // the same; of splats with an outline, opaque faces alone, and
+  readonly #coarse: WebGLRenderTarget; // those splats
   readonly #faces: WebGLRenderTarget; // what is seen of splats behind these depends on what both cover
   readonly #keptShare = new KeptShare();
   readonly #outline = new Outline();
   readonly #surface: Surface | null;
-  readonly #uniforms: Record<"uPicture" | "uFaces" | "uTexelsPerPixel" | "uCorner", IUniform>;
+  readonly #cover: FullScreenPass;
+  readonly #uniforms: Record<
+    "uPicture" | "uSplats" | "uIsCoarse" | "uSize" | "uFaces" | "uTexelsPerPixel" | "uCorner",
+    IUniform
+  >;
   readonly #solidUniforms = { uDepth: { value: null as DepthTexture | null }, uMiddleDepth: { value: 1 } };
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
   #straight: FullScreenPass | null = null;
@@ -92,9 +100,19 @@ export class SplatLayer {
     const filter = { minFilter: LinearFilter, magFilter: LinearFilter } as const;
     this.#still = new WebGLRenderTarget(1, 1, { type, ...filter, depthTexture: new DepthTexture(1, 1) });
     this.#moving = new WebGLRenderTarget(1, 1, { ...filter, depthTexture: new DepthTexture(1, 1) });
+    this.#coarse = new WebGLRenderTarget(1, 1, { ...filter, depthTexture: new DepthTexture(1, 1) });
     this.#faces = new WebGLRenderTarget(1, 1, { type, ...filter, depthBuffer: false });
+    this.#cover = new FullScreenPass(
+      "cover.frag.glsl",
+      { uDepth: { value: this.#moving.depthTexture }, uPixel: { value: new Vector2() } },
+      {},
+      true,
+    );
     this.#uniforms = {
       uPicture: { value: null },
+      uSplats: { value: this.#coarse.texture },
+      uIsCoarse: { value: false },
+      uSize: { value: new Vector2() },
       uFaces: { value: this.#faces.texture },
       uTexelsPerPixel: { value: new Vector2() },
       uCorner: { value: new Vector2() },
@@ -189,26 +207,40 @@ export class SplatLayer {
   }
 
   /**
-   * The picture of exactly width × height px, as `clipgs render` writes it. What a depth cue takes off is taken off its
-   * alpha: a picture of its own says how much is left, for how splats hide those behind them must not change.
+   * The picture of exactly width × height px, as `clipgs render` writes it, or `moving`, as for speed. What a depth cue
+   * takes off is taken off its alpha: a picture of its own says how much is left, for how splats hide those behind them
+   * must not change.
    */
-  async read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+  async read(
+    subject: Subject,
+    camera: PerspectiveCamera,
+    width: number,
+    height: number,
+    moving: boolean,
+  ): Promise<Picture> {
     const { cue } = subject;
     cue.setBackdrop(makeBackdrop(), 1);
-    const drawn = this.#read(subject, camera, width, height);
+    const read = () => this.#read(subject, camera, width, height, moving);
+    const drawn = read();
     if (cue.strength === 0) {
       return drawn;
     }
     cue.covering = true;
-    const left = this.#read(subject, camera, width, height);
+    const left = read();
     cue.covering = false;
     return faded(await drawn, await left);
   }
 
   /** Draws at once; what was drawn comes later. */
-  async #read(subject: Subject, camera: PerspectiveCamera, width: number, height: number): Promise<Picture> {
+  async #read(
+    subject: Subject,
+    camera: PerspectiveCamera,
+    width: number,
+    height: number,
+    moving: boolean,
+  ): Promise<Picture> {
     this.#color(subject, camera);
-    this.#draw(subject, camera, this.#still, width, height);
+    this.#draw(subject, camera, moving ? this.#moving : this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = (this.#straight ??= this.#straightPass());
     (straight.uniforms["uTexelsPerPixel"]!.value as Vector2).set(1 / width, 1 / height);
@@ -228,6 +260,8 @@ export class SplatLayer {
   dispose(): void {
     this.#still.dispose();
     this.#moving.dispose();
+    this.#coarse.dispose();
+    this.#cover.dispose();
     this.#faces.dispose();
     this.#surface?.dispose();
     for (const mesh of [this.object, this.solid]) {
@@ -247,16 +281,52 @@ export class SplatLayer {
     const seen = mesh.sceneCamera(camera, width, height);
     this.#keptShare.set(seen, mesh.clip === kClipOperators.exact ? mesh.planes : [], mesh.hull);
     const outlined = this.#setOutline(mesh, faces, camera);
+    const block = faces ? this.#tintBlock(faces, camera, height) : 1;
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
-    this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
+    (this.#uniforms.uSize.value as Vector2).set(width, height);
+    const isFine = target === this.#still || (!outlined && faces?.detail !== "splats");
+    const coarse = isFine ? 1 : Math.min(block, kMostCoarse);
+    const isCoarse = faces !== null && coarse > 1;
+    this.#uniforms.uIsCoarse.value = isCoarse;
+    if (isCoarse) {
+      this.#render(target, camera, [faces.opaque]);
+      this.#drawCoarse(mesh, camera, width, height, coarse);
+    } else {
+      this.#render(target, camera, faces ? [mesh, faces.opaque] : [mesh]);
+    }
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
     if (outlined?.hasSurface && outlined.detail === "surface" && mesh.visible && !cue.covering) {
-      this.#surface?.draw(outlined, camera, target, this.#faces);
+      this.#surface?.draw(outlined, camera, target, isCoarse ? this.#coarse : target, this.#faces, block);
     } else {
       this.#surface?.hide();
     }
+  }
+
+  /**
+   * The splats behind opaque faces that #moving holds, in pixels of `coarse` times the side: what is fine is the
+   * outline's and the surface's, and splats have learnt from pictures that were no finer.
+   */
+  #drawCoarse(
+    mesh: SplatMesh,
+    camera: PerspectiveCamera,
+    width: number,
+    height: number,
+    coarse: number,
+  ): void {
+    const [columns, rows] = [Math.ceil(width / coarse), Math.ceil(height / coarse)];
+    this.#coarse.setSize(columns, rows);
+    (this.#cover.uniforms["uPixel"]!.value as Vector2).set(width / columns, height / rows);
+    this.#cover.render(this.#renderer, this.#coarse);
+    mesh.pixel = coarse;
+    this.#render(this.#coarse, camera, [mesh], false);
+    mesh.pixel = 1;
+  }
+
+  /** Side of what splats tell colours by, pixels. */
+  #tintBlock({ section }: SectionFaces, camera: PerspectiveCamera, height: number): number {
+    return tintBlock(section, this.#outline.eye, (camera.projectionMatrix.elements[5]! * height) / 2);
   }
 
   /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. Returns whose it is. */
@@ -265,8 +335,8 @@ export class SplatLayer {
     const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
     const outlined = faces?.hasOutline && byPlane && faces.detail !== "splats" ? faces : null;
     this.#outline.uniforms["uHasOutline"]!.value = outlined !== null;
-    if (outlined) {
-      this.#outline.set(outlined, camera);
+    if (faces) {
+      this.#outline.set(faces, camera);
     }
     return outlined;
   }
@@ -283,12 +353,17 @@ export class SplatLayer {
     }
   }
 
-  #render(target: WebGLRenderTarget, camera: PerspectiveCamera, objects: readonly Mesh[]): void {
+  #render(
+    target: WebGLRenderTarget,
+    camera: PerspectiveCamera,
+    objects: readonly Mesh[],
+    depth = true,
+  ): void {
     const renderer = this.#renderer;
     const before = renderer.getRenderTarget();
     objects.forEach((object) => this.#scene.add(object));
     renderer.setRenderTarget(target);
-    renderer.clear();
+    renderer.clear(true, depth);
     renderer.render(this.#scene, camera);
     renderer.setRenderTarget(before);
     this.#scene.clear();

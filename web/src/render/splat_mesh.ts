@@ -134,6 +134,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
           uSlab: { value: 0 },
           uLayerSign: { value: 1 },
           uExtent: { value: kAnyExtent },
+          uPixel: { value: 1 },
         },
         transparent: true,
         depthWrite: false,
@@ -236,6 +237,11 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   set extent(extent: number) {
     this.material.uniforms["uExtent"]!.value = Math.min(extent, kAnyExtent);
     this.material.uniformsNeedUpdate = true;
+  }
+
+  /** Side of a pixel that is drawn, in those of the picture. */
+  set pixel(pixel: number) {
+    this.material.uniforms["uPixel"]!.value = pixel;
   }
 
   /** Takes a point of the world to scene space. */

@@ -48,7 +48,7 @@ export class Surface {
       count: 2,
     });
     this.#tint = new FullScreenPass("tint.frag.glsl", {
-      uPicture: { value: null },
+      uSplats: { value: null },
       uFaces: { value: null },
       uSurface: { value: this.#surface.texture },
       uBlock: { value: 1 },
@@ -69,12 +69,17 @@ export class Surface {
     this.uniforms["uHasSurface"]!.value = false;
   }
 
-  /** Of what the outline's camera sees, in splats' colours: those of a picture behind faces, of width × height px. */
+  /**
+   * Of what the outline's camera sees in a picture's pixels, in splats' colours: those of `splats`, which may be smaller,
+   * behind faces, told by blocks of `block` px.
+   */
   draw(
     faces: SectionFaces,
     camera: PerspectiveCamera,
     picture: WebGLRenderTarget,
+    splats: WebGLRenderTarget,
     front: WebGLRenderTarget,
+    block: number,
   ): void {
     const { width, height } = picture;
     const draw = this.#passOf(faces);
@@ -85,9 +90,8 @@ export class Surface {
     (draw.uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, 1000 * p[14]!);
     this.#surface.setSize(width, height);
     draw.render(this.#renderer, this.#surface);
-    const block = tintBlock(faces.section, this.#outline.eye, (p[5]! * height) / 2);
     this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));
-    this.#tint.uniforms["uPicture"]!.value = picture.texture;
+    this.#tint.uniforms["uSplats"]!.value = splats.texture;
     this.#tint.uniforms["uFaces"]!.value = front.texture;
     this.#tint.uniforms["uBlock"]!.value = block;
     this.#tint.render(this.#renderer, this.#means);

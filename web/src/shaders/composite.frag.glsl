@@ -31,7 +31,10 @@ const int kMaxPlanes = 6;
 #endif
 
 uniform sampler2D uPicture;
+uniform sampler2D uSplats;     // where they are coarse, and uPicture has opaque faces alone
+uniform bool uIsCoarse;
 uniform sampler2D uFaces;
+uniform vec2 uSize;            // of the picture and the faces, px
 uniform vec2 uTexelsPerPixel;  // of both, where they are drawn at another size
 uniform vec2 uCorner;          // px: where the picture begins in what is drawn into
 #if kSolid == 1
@@ -102,10 +105,12 @@ vec3 tinted(vec4 surface, vec2 pixel) {
 void main() {
   vec2 fromCorner = gl_FragCoord.xy - uCorner;
   vec2 at = fromCorner * uTexelsPerPixel;
-  vec2 size = vec2(textureSize(uPicture, 0));
   vec4 c = texture(uPicture, at);
+  if (uIsCoarse && c.a == 0.0) {
+    c = texture(uSplats, at);
+  }
   if (c.a > 0.0) {
-    c *= keptShare(vec3(vec2(at.x, 1.0 - at.y) * size - 0.5, 1.0));
+    c *= keptShare(vec3(vec2(at.x, 1.0 - at.y) * uSize - 0.5, 1.0));
   }
   c = putBehind(texture(uFaces, at), c);
   c.rgb = min(c.rgb, c.a);
@@ -127,7 +132,7 @@ void main() {
     vec3 color = beyond >= kLeastBeyond ? clamp((c.rgb - face.rgb) / beyond, 0.0, 1.0) : face.rgb / face.a;
     if (onSurface) {
       float seen = beyond >= kLeastBeyond ? min(2.0 * surface.a, 1.0) : 1.0;
-      color = mix(color, tinted(surface, vec2(at.x, 1.0 - at.y) * size), seen);
+      color = mix(color, tinted(surface, vec2(at.x, 1.0 - at.y) * uSize), seen);
     }
     vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / face.a * face.rgb;
     c = vec4(light, covered);

@@ -26,6 +26,7 @@ uniform usampler2D uLayers;  // of every splat
 uniform int uSlab;           // the layer that the plane cuts …
 uniform int uLayerSign;      // … beyond which, where sign·(layer − slab) > 0, layers are off
 uniform float uExtent;  // sigmas that are drawn at most
+uniform float uPixel;   // side of one that is drawn, in those of the picture
 
 out vec2 vPosition;  // pixel offset in sigma along the splat's axes
 out float vPlane[kPlanes];  // standardised distances of planes
@@ -68,7 +69,7 @@ void main() {
     vPlane[i] = s.z[i] + dot(s.slope[i], offset);
   }
   vec3 color = unpackColor(texelFetch(uColors, texel, 0).r);
-  vec2 pixel = vec2(s.center.x, uCamera.size.y - s.center.y);
+  vec2 pixel = uPixel * vec2(s.center.x, uCamera.size.y - s.center.y);
   vColor = vec4(cued(color, g.mean, uCamera.position, pixel, uCue, uBackdrop), s.opacity);
   vec2 ndc = 2.0 * (s.center + offset) / uCamera.size - 1.0;
   gl_Position = vec4(ndc.x, -ndc.y, (uDepthToClip.x * s.depth + uDepthToClip.y) / s.depth, 1.0);

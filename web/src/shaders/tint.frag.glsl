@@ -6,7 +6,7 @@ precision highp sampler2D;
 
 #include "behind.glsl"
 
-uniform sampler2D uPicture;
+uniform sampler2D uSplats;   // of a picture as large as the others, or smaller
 uniform sampler2D uFaces;
 uniform sampler2D uSurface;  // premultiplied
 uniform int uBlock;          // px
@@ -15,7 +15,8 @@ layout(location = 0) out vec4 fragSplats;
 layout(location = 1) out vec4 fragSurface;
 
 void main() {
-  ivec2 size = textureSize(uPicture, 0);
+  ivec2 size = textureSize(uSurface, 0);
+  vec2 toSplats = vec2(textureSize(uSplats, 0)) / vec2(size);
   ivec2 first = ivec2(gl_FragCoord.xy) * uBlock;
   ivec2 end = min(first + uBlock, size);
   vec3 splats = vec3(0.0);
@@ -26,7 +27,7 @@ void main() {
       vec4 seen = texelFetch(uSurface, at, 0);
       if (seen.a > 0.0) {
         vec4 face = texelFetch(uFaces, at, 0);
-        vec4 all = putBehind(face, texelFetch(uPicture, at, 0));
+        vec4 all = putBehind(face, texelFetch(uSplats, ivec2((vec2(at) + 0.5) * toSplats), 0));
         vec4 beyond = max(vec4(min(all.rgb, all.a), all.a) - face, 0.0);
         splats += seen.a * beyond.rgb;
         surface += beyond.a * seen.rgb;

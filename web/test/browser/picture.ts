@@ -19,10 +19,16 @@ export function decodePng(bytes: Buffer): Picture {
 }
 
 /** What `window.clipgs.renderToPixels` gives. */
-export async function pagePicture(page: Evaluates, width: number, height: number): Promise<Picture> {
+export async function pagePicture(
+  page: Evaluates,
+  width: number,
+  height: number,
+  moving = false,
+): Promise<Picture> {
   const data = await page.evaluate(
-    async ([w, h]: number[]) => Array.from((await window.clipgs.renderToPixels(w!, h!)).data),
-    [width, height],
+    async ([w, h, m]: readonly [number, number, boolean]) =>
+      Array.from((await window.clipgs.renderToPixels(w, h, m)).data),
+    [width, height, moving] as const,
   );
   return { width, height, data: Uint8Array.from(data) };
 }

@@ -13,6 +13,13 @@ import { choose, rendered, renderedAndPrinted, type Shot, show } from "./shot";
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
 const kMinCued = 45; // the same where what is faint is rounded twice
+const kMinMoving = 35; // of a picture with a quarter of the rays
+/** Whole, across an opaque face, and along one whose edge ends at splats. */
+const kMovingShots: Pick<Shot, "view" | "plane">[] = [
+  { view: [35, 20, 1], plane: null },
+  { view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10] },
+  { view: [60, 10, 3], plane: [-1, 0, 0, -20] },
+];
 
 describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
@@ -63,6 +70,16 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await linked.close();
     await page.getByRole("group", { name: "Cut face" }).getByRole("button", { name: "Volume" }).click();
     expect(await state()).toBe("volume");
+  });
+
+  it("shows while something moves what it shows at rest, though of fewer splats' pixels", async () => {
+    const [width, height] = [511, 383]; // not whole pixels of splats
+    for (const { view, plane } of kMovingShots) {
+      await show(page, { view, plane, clip: "exact", section: "volume" });
+      const still = await pagePicture(page, width, height);
+      const moving = await pagePicture(page, width, height, true);
+      expect(psnr(moving, still).color).toBeGreaterThan(kMinMoving);
+    }
   });
 
   it("leaves out the body, the faces and marks, as its buttons say", async () => {
