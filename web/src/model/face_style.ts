@@ -18,6 +18,8 @@ export interface FaceEffort {
   fine: boolean;
   walls: WallEffort;
   detail: Detail;
+  /** Side of a pixel of the surface, in pixels of the picture. */
+  surfacePixel: number;
 }
 
 /** WallSteps of shaders/face.glsl. */

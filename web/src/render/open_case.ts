@@ -23,8 +23,14 @@ import type { Subject } from "./splat_layer";
 import { SplatMesh } from "./splat_mesh";
 
 /** Of faces once nothing moves: as `clipgs render` draws them (FaceOptions::kMostRays of src/section/faces.h). */
-export const kAtRest: FaceEffort = { rays: 8, fine: true, walls: "fine", detail: "surface" };
-export const kMoving: FaceEffort = { rays: 2, fine: false, walls: "coarse", detail: "surface" };
+export const kAtRest: FaceEffort = { rays: 8, fine: true, walls: "fine", detail: "surface", surfacePixel: 1 };
+export const kMoving: FaceEffort = {
+  rays: 2,
+  fine: false,
+  walls: "coarse",
+  detail: "surface",
+  surfacePixel: 2,
+};
 
 /** How a case is cut, and how its faces look. */
 export interface Style extends Lighting {

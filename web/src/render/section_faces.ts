@@ -255,6 +255,8 @@ export class SectionFaces {
   fine = true;
   /** What is drawn of it beside the faces, where that can be. */
   detail: Detail = "surface";
+  /** Side of a pixel of the surface, in pixels of the picture. */
+  surfacePixel = 1;
   /** The sides of the volume that are faces. */
   readonly ends: readonly Plane[];
   #window: Window | null = null; // that the table holds
@@ -475,9 +477,10 @@ export class SectionFaces {
     return this.#freed || lost || !wasOutOfMemory(gl);
   }
 
-  set effort({ rays, fine, walls, detail }: FaceEffort) {
+  set effort({ rays, fine, walls, detail, surfacePixel }: FaceEffort) {
     this.fine = fine;
     this.detail = detail;
+    this.surfacePixel = surfacePixel;
     this.#uniforms["uRays"]!.value = rays;
     this.#uniforms["uOpenings"]!.value.steps = kWallSteps[walls];
   }

@@ -52,6 +52,7 @@ export class Surface {
       uFaces: { value: null },
       uSurface: { value: this.#surface.texture },
       uBlock: { value: 1 },
+      uStep: { value: 1 },
     });
     const [splats, surface] = this.#means.textures;
     this.uniforms = {
@@ -83,17 +84,23 @@ export class Surface {
   ): void {
     const { width, height } = picture;
     const draw = this.#passOf(faces);
-    (draw.uniforms["uSize"]!.value as Vector2).set(width, height);
+    const [columns, rows] = [width, height].map((side) => Math.ceil(side / faces.surfacePixel)) as [
+      number,
+      number,
+    ];
+    (draw.uniforms["uSize"]!.value as Vector2).set(columns, rows);
+    draw.uniforms["uPixel"]!.value = faces.surfacePixel;
     draw.uniforms["uDepth"]!.value = picture.depthTexture;
     draw.uniforms["uRays"]!.value = faces.fine ? kRays : 1;
     const p = camera.projectionMatrix.elements;
     (draw.uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, 1000 * p[14]!);
-    this.#surface.setSize(width, height);
+    this.#surface.setSize(columns, rows);
     draw.render(this.#renderer, this.#surface);
     this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));
     this.#tint.uniforms["uSplats"]!.value = splats.texture;
     this.#tint.uniforms["uFaces"]!.value = front.texture;
     this.#tint.uniforms["uBlock"]!.value = block;
+    this.#tint.uniforms["uStep"]!.value = faces.surfacePixel;
     this.#tint.render(this.#renderer, this.#means);
     this.uniforms["uTintBlock"]!.value = block;
     this.uniforms["uHasSurface"]!.value = true;
@@ -122,6 +129,7 @@ export class Surface {
         uOutline: this.#outline.uniforms["uOutline"]!,
         uDepth: { value: null },
         uSize: { value: new Vector2() },
+        uPixel: { value: 1 },
         uRays: { value: 1 },
         uDepthToClip: { value: new Vector2() },
       };

@@ -11,6 +11,7 @@ precision highp sampler3D;
 
 uniform sampler2D uDepth;  // less than 1 where there is an opaque face
 uniform vec2 uSize;        // px
+uniform float uPixel;      // side of one, in those of the picture
 uniform int uRays;         // a pixel
 uniform vec2 uDepthToClip;  // depth in clip space is x + y / mm
 uniform Outline uOutline;
@@ -31,7 +32,7 @@ uniform Backdrop uBackdrop;
 out vec4 fragColor;
 
 void main() {
-  gl_FragDepth = texelFetch(uDepth, ivec2(gl_FragCoord.xy), 0).r;
+  gl_FragDepth = texture(uDepth, gl_FragCoord.xy / uSize).r;
   if (gl_FragDepth < 1.0) {
     fragColor = vec4(0.0);
     return;
@@ -50,7 +51,7 @@ void main() {
       vec3 at = uOutline.eye + wall.depth * direction;
       float mm = wall.depth * dot(direction, uOutline.forward);
       gl_FragDepth = min(gl_FragDepth, 0.5 + 0.5 * (uDepthToClip.x + uDepthToClip.y / mm));
-      sum += vec4(cued(color, at, uOutline.eye, gl_FragCoord.xy, uCue, uBackdrop), 1.0);
+      sum += vec4(cued(color, at, uOutline.eye, uPixel * gl_FragCoord.xy, uCue, uBackdrop), 1.0);
     }
   }
   fragColor = sum / float(uRays);

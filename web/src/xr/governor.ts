@@ -1,29 +1,17 @@
-import type { Detail, WallEffort } from "../model/face_style";
+import type { FaceEffort } from "../model/face_style";
+import { kMoving } from "../render/open_case";
 
 /** What a frame may cost: less of it looks worse. */
-export interface Effort {
+export interface Effort extends FaceEffort {
   /** Of the picture's width and height that the headset recommends. */
   scale: number;
   /** Standard deviations that splats are drawn to, at most. */
   extent: number;
   /** Splats that reach no farther than this, px, are left out. */
   leastPixels: number;
-  /** How closely walls that a cut opens are looked at. */
-  walls: WallEffort;
-  /** A pixel of a face has so many: with one, what is fine in it flickers. */
-  rays: number;
-  /** What is drawn of the volume beside faces. */
-  detail: Detail;
 }
 
-const kAll: Effort = {
-  scale: 1,
-  extent: Infinity,
-  leastPixels: 0,
-  walls: "fine",
-  rays: 2,
-  detail: "surface",
-};
+const kAll: Effort = { ...kMoving, scale: 1, extent: Infinity, leastPixels: 0, walls: "fine" };
 const kOutlined: Effort = { ...kAll, walls: "coarse", rays: 1, detail: "outline" };
 const kSplats: Effort = { ...kOutlined, walls: "least", detail: "splats" };
 /** √5 σ leaves 92 % of a splat's light. */

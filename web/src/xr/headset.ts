@@ -350,22 +350,16 @@ export class Headset {
     const viewer = this.#viewer;
     const { state, window, version } = viewer;
     const { effort } = this.governor;
-    const { extent, leastPixels, walls, rays, detail } = effort;
     this.stage.seeWorld(camera, this.#inWorld);
     if (version !== this.#version || effort !== this.#drawnWith) {
       this.#version = version;
       this.#drawnWith = effort;
-      this.#subject = shown.subject(this.#inWorld, height, state, window, {
-        rays,
-        fine: false,
-        walls,
-        detail,
-      });
+      this.#subject = shown.subject(this.#inWorld, height, state, window, effort);
       shown.cue.setBackdrop(kDarkness, 1);
     }
     const middle = this.stage.toWorld(this.#eye.copy(this.#both.middle));
     shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(middle));
-    shown.mesh.extent = extent;
-    viewer.sortFor(this.#inWorld, width, height, leastPixels);
+    shown.mesh.extent = effort.extent;
+    viewer.sortFor(this.#inWorld, width, height, effort.leastPixels);
   }
 }

@@ -35,7 +35,9 @@ describe("the governor", () => {
       leastPixels: 3,
       walls: "least",
       rays: 1,
+      fine: false,
       detail: "splats",
+      surfacePixel: 2,
     });
   });
 
