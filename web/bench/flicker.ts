@@ -10,14 +10,14 @@
 //   √⟨(E′ − E)²⟩ with E = L − L_truth: shimmer and pops. A truth is traced twice, with other seeds; the product of both
 //   differences in place of a square has no share of the tracer's noise.
 
-import { execFile } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, renameSync } from "node:fs";
 import { join } from "node:path";
-import { parseArgs, promisify } from "node:util";
+import { parseArgs } from "node:util";
 import type { Page } from "playwright-core";
 
 import type { FaceSource } from "../src/model/faces";
 import { readPng } from "../test/browser/picture";
+import { clipgs } from "../test/browser/program";
 import { Session } from "../test/browser/session";
 import { table } from "./measure";
 
@@ -65,11 +65,7 @@ async function traced({ azimuth, plane }: Moment, name: string, seed: number): P
     const view = `--view=${azimuth},${kElevation},${kZoom}`;
     const picture = ["--size", `${kSize}x${kSize}`, "--spp", values.spp, "--seed", String(seed)];
     const read = values.options.split(" ").filter(Boolean);
-    await promisify(execFile)(process.env["CLIPGS"] ?? "../build/release/src/cli/clipgs", [
-      ...["cinema", volume!, "-o", part, view, "--plane", plane.join(",")],
-      ...picture,
-      ...read,
-    ]);
+    await clipgs("cinema", volume!, "-o", part, view, "--plane", plane.join(","), ...picture, ...read);
     renameSync(part, path);
   }
   return luminanceOf(readPng(path).data);

@@ -3,8 +3,9 @@
 // Every viewer draws the case's Gaussians in the same view, in turns in one browser: with the camera turning around
 // them, and with a plane that moves. clipgs cuts Gaussians where the plane goes through them; Spark and PlayCanvas,
 // each by what its documentation offers, remove those whose centre is beyond it; GaussianSplats3D has no planes and
-// draws all of them in an order that need not change. No faces are drawn from a volume. Of a case with layers the plane
-// goes from state to state as well, and clipgs draws those by their layers, too.
+// draws all of them in an order that need not change. All draw splats alone; a case with a section clipgs draws once more
+// as people see it, with faces, surfaces and outlines from its volume and the light that a cut lets in. Of a case with
+// layers the plane goes from state to state as well, and clipgs draws those by their layers, too.
 
 import { copyFileSync, createReadStream, existsSync } from "node:fs";
 import { createServer, type Server } from "node:http";
@@ -15,6 +16,7 @@ import type { Page } from "playwright-core";
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
 
 import type { CaseInfo } from "../src/model/case_info";
+import type { FaceSource } from "../src/model/faces";
 import { kWorldFromPatient, projectBox, type Triple } from "../src/model/geometry";
 import { stateCut } from "../src/model/states";
 import { applyView, kFieldOfView, viewFrom } from "../src/model/view";
@@ -98,30 +100,36 @@ async function timeFrames(page: Page, moments: unknown[]): Promise<FrameTime> {
   return { clock: (performance.now() - start) / count, cpu: (childrenCpuMs() - used) / count };
 }
 
-async function clipgsPage(session: Session): Promise<Page> {
+async function clipgsPage(session: Session, section: FaceSource): Promise<Page> {
   const page = await session.open(`#size=${kSize}x${kSize}`, [], { width: kSize, height: kSize });
   await page.keyboard.press("h"); // no handle
   await page.evaluate(installFrames);
-  await page.evaluate(async (elevation) => {
-    const { clipgs } = window;
-    await clipgs.ready;
-    clipgs.steady = false;
-    clipgs.setSection("splats");
-    window.show = (moment) => {
-      const { azimuth, plane } = moment as Moment;
-      clipgs.setView({ azimuth, elevation });
-      clipgs.setPlane(plane);
-    };
-  }, kElevation);
+  await page.evaluate(
+    async ([elevation, source]) => {
+      const { clipgs } = window;
+      await clipgs.ready;
+      clipgs.steady = false;
+      clipgs.setSection(source);
+      window.show = (moment) => {
+        const { azimuth, plane } = moment as Moment;
+        clipgs.setView({ azimuth, elevation });
+        clipgs.setPlane(plane);
+      };
+      do {
+        await new Promise(requestAnimationFrame);
+      } while (!clipgs.stats.settled);
+    },
+    [kElevation, section] as const,
+  );
   return page;
 }
 
-function clipgs(page: Page, clip: ClipOperator): Contender {
+function clipgs(page: Page, clip: ClipOperator, how: string = clip): Contender {
   const time = async (movement: Moment[]) => {
     await page.evaluate((operator) => window.clipgs.setClip(operator), clip);
     return timeFrames(page, movement);
   };
-  return { name: `clipgs, ${clip}`, page, time };
+  return { name: `clipgs, ${how}`, page, time };
 }
 
 /** What the pages in bench/peers resolve to. */
@@ -244,8 +252,11 @@ function serveFiles(): Promise<Server> {
 }
 
 async function openAll(session: Session, info: CaseInfo, server: Server): Promise<Contender[]> {
-  const page = await clipgsPage(session);
+  const page = await clipgsPage(session, "splats");
   const contenders = [clipgs(page, "exact"), clipgs(page, "hard")];
+  if (await page.evaluate(() => window.clipgs.stats.sectionBytes > 0)) {
+    contenders.push(clipgs(await clipgsPage(session, "volume"), "exact", "with its volume"));
+  }
   if (await caseHasLayers(file)) {
     contenders.push(clipgs(page, "layers"));
   }

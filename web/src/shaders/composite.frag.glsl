@@ -112,7 +112,8 @@ void main() {
   if (c.a > 0.0) {
     c *= keptShare(vec3(vec2(at.x, 1.0 - at.y) * uSize - 0.5, 1.0));
   }
-  c = putBehind(texture(uFaces, at), c);
+  vec4 face = texture(uFaces, at);
+  c = putBehind(face, c);
   c.rgb = min(c.rgb, c.a);
 #if kOutlined == 1
   // Of what faces leave, the colour is the surface's where there is one, and else the splats'.
@@ -120,7 +121,6 @@ void main() {
   bool onSurface = surface.a > kLeastSurface;
   float share = uHasOutline ? outlineShare(onSurface ? max(c.a, uOutlineRamps.y) : c.a, uOutlineRamps) : 0.0;
   if (share > 0.0 || onSurface) {
-    vec4 face = texture(uFaces, at);
     vec2 pixel = vec2(fromCorner.x, 1.0 / uTexelsPerPixel.y - fromCorner.y) - 0.5;
     float covered = c.a;
     if (share > 0.0) {
