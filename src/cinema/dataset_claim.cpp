@@ -124,8 +124,8 @@ Claim claim_of_look(const Volume& volume, const Preset& preset) {
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options) {
   const auto& [size, test_size, train_frames, test_frames, validation_frames, uncut_frames,
                close_frames, cut_views, train_spp, test_noise_db, test_masked_noise_db, test_spp,
-               max_bounces, seed_points, seed, axis, one_sided, choose_views, upsample, denoise] =
-      options;
+               max_bounces, seed_points, seed, axis, one_sided, choose_views, near_share, upsample,
+               denoise] = options;
   const Claim look = claim_of_look(volume, preset);
   DatasetClaims claims{claim_of_step("pictures", kPicturesRevision),
                        claim_of_step("points", kPointsRevision)};
@@ -153,6 +153,9 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
     if (value != 0) {
       claims.pictures[name] = value;
     }
+  }
+  if (near_share != 0) {
+    claims.pictures["share_of_near_views"] = json_number(near_share);
   }
   claims.points.update(look);
   claims.points.update({{"number_of_points", seed_points}, {"seed", seed}});

@@ -320,6 +320,42 @@ TEST(ChooseFrames, PrefersSurfacesToFaces) {
   EXPECT_EQ(choose_frames(scene, sphere, pool), (std::vector<size_t>{1}));
 }
 
+TEST(PlanFrames, ShareOfTrainingFramesIsNear) {
+  Fixture f;
+  f.options.train_frames = 200;
+  f.options.close_frames = 2;
+  const VisibleMatter matter = visible_matter(f.volume, f.preset.transfer);
+  const std::vector<Frame> whole = plan_frames(matter, f.options);
+  std::vector<Frame> frames = whole;
+  bring_near(0.25f, f.options.seed, frames);
+  int count = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Camera& near = frames[i].camera;
+    const Camera& far = whole[i].camera;
+    const float zoom = near.fx / far.fx;
+    EXPECT_EQ(near.fy / far.fy, zoom);
+    EXPECT_EQ(near.position, far.position);
+    if (zoom == 1) {
+      EXPECT_EQ(near.cx, far.cx);
+      continue;
+    }
+    ++count;
+    EXPECT_EQ(zoom, 2);
+    EXPECT_EQ(frames[i].split, Split::kTrain);
+    // Its corners are seen in the whole picture, too.
+    for (const float at : {0.0f, 24.0f}) {
+      EXPECT_NEAR((at - near.cx) / zoom + far.cx, 12, 12.001f);
+      EXPECT_NEAR((at - near.cy) / zoom + far.cy, 12, 12.001f);
+    }
+  }
+  EXPECT_NEAR(count, 50, 15);
+  frames = whole;
+  bring_near(0, f.options.seed, frames);
+  EXPECT_TRUE(std::ranges::all_of(frames, [](const Frame& frame) {
+    return frame.camera.cx == 0.5f * static_cast<float>(frame.camera.width);
+  }));
+}
+
 TEST(PlanFrames, UncutAndCloseTestsOfTheirOwnSize) {
   Fixture f;
   f.options.test_size = 40;
@@ -585,9 +621,25 @@ TEST(DatasetClaims, AreOfAllThatPicturesShow) {
   EXPECT_EQ(changed([](V, P, O o) { o.axis = Vec3(1, 0, 0); }), "the axis changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.one_sided = true; }), "the side of axis planes changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.choose_views = false; }), "the choice of views changed; ");
+  EXPECT_EQ(changed([](V, P, O o) { o.near_share = 0.25f; }), "the share of near views changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.upsample = !o.upsample; }), "the voxels changed; ");
   EXPECT_EQ(changed([](V, P, O o) { o.seed = 2; }), "the seed changed; the seed changed");
   EXPECT_EQ(changed([](V, P, O o) { o.seed_points = 9; }), "; the number of points changed");
+}
+
+TEST(Dataset, RefusesOptionsOutOfRange) {
+  const TemporaryFolder folder;
+  const auto refuses = [&](auto change, const char* says) {
+    Fixture f;
+    change(f.options);
+    EXPECT_THAT([&] { f.make(folder.path()); }, ThrowsMessage<Error>(HasSubstr(says)));
+  };
+  refuses([](DatasetOptions& o) { o.size = 8; }, "pictures of 8x8 px are out of range");
+  refuses([](DatasetOptions& o) { o.test_size = 5000; }, "5000x5000 px are out of range");
+  refuses([](DatasetOptions& o) { o.close_frames = -1; }, "at least one training frame");
+  refuses([](DatasetOptions& o) { o.near_share = 1.5f; }, "a share of 1.5 training frames");
+  refuses([](DatasetOptions& o) { o.axis = Vec3(2, 0, 0); }, "unit vector");
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(Dataset, DenoisesTrainingPicturesAndNoOthers) {

@@ -140,6 +140,10 @@ void check(const DatasetOptions& options) {
       options.test_spp < 2) {
     throw Error("dataset: needs at least one training frame and two samples a pixel");
   }
+  if (!(options.near_share >= 0 && options.near_share <= 1)) {
+    throw Error("dataset: a share of {} training frames cannot be nearer; use 0 to 1",
+                options.near_share);
+  }
   if (std::abs(glm::length(options.axis) - 1.0f) > 1e-4f) {
     throw Error("dataset: the axis must be a unit vector");
   }
@@ -221,6 +225,7 @@ void make_pictures(TracedVolume& source, const Preset& preset, const VolumeLook&
   std::vector<Frame> frames = options.choose_views ? plan_frames(maker.scene(), matter, options)
                                                    : plan_frames(matter, options);
   aim_close_ups(maker.scene(), options.seed, frames);
+  bring_near(options.near_share, options.seed, frames);
 
   State state(folder);
   size_t total = 0;

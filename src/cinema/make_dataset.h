@@ -33,6 +33,7 @@ struct DatasetOptions {
   bool one_sided = false;    ///< axis planes keep what is below them, along the axis, as a neural
                              ///< uniaxial model needs them; else the side that suits the view
   bool choose_views = true;  ///< training frames by what they show besides faces, or evenly spread
+  float near_share = 0.5f;   ///< of the training frames are those of bring_near()
   bool upsample = true;      ///< pictures of finer voxels than were scanned (volume/upsample.h)
   bool denoise = false;      ///< training pictures only: what is measured by is never filtered
 };
@@ -54,6 +55,10 @@ std::vector<Frame> plan_cut_views(const VisibleMatter& matter, int size, std::ui
 /// Aims close-ups, which plan_frames() leaves at the whole body, at what they see: at a random
 /// place of their face, or of the skin where they are uncut.
 void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Frame>& frames);
+
+/// Magnifies a random `share` of the training frames twice, each at a random place: a quarter of
+/// what its camera saw.
+void bring_near(float share, std::uint64_t seed, std::vector<Frame>& frames);
 
 /// The same with other training frames of the same kinds, chosen by what they show out of five
 /// times as many. Test frames stay as they are.

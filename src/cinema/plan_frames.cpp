@@ -58,7 +58,8 @@ enum Stream : std::uint64_t {
   kValidationUncut,
   kValidationClose,
   kAims,
-  kCutViews
+  kCutViews,
+  kNear
 };
 
 // Of close-ups, in turn.
@@ -461,6 +462,20 @@ void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Fra
                 Vec3(0, 0, 1), planned.width, planned.height);
     frame.camera.fx = planned.fx;
     frame.camera.fy = planned.fy;
+  }
+}
+
+void bring_near(float share, std::uint64_t seed, std::vector<Frame>& frames) {
+  Rng rng(seed, kNear);
+  for (Frame& frame : frames) {
+    if (frame.split != Split::kTrain || rng.uniform() >= share) {
+      continue;
+    }
+    Camera& camera = frame.camera;
+    camera.fx *= 2;
+    camera.fy *= 2;
+    camera.cx = 2 * camera.cx - rng.uniform() * static_cast<float>(camera.width);
+    camera.cy = 2 * camera.cy - rng.uniform() * static_cast<float>(camera.height);
   }
 }
 

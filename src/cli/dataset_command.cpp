@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "pipeline/section_step.h"
 
@@ -24,7 +25,8 @@ struct DatasetArguments {
   LoadOptions load;
   LookArguments look;
   std::string axis = "0,0,1";
-  std::string views;  // empty: need with a section, spiral without
+  std::string views;                // empty: need with a section, spiral without
+  std::optional<float> near_share;  // none: as DatasetOptions has it where views are by need
   DatasetOptions options;
   int validation_frames = -1;  // as the tests say
   SectionChoice section;
@@ -46,6 +48,9 @@ void run_dataset(const DatasetArguments& arguments) {
                                                                : (options.test_frames + 1) / 2;
   options.choose_views =
       arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
+  if (arguments.near_share || options.one_sided || !options.choose_views) {
+    options.near_share = arguments.near_share.value_or(0.0f);
+  }
   options.upsample = !arguments.look.as_scanned;
   const FolderLock lock(arguments.folder);
   const Volume volume = load_volume(arguments.volume, arguments.load);
@@ -128,6 +133,11 @@ void add_dataset_command(CLI::App& app) {
                    "Training views and planes: need (by what they show; the default) or spiral "
                    "(evenly spread; the default with --no-section)")
       ->check(CLI::IsMember({"need", "spiral"}));
+  command
+      ->add_option("--near-share", arguments->near_share,
+                   "Share of the training pictures that show a quarter of the view, twice as large "
+                   "(default: 0.5; 0 with --views spiral, --no-section or --one-sided)")
+      ->check(CLI::Range(0.0f, 1.0f));
   command->add_option("--seed", options.seed, "Random seed")->capture_default_str();
   command->add_flag("--denoise", options.denoise,
                     "Smooth noise of training pictures away; test pictures stay as traced");

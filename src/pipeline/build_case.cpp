@@ -32,6 +32,9 @@ DatasetOptions dataset_options(const BuildOptions& build) {
   options.seed_points = std::max(options.seed_points, build.training.budget);
   options.choose_views = !build.section.none;
   options.one_sided = build.papers_way;
+  if (build.section.none || build.papers_way) {
+    options.near_share = 0;
+  }
   return options;
 }
 

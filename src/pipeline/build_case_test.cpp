@@ -121,7 +121,7 @@ TEST_F(BuildCaseTest, WhatDependsOnAChangeIsMadeAgainAndNothingElse) {
       {"pictures: made again, the size changed", "section: made again, the pictures changed",
        "training: made again, the pictures and the section changed"});
   expect_again("no section", [](Input& i) { i.options.section.none = true; },
-               {"pictures: made again, the choice of views changed",
+               {"pictures: made again, the choice of views and the share of near views changed",
                 "training: made again, the pictures and the section changed"});
   expect_as_from_scratch();
 }
