@@ -656,7 +656,13 @@ export class Viewer {
     return this.#capture(
       current,
       () => frame,
-      () => this.#layer.read(this.#subject(current, effort, height), this.#camera, width, height, moving),
+      () =>
+        this.#layer.read(this.#subject(current, effort, height), {
+          camera: this.#camera,
+          width,
+          height,
+          moving,
+        }),
     );
   }
 

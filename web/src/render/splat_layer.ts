@@ -53,6 +53,14 @@ function faded(picture: Picture, left: Picture): Picture {
   return picture;
 }
 
+/** A picture that is read back: as the camera sees it in so many pixels, as for speed if `moving`. */
+export interface Reading {
+  camera: PerspectiveCamera;
+  width: number;
+  height: number;
+  moving: boolean;
+}
+
 /** Side of a pixel of splats that need not be fine, in pixels, at most. */
 const kMostCoarse = 4;
 
@@ -207,38 +215,24 @@ export class SplatLayer {
   }
 
   /**
-   * The picture of exactly width × height px, as `clipgs render` writes it, or `moving`, as for speed. What a depth cue
-   * takes off is taken off its alpha: a picture of its own says how much is left, for how splats hide those behind them
-   * must not change.
+   * The picture as `clipgs render` writes it. What a depth cue takes off is taken off its alpha: a picture of its own says
+   * how much is left, for how splats hide those behind them must not change.
    */
-  async read(
-    subject: Subject,
-    camera: PerspectiveCamera,
-    width: number,
-    height: number,
-    moving: boolean,
-  ): Promise<Picture> {
+  async read(subject: Subject, how: Reading): Promise<Picture> {
     const { cue } = subject;
     cue.setBackdrop(makeBackdrop(), 1);
-    const read = () => this.#read(subject, camera, width, height, moving);
-    const drawn = read();
+    const drawn = this.#read(subject, how);
     if (cue.strength === 0) {
       return drawn;
     }
     cue.covering = true;
-    const left = read();
+    const left = this.#read(subject, how);
     cue.covering = false;
     return faded(await drawn, await left);
   }
 
   /** Draws at once; what was drawn comes later. */
-  async #read(
-    subject: Subject,
-    camera: PerspectiveCamera,
-    width: number,
-    height: number,
-    moving: boolean,
-  ): Promise<Picture> {
+  async #read(subject: Subject, { camera, width, height, moving }: Reading): Promise<Picture> {
     this.#color(subject, camera);
     this.#draw(subject, camera, moving ? this.#moving : this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });

@@ -61,7 +61,7 @@ void main() {
   }
   vec3 gain = vec3(1.0);
   if (uSplatLight.changed) {
-    vec3 s = vec3(dot(g.axes[0], g.axes[0]), dot(g.axes[1], g.axes[1]), dot(g.axes[2], g.axes[2]));
+    vec3 s = unpackScale(p);
     int shortest = s.x <= s.y && s.x <= s.z ? 0 : (s.y <= s.z ? 1 : 2);
     vec3 changed = lightGain(g.mean, g.axes[shortest], uSplatLight, uLight, uOwnLight);
     color = displayGain(changed, meanColor, uSplatLight.filmic) * max(color, 0.0);

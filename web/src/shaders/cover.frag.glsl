@@ -5,7 +5,6 @@ precision highp int;
 precision highp sampler2D;
 
 uniform sampler2D uDepth;  // less than 1 where there is an opaque face
-
 uniform vec2 uPixel;       // size of a coarse one, px
 
 out vec4 fragColor;

@@ -15,15 +15,18 @@ float codebookScale(uint index) {
   return uScaleCodebook[index >> 2][index & 3u];
 }
 
+vec3 unpackScale(uvec4 p) {
+  return vec3(codebookScale(p.w & 255u), codebookScale((p.w >> 8) & 255u), codebookScale((p.w >> 16) & 255u));
+}
+
 Gaussian unpackGaussian(uvec4 p, PackedScene scene) {
   Gaussian g;
   vec3 mean = vec3(p.x & 0xffffu, p.x >> 16, p.y & 0xffffu) / 65535.0;
   g.mean = sogMean(scene.meanMin + scene.meanSize * mean);
   vec3 bytes = vec3(p.z & 255u, (p.z >> 8) & 255u, (p.z >> 16) & 255u);
   mat3 r = rotationMatrix(sogQuaternion(bytes, int(p.z >> 24)));
-  g.axes = mat3(r[0] * codebookScale(p.w & 255u),
-                r[1] * codebookScale((p.w >> 8) & 255u),
-                r[2] * codebookScale((p.w >> 16) & 255u));
+  vec3 scale = unpackScale(p);
+  g.axes = mat3(r[0] * scale.x, r[1] * scale.y, r[2] * scale.z);
   g.opacity = float(p.w >> 24) / 255.0;
   return g;
 }
