@@ -10,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "core/progress.h"
+#include "volume/surface_flow_kernel.h"
 
 namespace clipgs {
 namespace {
@@ -23,7 +24,7 @@ constexpr float kEvenRange = 6;      // noise levels: among 27 values of even ma
 constexpr float kSurfaceRange = 12;  // noise levels: from here on all flows
 constexpr float kFaithful = 0.25f;   // of the range around a voxel: its mean may be off by so much
 constexpr float kFalse = 0.4f;       // from here on it is as if nothing had flowed
-constexpr int kBlock = 8;            // voxels along each side of what flows together
+constexpr size_t kBlockVoxels = size_t{kFlowBlock} * kFlowBlock * kFlowBlock;
 
 /// Of scanned voxels.
 using Field = std::vector<float>;
@@ -77,8 +78,8 @@ class SurfaceFlow {
   SurfaceFlow(const Volume& volume, const TransferFunction& transfer, const FineGrid& grids)
       : grids_(grids),
         scanned_(grids.coarse_count()),
-        values_(grids.fine_count()),
-        freedom_(grids.fine_count()) {
+        values_(grids.fine_count() + kFlowBlock),
+        freedom_(values_.size()) {
     for_each_voxel(grids.coarse, [&](int x, int y, int z) {
       scanned_[grids.coarse_at(x, y, z)] = volume.at(x, y, z);
     });
@@ -97,7 +98,7 @@ class SurfaceFlow {
   }
 
   void run() {
-    next_.resize(blocks_.size() * kBlock * kBlock * kBlock);
+    next_.resize(blocks_.size() * kBlockVoxels);
     Progress progress("finer voxels", kRounds);
     for (size_t round = 0; round < kRounds; ++round) {
       keep_means();
@@ -113,7 +114,10 @@ class SurfaceFlow {
     next_ = {};
   }
 
-  std::vector<float> take() { return std::move(values_); }
+  std::vector<float> take() {
+    values_.resize(grids_.fine_count());
+    return std::move(values_);
+  }
 
  private:
   /// Where what is shown meets what is not, and values change by more than noise.
@@ -137,12 +141,12 @@ class SurfaceFlow {
   /// The blocks in which anything may flow. Voxels at the grid's sides have no neighbours beyond,
   /// and stay.
   void find_blocks() {
-    const IVec3 count = (grids_.fine + kBlock - 1) / kBlock;
+    const IVec3 count = (grids_.fine + kFlowBlock - 1) / kFlowBlock;
     for (int z = 0; z < count.z; ++z) {
       for (int y = 0; y < count.y; ++y) {
         for (int x = 0; x < count.x; ++x) {
-          const Block block{glm::max(kBlock * IVec3(x, y, z), IVec3(1)),
-                            glm::min(kBlock * IVec3(x + 1, y + 1, z + 1), grids_.fine - 1)};
+          const Block block{glm::max(kFlowBlock * IVec3(x, y, z), IVec3(1)),
+                            glm::min(kFlowBlock * IVec3(x + 1, y + 1, z + 1), grids_.fine - 1)};
           if (glm::any(glm::lessThanEqual(block.end, block.begin))) {
             continue;
           }
@@ -169,7 +173,7 @@ class SurfaceFlow {
   void for_each_row(const Block& block, const Use& use) const {
     size_t place = 0;
     for (int z = block.begin.z; z < block.end.z; ++z) {
-      for (int y = block.begin.y; y < block.end.y; ++y, place += kBlock) {
+      for (int y = block.begin.y; y < block.end.y; ++y, place += kFlowBlock) {
         use(grids_.fine_at(block.begin.x, y, z), place);
       }
     }
@@ -285,14 +289,25 @@ class SurfaceFlow {
 
   /// One explicit step.
   void flow(Along along) {
+    const Vec3& spacing = grids_.spacing;
+    const float finest = std::min({spacing.x, spacing.y, spacing.z});
+    const std::ptrdiff_t across = grids_.fine.x;
+    const FlowStep step{across,
+                        across * grids_.fine.y,
+                        0.5f / spacing,
+                        1.0f / (spacing * spacing),
+                        kStep * finest * finest / 255,
+                        along == Along::kLevelSets ? 1.0f : 0.0f};
     parallel_for(blocks_.size(), 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        flow_block(blocks_[i], along, &next_[i * kBlock * kBlock * kBlock]);
+        const auto& [first, last] = blocks_[i];
+        const size_t at = grids_.fine_at(first.x, first.y, first.z);
+        flow_block(step, &values_[at], &freedom_[at], last - first, &next_[i * kBlockVoxels]);
       }
     });
     parallel_for(blocks_.size(), 64, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const float* const next = &next_[i * kBlock * kBlock * kBlock];
+        const float* const next = &next_[i * kBlockVoxels];
         const int width = blocks_[i].end.x - blocks_[i].begin.x;
         for_each_row(blocks_[i], [&](size_t row, size_t place) {
           std::copy_n(next + place, width, &values_[row]);
@@ -301,49 +316,11 @@ class SurfaceFlow {
     });
   }
 
-  void flow_block(const Block& block, Along along, float* next) const {
-    const auto dy = static_cast<std::ptrdiff_t>(grids_.fine.x);
-    const std::ptrdiff_t dz = dy * grids_.fine.y;
-    const Vec3 first = 0.5f / grids_.spacing;
-    const Vec3 second = 1.0f / (grids_.spacing * grids_.spacing);
-    const float finest = std::min({grids_.spacing.x, grids_.spacing.y, grids_.spacing.z});
-    const float step = kStep * finest * finest / 255;
-    const float normal = along == Along::kLevelSets ? 1 : 0;
-    const int width = block.end.x - block.begin.x;
-    for_each_row(block, [&](size_t row, size_t place) {
-      const float* const v = &values_[row];
-      const std::uint8_t* const freedom = &freedom_[row];
-      for (std::ptrdiff_t x = 0; x < width; ++x) {
-        const auto at = [v, x](std::ptrdiff_t offset) { return v[x + offset]; };
-        const auto mixed = [&](std::ptrdiff_t a, std::ptrdiff_t b) {
-          return at(a + b) - at(a - b) - at(b - a) + at(-a - b);
-        };
-        const float middle = at(0);
-        const float gx = first.x * (at(1) - at(-1));
-        const float gy = first.y * (at(dy) - at(-dy));
-        const float gz = first.z * (at(dz) - at(-dz));
-        const float xx = second.x * (at(1) + at(-1) - 2 * middle);
-        const float yy = second.y * (at(dy) + at(-dy) - 2 * middle);
-        const float zz = second.z * (at(dz) + at(-dz) - 2 * middle);
-        const float xy = first.x * first.y * mixed(1, dy);
-        const float xz = first.x * first.z * mixed(1, dz);
-        const float yz = first.y * first.z * mixed(dy, dz);
-        const float squared = gx * gx + gy * gy + gz * gz + std::numeric_limits<float>::min();
-        const float along_normal = (gx * gx * xx + gy * gy * yy + gz * gz * zz +
-                                    2 * (gx * gy * xy + gx * gz * xz + gy * gz * yz)) /
-                                   squared;
-        const float change = xx + yy + zz - normal * along_normal;
-        next[place + static_cast<size_t>(x)] =
-            middle + step * static_cast<float>(freedom[x]) * change;
-      }
-    });
-  }
-
   const FineGrid& grids_;
   Field scanned_, least_, most_;
   Field surface_;                      // 0…1: how far each scanned voxel is at a surface
-  std::vector<float> values_;          // of fine voxels
-  std::vector<std::uint8_t> freedom_;  // of fine voxels: 255 may flow, 0 stay
+  std::vector<float> values_;          // of fine voxels, and as many as flow_block() reads beyond
+  std::vector<std::uint8_t> freedom_;  // of those: 255 may flow, 0 stay
   std::vector<Block> blocks_;
   std::vector<float> next_;
 };
