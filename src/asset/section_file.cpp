@@ -296,14 +296,16 @@ void read_grid(const JsonReader& reader, Section& section) {
 
 }  // namespace
 
-json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files) {
+json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
+                    Saving saving) {
   const Mosaic mosaic(section.dims);
   if (mosaic.width() > kMaxImage || mosaic.height() > kMaxImage) {
     throw Error("a section of {} × {} × {} voxels does not fit into an image; make it smaller",
                 section.dims.x, section.dims.y, section.dims.z);
   }
   const Texels texels = to_texels(section, mosaic);
-  Bytes image = quality >= kLossless ? encode_webp(texels) : encode_webp_data(texels, quality);
+  Bytes image =
+      quality >= kLossless ? encode_webp(texels, saving) : encode_webp_data(texels, quality);
   const std::vector<std::uint8_t> decoded =
       to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
                 section.dims, section.channels);
@@ -401,7 +403,7 @@ std::filesystem::path section_path(std::filesystem::path scene) {
 
 void write_section(const std::filesystem::path& path, const Section& section) {
   std::vector<ZipEntry> files;
-  const std::string text = encode_section(section, kLossless, files).dump();
+  const std::string text = encode_section(section, kLossless, files, Saving::kTime).dump();
   files.push_back({kSectionMetaFile, Bytes(text.begin(), text.end())});
   const Bytes bytes = write_zip(files);
   write_file(path, bytes.data(), bytes.size());

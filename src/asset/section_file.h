@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "asset/webp.h"
 #include "asset/zip.h"
 #include "section/section.h"
 
@@ -17,8 +18,9 @@ constexpr float kLossless = 100;
 
 /// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with
 /// which values can be read back, as the JSON states it, includes what the image's coding loses.
-/// Throws Error.
-nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files);
+/// `saving`: if that is lossless. Throws Error.
+nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
+                              Saving saving = Saving::kBytes);
 
 /// The section of such JSON. Throws Error, `name` in it, on whatever is missing, out of range,
 /// undecodable or decoded to something else than its checksum says; nothing larger than the image
@@ -40,8 +42,8 @@ SectionInfo section_info(const nlohmann::json& object, const std::map<std::strin
 /// Where the section of a scene lies: NAME.section.zip beside NAME.ply.
 std::filesystem::path section_path(std::filesystem::path scene);
 
-/// A section by itself, lossless, as work in progress keeps it. Written whole or not at all. Throws
-/// Error.
+/// A section by itself, lossless, as work in progress keeps it: quick to write. Written whole or
+/// not at all. Throws Error.
 void write_section(const std::filesystem::path& path, const Section& section);
 Section read_section(const std::filesystem::path& path);
 

@@ -198,6 +198,7 @@ TEST(Webp, TexelsAreExactUnderAnyAlpha) {
     t.rgba[i] = 0;
   }
   EXPECT_EQ(decode_webp(encode_webp(t), 64, 48, "test").rgba, t.rgba);
+  EXPECT_EQ(decode_webp(encode_webp(t, Saving::kTime), 64, 48, "test").rgba, t.rgba);
   EXPECT_THAT([&] { decode_webp(encode_webp(t), 64, 64, "x.webp"); },
               ThrowsMessage<Error>(HasSubstr("64 × 48")));
 }

@@ -56,11 +56,12 @@ Texels::Texels(int w, int h) : width(w), height(h), rgba(4 * size(), 0) {
   }
 }
 
-Bytes encode_webp(const Texels& texels) {
-  constexpr int kLosslessLevel = 6;  // 9 is a hundred times slower and not smaller on such data
+Bytes encode_webp(const Texels& texels, Saving saving) {
+  // 9 is a hundred times slower and not smaller on such data.
+  const int level = saving == Saving::kBytes ? 6 : 0;
   WebPConfig config;
   WebPConfigInit(&config);
-  WebPConfigLosslessPreset(&config, kLosslessLevel);
+  WebPConfigLosslessPreset(&config, level);
   config.exact = 1;
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
