@@ -56,6 +56,12 @@ std::vector<Frame> plan_cut_views(const VisibleMatter& matter, int size, std::ui
 /// place of their face, or of the skin where they are uncut.
 void aim_close_ups(const CinemaScene& scene, std::uint64_t seed, std::vector<Frame>& frames);
 
+/// DatasetOptions::near_share where nothing else is asked for: none of pictures that teach a neural
+/// model, or splats that fill the faces, which evenly spread views are for.
+inline float usual_near_share(const DatasetOptions& options) {
+  return options.one_sided || !options.choose_views ? 0.0f : DatasetOptions{}.near_share;
+}
+
 /// Magnifies a random `share` of the training frames twice, each at a random place: a quarter of
 /// what its camera saw.
 void bring_near(float share, std::uint64_t seed, std::vector<Frame>& frames);

@@ -26,7 +26,7 @@ struct DatasetArguments {
   LookArguments look;
   std::string axis = "0,0,1";
   std::string views;                // empty: need with a section, spiral without
-  std::optional<float> near_share;  // none: as DatasetOptions has it where views are by need
+  std::optional<float> near_share;  // none: the usual one
   DatasetOptions options;
   int validation_frames = -1;  // as the tests say
   SectionChoice section;
@@ -48,9 +48,7 @@ void run_dataset(const DatasetArguments& arguments) {
                                                                : (options.test_frames + 1) / 2;
   options.choose_views =
       arguments.views.empty() ? !arguments.section.none : arguments.views == "need";
-  if (arguments.near_share || options.one_sided || !options.choose_views) {
-    options.near_share = arguments.near_share.value_or(0.0f);
-  }
+  options.near_share = arguments.near_share.value_or(usual_near_share(options));
   options.upsample = !arguments.look.as_scanned;
   const FolderLock lock(arguments.folder);
   const Volume volume = load_volume(arguments.volume, arguments.load);

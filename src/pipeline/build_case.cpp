@@ -32,9 +32,7 @@ DatasetOptions dataset_options(const BuildOptions& build) {
   options.seed_points = std::max(options.seed_points, build.training.budget);
   options.choose_views = !build.section.none;
   options.one_sided = build.papers_way;
-  if (build.section.none || build.papers_way) {
-    options.near_share = 0;
-  }
+  options.near_share = usual_near_share(options);
   return options;
 }
 

@@ -21,8 +21,8 @@ struct FlowStep {
 };
 
 /// Values of a block of `count` voxels, at most kFlowBlock a side, after a step, in rows of
-/// kFlowBlock. `values` and `freedom` begin at its first voxel; every voxel
-/// has neighbours. Rows are read, and written, as if they were kFlowBlock long.
+/// kFlowBlock. `values` and `freedom` begin at its first voxel; every voxel has neighbours. Rows
+/// are read, and written, as if they were kFlowBlock long.
 void flow_block(const FlowStep& step, const float* values, const std::uint8_t* freedom,
                 const IVec3& count, float* next);
 
