@@ -24,6 +24,11 @@ class BitMask {
   /// The next yes at or after i; size() if there is none.
   size_t next(size_t i) const;
   size_t count() const;
+  /// The 64 from i on, the first as the lowest bit; no beyond the end.
+  std::uint64_t word(size_t i) const;
+  /// Sets those of the 64 from i on whose bits are 1. Threads may set different ones.
+  void set_word(size_t i, std::uint64_t bits);
+  BitMask inverted() const;
 
   /// Sets each i of [begin, end) where decide(i). Threads may fill ranges that do not overlap.
   template <typename Decide>
@@ -60,6 +65,42 @@ inline size_t BitMask::count() const {
     sum += static_cast<size_t>(std::popcount(word));
   }
   return sum;
+}
+
+inline std::uint64_t BitMask::word(size_t i) const {
+  if (i >= size_) {
+    return 0;
+  }
+  const size_t shift = i % 64;
+  std::uint64_t bits = words_[i / 64] >> shift;
+  if (shift > 0 && i / 64 + 1 < words_.size()) {
+    bits |= words_[i / 64 + 1] << (64 - shift);
+  }
+  return bits;
+}
+
+inline void BitMask::set_word(size_t i, std::uint64_t bits) {
+  const auto join = [this](size_t word, std::uint64_t more) {
+    if (more != 0) {
+      std::atomic_ref(words_[word]).fetch_or(more, std::memory_order_relaxed);
+    }
+  };
+  const size_t shift = i % 64;
+  join(i / 64, bits << shift);
+  if (shift > 0) {
+    join(i / 64 + 1, bits >> (64 - shift));
+  }
+}
+
+inline BitMask BitMask::inverted() const {
+  BitMask result(size_);
+  for (size_t w = 0; w < words_.size(); ++w) {
+    result.words_[w] = ~words_[w];
+  }
+  if (size_ % 64 != 0) {
+    result.words_.back() &= bit(size_) - 1;
+  }
+  return result;
 }
 
 template <typename Decide>

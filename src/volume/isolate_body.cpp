@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "core/parallel.h"
 #include "volume/bit_mask.h"
+#include "volume/dilate.h"
 #include "volume/slice_flood.h"
 #include "volume/smooth_within.h"
 
@@ -73,112 +73,12 @@ BitMask with_holes_filled(const Volume& volume, const BitMask& matter) {
   return filled;
 }
 
-/// Squared distances, mm², to the nearest voxel of a mask that is not too far along any axis; kFar
-/// where there is none.
-constexpr float kFar = std::numeric_limits<float>::max();
-
-void lower(float* squares, const float* others, int count, float added) {
-  for (int i = 0; i < count; ++i) {
-    squares[i] = std::min(squares[i], others[i] + added);  // kFar stays what it is
-  }
-}
-
-/// How many voxels along an axis of `count` are within `radius`; spacings may be tiny.
-int voxels_within(float radius, float spacing, int count) {
-  return static_cast<int>(std::min(radius / spacing, static_cast<float>(count - 1)));
-}
-
-/// The squares within rows and within one slice of the mask, for distances up to `radius`.
-/// Row y of them is all kFar where far[y].
-void find_squares_in_slice(const Volume& volume, const BitMask& mask, int z, float radius,
-                           float* squares, std::uint8_t* far) {
-  const IVec3 dims = volume.dims;
-  const auto width = static_cast<size_t>(dims.x);
-  const Vec3& spacing = volume.spacing;
-  std::vector<float> rows(width * dims.y);  // distances along the row alone
-  std::vector<float> row(width);
-  std::vector<std::uint8_t> empty(dims.y);
-  const int reach_x = voxels_within(radius, spacing.x, dims.x);
-  for (int y = 0; y < dims.y; ++y) {
-    const size_t first = volume.offset(0, y, z);
-    empty[y] = mask.next(first) >= first + width ? 1 : 0;
-    for (size_t x = 0; x < width; ++x) {
-      row[x] = mask[first + x] ? 0.0f : kFar;
-    }
-    float* const out = &rows[y * width];
-    std::ranges::copy(row, out);
-    for (int step = 1; step <= reach_x && empty[y] == 0; ++step) {
-      const float added = spacing.x * spacing.x * static_cast<float>(step * step);
-      lower(out, &row[step], dims.x - step, added);
-      lower(out + step, row.data(), dims.x - step, added);
-    }
-  }
-  const int reach_y = voxels_within(radius, spacing.y, dims.y);
-  for (int y = 0; y < dims.y; ++y) {
-    float* const out = squares + y * width;
-    std::copy_n(&rows[y * width], width, out);
-    far[y] = empty[y];
-    for (int step = 1; step <= reach_y; ++step) {
-      const float added = spacing.y * spacing.y * static_cast<float>(step * step);
-      for (const int beside : {y - step, y + step}) {
-        if (beside >= 0 && beside < dims.y && empty[beside] == 0) {
-          lower(out, &rows[beside * width], dims.x, added);
-          far[y] = 0;
-        }
-      }
-    }
-  }
-}
-
-/// Within `radius` (mm) of the mask. Slice by slice, as few of them at a time as depend on one
-/// another: the squares of all would take twice the memory of the volume.
 BitMask dilated(const Volume& volume, const BitMask& mask, float radius) {
-  constexpr int kTogether = 16;  // slices
-  const IVec3 dims = volume.dims;
-  const float limit = radius * radius;
-  const int reach = voxels_within(radius, volume.spacing.z, dims.z);
-  const int held = std::min(kTogether + 2 * reach, dims.z);
-  const size_t slice = static_cast<size_t>(dims.x) * dims.y;
-  std::vector<float> squares(held * slice);  // of slice z at z % held
-  std::vector<std::uint8_t> far(static_cast<size_t>(held) * dims.y);
-  BitMask result(mask.size());
-  int known = 0;
-  for (int first = 0; first < dims.z; first += kTogether) {
-    const int last = std::min(first + kTogether, dims.z);
-    const int needed = std::min(last + reach, dims.z);
-    parallel_for(static_cast<size_t>(needed - known), 1, [&](size_t i, size_t) {
-      const int z = known + static_cast<int>(i);
-      const auto at = static_cast<size_t>(z % held);
-      find_squares_in_slice(volume, mask, z, radius, &squares[at * slice], &far[at * dims.y]);
-    });
-    known = needed;
-    parallel_for(static_cast<size_t>(last - first), 1, [&](size_t i, size_t) {
-      const int z = first + static_cast<int>(i);
-      std::vector<float> row(dims.x);
-      for (int y = 0; y < dims.y; ++y) {
-        std::ranges::fill(row, kFar);
-        for (int there = std::max(z - reach, 0); there <= std::min(z + reach, dims.z - 1);
-             ++there) {
-          const auto at = static_cast<size_t>(there % held);
-          const auto steps = static_cast<float>((there - z) * (there - z));
-          if (far[at * dims.y + y] == 0) {
-            lower(row.data(), &squares[at * slice + static_cast<size_t>(y) * dims.x], dims.x,
-                  volume.spacing.z * volume.spacing.z * steps);
-          }
-        }
-        const size_t begin = volume.offset(0, y, z);
-        result.fill(begin, begin + dims.x, [&](size_t at) { return row[at - begin] <= limit; });
-      }
-    });
-  }
-  return result;
+  return dilated(volume.dims, volume.spacing, mask, radius);
 }
 
-/// What is farther than `radius` (mm) from what is not of the mask; beyond the picture all is.
 BitMask eroded(const Volume& volume, const BitMask& mask, float radius) {
-  const BitMask around =
-      dilated(volume, mask_where(volume, [&](size_t i) { return !mask[i]; }), radius);
-  return mask_where(volume, [&](size_t i) { return !around[i]; });
+  return eroded(volume.dims, volume.spacing, mask, radius);
 }
 
 IVec3 place_of(const Volume& volume, size_t offset) {
@@ -262,8 +162,7 @@ BitMask bare_things(const Volume& volume, const BitMask& filled) {
   };
   const BitMask dense =
       mask_where(volume, [&](size_t i) { return filled[i] && volume.values[i] > kDense; });
-  const BitMask near_air =
-      dilated(volume, mask_where(volume, [&](size_t i) { return !filled[i]; }), kSkinOverBone);
+  const BitMask near_air = dilated(volume, filled.inverted(), kSkinOverBone);
   std::vector<Thing> things;
   BitMask left = dense;
   for_each_component(left, [&](size_t seed) {

@@ -88,18 +88,10 @@ void smooth_within(Volume& volume, const BitMask& mask, float deviation) {
     }
   }
   const auto [least, most] = volume.values.range();
-  const size_t slice = static_cast<size_t>(volume.dims.x) * volume.dims.y;
-  rewrite_values(volume, value_step(most - least), [&](int z, float* out) {
-    const size_t first = static_cast<size_t>(z) * slice;
-    for (size_t i = 0; i < slice; ++i) {
-      out[i] = volume.values[first + i];
-    }
-    const auto from = std::ranges::lower_bound(places, first);
-    const auto to = std::ranges::lower_bound(places, first + slice);
-    for (auto place = from; place != to; ++place) {
-      out[*place - first] = values[static_cast<size_t>(place - places.begin())];
-    }
-  });
+  const float step = value_step(most - least);
+  std::ranges::transform(values, values.begin(),
+                         [step](float value) { return step * std::round(value / step); });
+  volume.values.set(places, values);
 }
 
 }  // namespace clipgs

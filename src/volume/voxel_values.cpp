@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <unordered_map>
 #include <utility>
 
 namespace clipgs {
@@ -127,6 +128,28 @@ std::optional<std::uint16_t> VoxelValues::code_for(float value) {
   const auto code = static_cast<std::uint16_t>(spare - occurs.begin());
   meaning_[code] = value;
   return code;
+}
+
+void VoxelValues::set(std::span<const size_t> places, std::span<const float> values) {
+  std::unordered_map<float, std::uint16_t> codes;
+  for (size_t code = 0; code < meaning_.size(); ++code) {
+    codes.emplace(meaning_[code], static_cast<std::uint16_t>(code));
+  }
+  for (size_t i = 0; i < places.size(); ++i) {
+    if (packed()) {
+      auto known = codes.find(values[i]);
+      if (known == codes.end() && meaning_.size() < ValuePalette::kMost) {
+        known = codes.emplace(values[i], static_cast<std::uint16_t>(meaning_.size())).first;
+        meaning_.push_back(values[i]);
+      }
+      if (known != codes.end()) {
+        codes_[places[i]] = known->second;
+        continue;
+      }
+      unpack();
+    }
+    floats_[places[i]] = values[i];
+  }
 }
 
 ValuePacker::ValuePacker(size_t count) : count_(count) { codes_.reserve(count); }

@@ -64,6 +64,8 @@ class VoxelValues {
   /// Sets the values of the voxels i where `where(i)`, which may run on many threads.
   template <typename Where>
   void set_where(float value, const Where& where);
+  /// Sets the values of some voxels, one each.
+  void set(std::span<const size_t> places, std::span<const float> values);
   /// Replaces what is stored, one element a voxel, by rearrange(it).
   template <typename Rearrange>
   void rearrange(const Rearrange& rearrange);

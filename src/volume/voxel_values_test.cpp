@@ -30,6 +30,25 @@ TEST(VoxelValues, FewAreKeptIn16BitsAndUnchanged) {
   EXPECT_FALSE(values.packed());
 }
 
+TEST(VoxelValues, SomeAreSetAndTheRestStays) {
+  for (const size_t different : {size_t{1000}, size_t{65534}, size_t{90000}}) {
+    std::vector<float> floats(200000);
+    for (size_t i = 0; i < floats.size(); ++i) {
+      floats[i] = static_cast<float>(i % different) * 0.25f;
+    }
+    VoxelValues values = floats;
+    values.pack();
+    const std::vector<size_t> places = {7, 70001, 199999, 12, 13};
+    const std::vector<float> set = {0.125f, floats[5], 0.125f, -5000, -6000};
+    values.set(places, set);
+    for (size_t i = 0; i < places.size(); ++i) {
+      floats[places[i]] = set[i];
+    }
+    EXPECT_EQ(values.packed(), different == 1000) << different;
+    EXPECT_EQ(values, VoxelValues(floats));
+  }
+}
+
 TEST(VoxelValues, Takes65536DifferentOnesAndNotOneMore) {
   std::vector<float> floats(70000);
   for (size_t i = 0; i < floats.size(); ++i) {
