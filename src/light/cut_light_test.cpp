@@ -247,5 +247,29 @@ TEST(CutLight, IsTheSameOnOneThread) {
   EXPECT_EQ(many, one);
 }
 
+// As skin above the skull: cells that hold some of both would be dark in the light.
+TEST(Patches, AreOfTheOutermostOfSurfacesThatLookTheSameWay) {
+  const Vec3 normal = glm::normalize(Vec3(0.3f, 0.2f, 1));
+  Vec3 u;
+  Vec3 v;
+  orthonormal_basis(normal, u, v);
+  std::vector<SurfacePoint> points;
+  for (int i = -40; i <= 40; ++i) {
+    for (int j = -40; j <= 40; ++j) {
+      const Vec3 at = 0.5f * (static_cast<float>(i) * u + static_cast<float>(j) * v);
+      points.push_back({at - 2.0f * normal, normal, Vec3(0.1f)});
+      points.push_back({at, normal, Vec3(0.9f)});
+    }
+  }
+  const Patches patches(make_grid(), points);
+  int both = 0;  // cells that hold some of the outer surface
+  for (const SurfacePoint& patch : patches.all()) {
+    const float depth = -glm::dot(patch.position, normal);
+    EXPECT_TRUE(depth < 0.01f || depth > 1.99f) << depth;
+    both += depth < 0.01f ? 1 : 0;
+  }
+  EXPECT_GT(both, 60);
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -17,18 +17,43 @@ IVec3 cell_at(const PatchGrid& grid, const Vec3& world) {
   return glm::clamp(nearest, IVec3(0), grid.dims - 1);
 }
 
+/// Whether a point lies so far behind another that it is of another surface. `spacing`: of cells.
+bool is_behind(const SurfacePoint& point, const SurfacePoint& other, float spacing) {
+  constexpr float kApart = 0.3f;
+  return glm::dot(point.position - other.position, other.normal) < -kApart * spacing;
+}
+
 }  // namespace
 
-Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> points) : grid_(grid) {
-  std::vector<std::uint32_t> places;
-  places.reserve(points.size());
+// What lies close below a surface and looks the same way, as skull does below skin, is left out of
+// its patch: dark as it is, it would show through as blotches wherever cells happen to hold both.
+Patches::Patches(const PatchGrid& grid, std::span<const SurfacePoint> scanned) : grid_(grid) {
   lookup_.assign(grid.cells() * kSides, kNone);
-  for (const SurfacePoint& point : points) {
+  const auto place_of = [&](const SurfacePoint& point) {
     const size_t cell = grid.offset(cell_at(grid, point.position));
-    const size_t place =
-        cell * kSides + static_cast<size_t>(side_faced(point.normal * grid.direction));
-    places.push_back(static_cast<std::uint32_t>(place));
-    lookup_[place] = 0;
+    return cell * kSides + static_cast<size_t>(side_faced(point.normal * grid.direction));
+  };
+  const auto outward = [&](const SurfacePoint& point, size_t place) {
+    const auto side = static_cast<int>(place % kSides);
+    const float along = glm::dot(point.position, grid.direction[side / 2]);
+    return side % 2 == 0 ? along : -along;
+  };
+  for (size_t i = 0; i < scanned.size(); ++i) {
+    const size_t place = place_of(scanned[i]);
+    std::int32_t& outermost = lookup_[place];
+    if (outermost == kNone ||
+        outward(scanned[i], place) > outward(scanned[static_cast<size_t>(outermost)], place)) {
+      outermost = static_cast<std::int32_t>(i);
+    }
+  }
+  std::vector<SurfacePoint> points;
+  std::vector<std::uint32_t> places;
+  for (const SurfacePoint& point : scanned) {
+    const size_t place = place_of(point);
+    if (!is_behind(point, scanned[static_cast<size_t>(lookup_[place])], grid.spacing)) {
+      points.push_back(point);
+      places.push_back(static_cast<std::uint32_t>(place));
+    }
   }
   for (size_t place = 0; place < lookup_.size(); ++place) {
     if (lookup_[place] != kNone) {

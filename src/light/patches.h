@@ -34,7 +34,8 @@ struct PatchGrid {
 
 /// The surfaces of a volume in patches: of each cell of a grid up to six, one for each side that a
 /// surface there may face (of an axis of the grid, the positive side first). Light is kept and
-/// looked up by them: a wall and its back never share one.
+/// looked up by them: a wall and its back never share one, and of surfaces one close behind another
+/// it is the outermost's.
 class Patches {
  public:
   static constexpr int kSides = 6;
