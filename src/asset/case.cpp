@@ -74,9 +74,9 @@ struct CodedSection {
   ZipEntry file;
 };
 
-CodedSection code_section(const Section& section, float quality) {
+CodedSection code_section(const Section& section, float quality, Saving saving) {
   std::vector<ZipEntry> files;
-  json block = encode_section(section, quality, files);
+  json block = encode_section(section, quality, files, saving);
   return {std::move(block), std::move(files.front())};
 }
 
@@ -91,8 +91,8 @@ size_t size_of(const CodedSection& section) {
 /// A section by kQualities, or by one that is given: each is coded once, for it takes seconds.
 class SectionCodings {
  public:
-  SectionCodings(const Section& section, std::optional<float> quality)
-      : section_(section), given_(quality) {}
+  SectionCodings(const Section& section, const CaseCoding& coding)
+      : section_(section), given_(coding.section_quality), saving_(coding.saving) {}
 
   /// The best that takes no more than `room` bytes. What does not fit by one is not tried by a
   /// better one.
@@ -118,11 +118,12 @@ class SectionCodings {
     const auto known = coded_.find(quality);
     return known != coded_.end()
                ? known->second
-               : coded_.emplace(quality, code_section(section_, quality)).first->second;
+               : coded_.emplace(quality, code_section(section_, quality, saving_)).first->second;
   }
 
   const Section& section_;
   std::optional<float> given_;
+  Saving saving_;
   std::map<float, CodedSection> coded_;
 };
 
@@ -187,7 +188,7 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   std::optional<SectionCodings> section;
   size_t others = kMetaBytes + scene.layers.size() / kLayersPerByte;
   if (contents.section) {
-    section.emplace(*contents.section, coding.section_quality);
+    section.emplace(*contents.section, coding);
     others += section->best(coding.bytes - std::min(coding.bytes, others)).file.bytes.size();
   }
   ZipEntry picture;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "asset/section_file.h"
+#include "asset/webp.h"
 #include "asset/zip.h"
 #include "core/image.h"
 #include "section/openings.h"
@@ -58,6 +59,7 @@ struct CaseInfo {
 struct CaseCoding {
   std::optional<float> section_quality;  ///< of its image, to kLossless; none: the best that fits
   size_t bytes = 5'000'000;              ///< the case should take no more; it does where it must
+  Saving saving = Saving::kBytes;        ///< of coding the section
 };
 
 /// A case (docs/format.md): a valid SOG with a `clipgs` block beside it. `thumbnail`: 3 or 4

@@ -304,8 +304,8 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
                 section.dims.x, section.dims.y, section.dims.z);
   }
   const Texels texels = to_texels(section, mosaic);
-  Bytes image =
-      quality >= kLossless ? encode_webp(texels, saving) : encode_webp_data(texels, quality);
+  Bytes image = quality >= kLossless ? encode_webp(texels, saving)
+                                     : encode_webp_data(texels, quality, saving);
   const std::vector<std::uint8_t> decoded =
       to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
                 section.dims, section.channels);

@@ -18,7 +18,7 @@ constexpr float kLossless = 100;
 
 /// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with
 /// which values can be read back, as the JSON states it, includes what the image's coding loses.
-/// `saving`: if that is lossless. Throws Error.
+/// Throws Error.
 nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
                               Saving saving = Saving::kBytes);
 

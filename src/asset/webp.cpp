@@ -66,14 +66,15 @@ Bytes encode_webp(const Texels& texels, Saving saving) {
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
 
-Bytes encode_webp_data(const Texels& texels, float quality) {
+Bytes encode_webp_data(const Texels& texels, float quality, Saving saving) {
   WebPConfig config;
   WebPConfigInit(&config);
   config.quality = quality;
-  config.method = 6;
+  config.method = saving == Saving::kBytes ? 6 : 1;
+  config.thread_level = 1;
   config.sns_strength = 0;
   config.filter_strength = 0;
-  config.use_sharp_yuv = 1;
+  config.use_sharp_yuv = saving == Saving::kBytes ? 1 : 0;
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
 

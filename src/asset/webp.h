@@ -25,7 +25,7 @@ struct Texels {
 /// A picture of 3 or 4 channels in [0, 1], rounded to 8 bits. Throws Error.
 Texels to_texels(const Image& image);
 
-/// What a lossless encoder is to save: kTime takes a fifth of the time, and 1.6 times the bytes.
+/// What an encoder is to save: kTime takes a fifth of the time, and 1.6 times the bytes.
 enum class Saving { kBytes, kTime };
 
 /// Lossless, texel for texel (RGB under alpha 0 as well). Throws Error.
@@ -33,7 +33,7 @@ Bytes encode_webp(const Texels& texels, Saving saving = Saving::kBytes);
 
 /// Data that may change a little: evenly good everywhere, with nothing done for the eye's sake.
 /// `quality` 0 to 100. Alpha must be 255. Throws Error.
-Bytes encode_webp_data(const Texels& texels, float quality);
+Bytes encode_webp_data(const Texels& texels, float quality, Saving saving = Saving::kBytes);
 
 /// A picture to look at: 3 or 4 channels in [0, 1], lossy, `quality` 0 to 100. Throws Error.
 Bytes encode_webp(const Image& image, float quality);
