@@ -154,9 +154,10 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
     return draw_cued(
         gaussians, gain, faces, distances, options.cue,
         [&](const Gaussians& shown, const FaceGain& by, const auto& front, bool on_surface) {
+          const bool surface_alone = contents.scene.placed && surface && on_surface;
           Image picture = (options.reference ? render_reference : render)(
-              shown, camera, kept, options.clip, front ? &*front : nullptr, by, switched,
-              options.cue);
+              surface_alone ? shown.like(0) : shown, camera, kept, options.clip,
+              front ? &*front : nullptr, by, switched, options.cue);
           if (outline) {
             const std::optional<Image> colors =
                 surface && on_surface

@@ -193,6 +193,27 @@ TEST(DrawCase, EndsWhereTheSectionDoes) {
   }
 }
 
+// Of a case in which nothing is learnt the section shows all that it can.
+TEST(DrawCase, PlacedSplatsAddNothingToASurface) {
+  Case contents{ball_surface(), test::ball_section()};
+  contents.scene.placed = true;
+  prepare_openings(contents);
+  Case bare = contents;
+  bare.scene.gaussians = contents.scene.gaussians.like(0);
+  const Camera view = frame_sphere({Vec3(0), kRadius}, Vec3(0.3f, -1, 0.4f), 1, 64, 64);
+  const Cut cut = Plane{glm::normalize(Vec3(0.2f, 1, -0.3f)), 2};
+  EXPECT_EQ(draw_case(contents, view, cut).data, draw_case(bare, view, cut).data);
+  const DrawOptions cued{.cue = {.strength = 0.5f, .near = 40, .far = 80}};
+  for (const Image& seen : {draw_case(contents, view, cut), draw_case(contents, view, cut, cued)}) {
+    const float* const middle = seen.at(32, 32);
+    EXPECT_GT(middle[3], 0.4f);
+    EXPECT_GT(middle[0], middle[2]);  // skin, and not the blue of the splats
+  }
+  // Where no surface is drawn they are all there is.
+  const Image splats = draw_case(contents, view, std::nullopt, {.faces = FaceSource::kSplats});
+  EXPECT_GT(splats.at(32, 32)[2], splats.at(32, 32)[0] + 0.3f);
+}
+
 TEST(DrawCase, NamesOfSources) {
   for (const FaceSource source : {FaceSource::kVolume, FaceSource::kSplats}) {
     EXPECT_EQ(parse_face_source(face_source_name(source)), source);

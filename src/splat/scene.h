@@ -71,7 +71,10 @@ struct Scene {
   std::string created;  ///< ISO 8601 date, or empty
   VolumeLook look;      ///< of the volume that the scene was made of
   FaceGain face_gain;   ///< of the splats at a cut face
-  PlaneStates states;   ///< of the uniaxial cut
+  /// The Gaussians are placed where a section has surfaces, and not trained: where those are drawn
+  /// they add nothing.
+  bool placed = false;
+  PlaneStates states;  ///< of the uniaxial cut
   /// The state that each Gaussian comes from, its rendering layer; empty if the scene has none.
   std::vector<std::uint16_t> layers;
 };

@@ -17,6 +17,8 @@ namespace {
 constexpr int kVersion = 1;
 constexpr std::uintmax_t kMaxJson = std::uintmax_t{16} << 20;
 constexpr const char* kLayerColumn = "layer";
+constexpr const char* kSplatsKey = "splats";
+constexpr const char* kPlaced = "placed";
 
 std::filesystem::path sidecar_path(std::filesystem::path path) {
   if (path.extension() != ".ply") {
@@ -115,6 +117,9 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
       result["face_gain"].push_back(json_vector(coefficient));
     }
   }
+  if (scene.placed) {
+    result[kSplatsKey] = kPlaced;
+  }
   if (scene.states.count > 0) {
     result["states"] = to_json(scene.states);
   }
@@ -148,6 +153,10 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   scene.look = read_volume_look(reader);
   if (const auto gain = object.find("face_gain"); gain != object.end()) {
     scene.face_gain = gain_from_json(*gain, reader);
+  }
+  scene.placed = object.contains(kSplatsKey);
+  if (scene.placed && reader.text(kSplatsKey) != kPlaced) {
+    reader.fail(kSplatsKey);
   }
   scene.states =
       object.contains("states") ? states_from_json(reader.child("states")) : PlaneStates();

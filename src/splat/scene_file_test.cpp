@@ -112,6 +112,21 @@ TEST(SceneFile, KeepsTheGainOfFaces) {
               ThrowsMessage<Error>(HasSubstr("face_gain")));
 }
 
+TEST(SceneFile, SaysThatSplatsArePlaced) {
+  Scene written = random_scene(5, 1, 5);
+  nlohmann::json json = scene_to_json(written, scene_to_world());
+  EXPECT_FALSE(json.contains("splats"));
+  written.placed = true;
+  json = scene_to_json(written, scene_to_world());
+  EXPECT_EQ(json.at("splats"), "placed");
+  Scene read;
+  scene_from_json(json, "placed.json", read);
+  EXPECT_TRUE(read.placed);
+  json["splats"] = "guessed";
+  EXPECT_THAT([&] { scene_from_json(json, "placed.json", read); },
+              ThrowsMessage<Error>(HasSubstr("splats")));
+}
+
 TEST(PlaneStates, NearestAndPlane) {
   const PlaneStates states{11, -5, 1, true};
   EXPECT_EQ(states.nearest(-100), 0);

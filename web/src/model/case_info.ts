@@ -13,6 +13,8 @@ export interface CaseInfo {
   mmPerUnit: number;
   states: PlaneStates;
   faceGain: FaceGain;
+  /** Splats lie where the section has surfaces, and are not trained: where those are drawn they add nothing. */
+  placed: boolean;
   sphere: Sphere;
   bounds: Box;
   title: string;
@@ -47,6 +49,14 @@ function similarity(reader: JsonReader, key: string): Matrix4 {
   return matrix;
 }
 
+function readPlaced(reader: JsonReader): boolean {
+  const placed = reader.has("splats");
+  if (placed && reader.text("splats") !== "placed") {
+    reader.fail("splats");
+  }
+  return placed;
+}
+
 /** Throws CaseError. */
 export function parseCaseInfo(block: unknown): CaseInfo {
   if (block === undefined) {
@@ -69,6 +79,7 @@ export function parseCaseInfo(block: unknown): CaseInfo {
     mmPerUnit: new Vector3().setFromMatrixColumn(sceneToPatient, 0).length(),
     states: reader.has("states") ? readStates(reader.child("states"), axis) : defaultStates(axis, extent),
     faceGain: readFaceGain(reader),
+    placed: readPlaced(reader),
     sphere: { center: vector(sphere, "center"), radius: sphere.number("radius", Number.MIN_VALUE) },
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
     title: reader.text("title"),

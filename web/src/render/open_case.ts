@@ -94,6 +94,7 @@ export class OpenCase {
     const scene = new GpuScene(loaded.scene);
     this.cue = new DepthCue(this.info.sphere, sceneToPatient, mmPerUnit);
     this.mesh = new SplatMesh(scene, sceneToPatient, mmPerUnit, faceGain, loaded.hull, this.cue);
+    this.mesh.placed = this.info.placed;
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;

@@ -281,9 +281,16 @@ export class SplatLayer {
     (this.#uniforms.uSize.value as Vector2).set(width, height);
     const isFine = target === this.#still || (!outlined && faces?.detail !== "splats");
     const coarse = isFine ? 1 : Math.min(block, kMostCoarse);
-    const isCoarse = faces !== null && coarse > 1;
+    const surfaced =
+      outlined?.hasSurface && outlined.detail === "surface" && mesh.visible && !cue.covering
+        ? outlined
+        : null;
+    const surfaceAlone = mesh.placed && surfaced !== null && this.#surface !== null;
+    const isCoarse = faces !== null && coarse > 1 && !surfaceAlone;
     this.#uniforms.uIsCoarse.value = isCoarse;
-    if (isCoarse) {
+    if (surfaceAlone) {
+      this.#render(target, camera, [surfaced.opaque]);
+    } else if (isCoarse) {
       this.#render(target, camera, [faces.opaque]);
       this.#drawCoarse(mesh, camera, width, height, coarse);
     } else {
@@ -291,8 +298,8 @@ export class SplatLayer {
     }
     this.#faces.setSize(faces ? width : 1, faces ? height : 1);
     this.#render(this.#faces, camera, faces ? [faces.partial] : []);
-    if (outlined?.hasSurface && outlined.detail === "surface" && mesh.visible && !cue.covering) {
-      this.#surface?.draw(outlined, camera, target, isCoarse ? this.#coarse : target, this.#faces, block);
+    if (surfaced) {
+      this.#surface?.draw(surfaced, camera, target, isCoarse ? this.#coarse : target, this.#faces, block);
     } else {
       this.#surface?.hide();
     }

@@ -93,6 +93,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   /** The planes in scene space; each keeps xyz·x >= w. */
   planes: Vector4[] = [];
   clip: number = kClipOperators.none;
+  /** CaseInfo's. */
+  placed = false;
   /** How `planes` switch layers, where those are clipped by. */
   layerSwitch: LayerSwitch | null = null;
   /** Splats in the current order. */

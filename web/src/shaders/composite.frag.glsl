@@ -129,12 +129,12 @@ void main() {
     }
     covered = uGrey > 0.0 ? max(face.a, covered) : covered;
     float beyond = c.a - face.a;  // that splats cover
-    vec3 color = beyond >= kLeastBeyond ? clamp((c.rgb - face.rgb) / beyond, 0.0, 1.0) : face.rgb / face.a;
+    vec3 color = beyond >= kLeastBeyond ? clamp((c.rgb - face.rgb) / beyond, 0.0, 1.0) : face.rgb / max(face.a, 1e-6);
     if (onSurface) {
       float seen = beyond >= kLeastBeyond ? min(2.0 * surface.a, 1.0) : 1.0;
       color = mix(color, tinted(surface, vec2(at.x, 1.0 - at.y) * uSize), seen);
     }
-    vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / face.a * face.rgb;
+    vec3 light = covered > face.a ? face.rgb + (covered - face.a) * color : covered / max(face.a, 1e-6) * face.rgb;
     c = vec4(light, covered);
   }
 #endif

@@ -313,6 +313,11 @@ describe("parseCaseInfo", () => {
     expect(info.states).toEqual({ ...states, axis: new Vector3(0, 1, 0) });
   });
 
+  it("knows splats that are placed from those that are trained", () => {
+    expect(parseCaseInfo(block()).placed).toBe(false);
+    expect(parseCaseInfo({ ...block(), splats: "placed" }).placed).toBe(true);
+  });
+
   it("refuses frames that bend or mirror, and whatever is missing", () => {
     const bent = block();
     bent.world.scene_to_ras_mm[0]![1] = 300;
@@ -328,6 +333,7 @@ describe("parseCaseInfo", () => {
       { ...block(), title: 3 },
       { ...block(), extent: [1] },
       { ...block(), states: null },
+      { ...block(), splats: "guessed" },
       { ...block(), sphere: { center: [0, 0, 0], radius: 0 } },
       bent,
       mirrored,
