@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/build_case.h"
+#include "pipeline/instant_case.h"
 #include "pipeline/section_step.h"
 
 #include "cli/arguments.h"
@@ -45,6 +46,8 @@ constexpr std::array kQualities = {
     Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
 };
 
+constexpr const char* kInstant = "instant";
+
 const Quality& find_quality(const std::string& name) {
   for (const Quality& quality : kQualities) {
     if (name == quality.name) {
@@ -52,7 +55,7 @@ const Quality& find_quality(const std::string& name) {
     }
   }
   throw CLI::ValidationError("--quality",
-                             fmt::format("\"{}\" is not draft, standard or high", name));
+                             fmt::format("\"{}\" is not instant, draft, standard or high", name));
 }
 
 /// Numbers of the quality that the user wants otherwise; 0 or −1: as the quality says.
@@ -130,7 +133,20 @@ void require_volume(const BuildArguments& arguments) {
   }
 }
 
+void run_instant_build(const BuildArguments& arguments) {
+  require_writable(arguments.output);
+  require_volume(arguments);
+  const Volume volume = load_volume(arguments.volume, arguments.loading);
+  build_instant_case(volume, load_look(arguments.look, volume),
+                     {arguments.section, !arguments.look.as_scanned, arguments.title},
+                     arguments.output);
+}
+
 void run_build(const BuildArguments& arguments) {
+  if (arguments.quality == kInstant) {
+    run_instant_build(arguments);
+    return;
+  }
   const BuildOptions options = build_options(arguments);
   require_writable(arguments.output);
   const fs::path folder = work_folder(arguments);
@@ -140,6 +156,19 @@ void run_build(const BuildArguments& arguments) {
   Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_look(arguments.look, volume);
   build_case(std::move(volume), preset, options, work, arguments.output);
+}
+
+/// Of a case that is there at once nothing is traced and nothing trained.
+void require_no_training(const CLI::App& command) {
+  for (const char* name :
+       {"--model", "--work", "--seed", "--denoise", "--size", "--train-frames", "--test-frames",
+        "--test-size", "--uncut-frames", "--close-frames", "--cut-views", "--test-noise-db",
+        "--test-masked-noise-db", "--budget", "--steps", "--sh-degree"}) {
+    if (command.get_option(name)->count() > 0) {
+      throw CLI::ValidationError(
+          name, "--quality instant traces no pictures and trains nothing; leave one of them out");
+    }
+  }
 }
 
 /// "skin,skeleton": several presets. The name of a file may have commas in it.
@@ -221,7 +250,9 @@ void add_build_command(CLI::App& app) {
           "of "
           "each, which the viewer shows as looks of one volume");
   add_label_options(*command, arguments->look.labels, arguments->loading);
-  command->add_option("--quality", arguments->quality, "draft, standard or high")
+  command
+      ->add_option("--quality", arguments->quality,
+                   "instant (seconds, nothing trained), draft, standard or high")
       ->capture_default_str();
   command
       ->add_option("--model", arguments->model,
@@ -272,8 +303,12 @@ void add_build_command(CLI::App& app) {
       "folder.\n"
       "It keeps the pictures for clipgs eval; delete it when you do not need them.\n"
       "Example: clipgs build dicom/ -o case.sog\n"
+      "         clipgs build dicom/ -o case.sog --quality instant\n"
       "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery");
-  command->callback([arguments] {
+  command->callback([command, arguments] {
+    if (arguments->quality == kInstant) {
+      require_no_training(*command);
+    }
     leave_section_to_splats(arguments->loading, arguments->section);
     run_builds(*arguments);
   });

@@ -319,5 +319,32 @@ TEST_F(BuildTest, BuildOfAnUnusableVolumeLeavesNothing) {
   EXPECT_FALSE(fs::exists(at("zero.sog")));
 }
 
+TEST_F(BuildTest, InstantCasesNeedNoWork) {
+  const Finished made = run_clipgs({"phantom", at("p.nii.gz"), "--size", "64"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const std::vector<std::string> build = {"build",     at("p.nii.gz"), "-o",      at("now.sog"),
+                                          "--quality", "instant",      "--title", "At once"};
+  const Finished built = run_clipgs(build);
+  ASSERT_EQ(built.status, 0) << built.err;
+  EXPECT_THAT(built.out, HasSubstr("now.sog: "));
+  EXPECT_FALSE(fs::exists(at("now.clipgs-work")));
+  const Finished info = run_clipgs({"info", at("now.sog"), "--json"});
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("title"), "At once");
+  const std::string first = read_text(at("now.sog"));
+  for (const auto& [option, value] :
+       {std::pair{"--steps", "5"}, {"--work", "w"}, {"--model", "clipgs"}, {"--test-size", "64"}}) {
+    std::vector<std::string> wrong = build;
+    wrong.insert(wrong.end(), {option, value});
+    const Finished failed = run_clipgs(wrong);
+    EXPECT_EQ(failed.status, 2);
+    EXPECT_THAT(failed.err, HasSubstr("trains nothing"));
+    EXPECT_THAT(failed.err, HasSubstr(option));
+  }
+  std::vector<std::string> unlit = build;
+  unlit.insert(unlit.end(), {"--gradient-opacity", "10,20"});
+  EXPECT_THAT(run_clipgs(unlit).err, HasSubstr("gradient opacity"));
+  EXPECT_TRUE(read_text(at("now.sog")) == first);  // it is still there
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -1,9 +1,6 @@
 #include "pipeline/build_case.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <ctime>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <utility>
 
@@ -142,13 +139,6 @@ Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::pa
   return load_case(SceneFiles(stem).ply);
 }
 
-/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte.
-std::string today() {
-  const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
-  const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
-  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(time));
-}
-
 }  // namespace
 
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
@@ -158,8 +148,7 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
   const FolderLock lock(folder);  // clipgs dataset may be pointed here, too
   const Dataset dataset = build_dataset(std::exchange(volume, {}), preset, options, folder);
   Case contents = build_scene(dataset, options, work.folder() / "scene");
-  contents.scene.title = options.title.empty() ? contents.scene.preset : options.title;
-  contents.scene.created = today();
+  name_case(contents, options.title);
   contents.scene.look = dataset.look;  // that of work kept since before scenes had one, too
   return contents;
 }

@@ -1,11 +1,30 @@
 #include "pipeline/case_step.h"
 
+#include <cstdlib>
+#include <ctime>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "asset/draw_case.h"
 #include "splat/overdraw.h"
 
 namespace clipgs {
+
+namespace {
+
+/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte.
+std::string today() {
+  const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
+  const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(time));
+}
+
+}  // namespace
+
+void name_case(Case& contents, const std::string& title) {
+  contents.scene.title = title.empty() ? contents.scene.preset : title;
+  contents.scene.created = today();
+}
 
 void write_finished_case(const std::filesystem::path& path, const Case& contents,
                          const CaseCoding& coding) {

@@ -1,10 +1,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "asset/case.h"
 
 namespace clipgs {
+
+/// Gives a case that is made now its title (empty: the preset's name) and its date.
+void name_case(Case& contents, const std::string& title);
 
 /// Writes the case with its thumbnail, and says in a line what it holds, takes, and costs to draw.
 /// Throws Error.

@@ -134,7 +134,7 @@ Vec3 OpenedLight::gain(const Vec3& world, const Vec3& axis) const {
   Vec3 now(0);
   for (const Vec3& side : {axis, -axis}) {
     patches.interpolate(world, side, [&](size_t patch, float weight) {
-      if (openings_.is_lit(patch)) {
+      if (Openings::is_lit(own[patch])) {
         before += weight * own[patch];
         now += weight * solution_[patch];
       }

@@ -29,6 +29,8 @@ struct Wall {
 class Openings {
  public:
   explicit Openings(const Section& section);
+  /// `scan`: of the section (scan_surfaces()).
+  Openings(const Section& section, const SurfaceScan& scan);
 
   /// Whether walls are drawn: nearly all matter must be opaque within a voxel. Light that goes on
   /// through glass or skin before bone is the splats'.
@@ -41,9 +43,9 @@ class Openings {
   /// Light of the uncut volume under the rig that it was traced under: what splats' colours have in
   /// them.
   const std::vector<Vec3>& own_light() const { return own_light_; }
-  /// Whether a patch is lit uncut: darker ones, cavities, are drawn from the volume, and say
-  /// nothing of the skin beside them.
-  bool is_lit(size_t patch) const { return own_light_[patch].g >= kLit; }
+  /// Whether light is that of a surface that is lit uncut: darker ones, cavities, are drawn from
+  /// the volume, and say nothing of the skin beside them.
+  static bool is_lit(const Vec3& light) { return light.g >= kLit; }
   /// From now on other lights.
   void set_rig(const LightRig& rig) { light_.set_rig(rig); }
   const EmptySpace& empty_space() const { return empty_space_; }
@@ -62,12 +64,11 @@ class Openings {
 
  private:
   static constexpr float kLit = 0.05f;
-  // Of opaque presets' matter less than a tenth is translucent, at its surfaces; of others a third
-  // or more, of those that have no surface to speak of nearly all.
-  static constexpr float kMostTranslucent = 0.2f;
+  // Of opaque presets' matter less than a tenth is translucent, at its surfaces, and of thin
+  // vessels a quarter; of others a third or more, of those that have no surface to speak of nearly
+  // all.
+  static constexpr float kMostTranslucent = 0.3f;
   static constexpr float kGlass = 0.9f;
-
-  Openings(const Section& section, const SurfaceScan& scan);
 
   MaterialTable materials_;
   EmptySpace empty_space_;

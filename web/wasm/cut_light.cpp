@@ -95,7 +95,7 @@ const std::uint8_t* write_texels(const std::vector<Vec3>& solution) {
           std::lround(255 * srgb_from_linear(solution[i][c] / light.scale)));
     }
     texel[3] = 255;
-    if (light.openings->is_lit(i)) {
+    if (Openings::is_lit(light.openings->own_light()[i])) {
       std::copy_n(texel, 4, texel + 4 * cells * Patches::kSides);
     }
   }

@@ -7,7 +7,7 @@ import { clipgs, missing } from "./program";
 
 declare module "vitest" {
   interface ProvidedContext {
-    /** A folder with the phantom's scene.ply, and phantom.sog, solid.sog, layered.sog, filmic.sog and photo.sog in `cases`. */
+    /** A folder with the phantom's scene.ply, and phantom.sog, instant.sog, solid.sog, layered.sog, filmic.sog and photo.sog in `cases`. */
     made: string;
   }
 }
@@ -21,6 +21,7 @@ export default async function makeCases({ provide }: TestProject): Promise<(() =
   const cases = join(made, "cases");
   mkdirSync(cases);
   await makePhantomCase(made, join(cases, "phantom.sog"));
+  await makeInstantCase(made, join(cases, "instant.sog"));
   await makeSolidCase(made, join(cases, "solid.sog"));
   await makeLayeredCase(made, join(cases, "layered.sog"));
   await makeFilmicCase(made, join(made, "filmic"), join(cases, "filmic.sog"));
@@ -62,6 +63,12 @@ async function makePhantomCase(work: string, out: string): Promise<void> {
   const volume = join(work, "phantom.nii.gz");
   await clipgs("phantom", volume, "--size", "96");
   await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
+}
+
+/** A case of the same volume in which nothing is learnt. */
+async function makeInstantCase(made: string, out: string): Promise<void> {
+  const look = ["--preset", "skin-and-bone", "--title", "Instant phantom"];
+  await clipgs("build", join(made, "phantom.nii.gz"), "-o", out, "--quality", "instant", ...look);
 }
 
 /** A case of the same volume with a tone curve, lit so that much is brighter than white, and a boundary's look. */

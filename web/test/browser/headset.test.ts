@@ -45,7 +45,9 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const bytes = readFileSync(join(cases, "phantom.sog"));
       writeFileSync(join(cases, "damaged.sog"), bytes.subarray(0, bytes.length / 2));
       writeFileSync(join(cases, "notes.sog"), "no case at all");
-      ["filmic.sog", "layered.sog", "photo.sog", "solid.sog"].forEach((name) => rmSync(join(cases, name))); // the menu need not be scrolled
+      ["filmic.sog", "instant.sog", "layered.sog", "photo.sog", "solid.sog"].forEach((name) =>
+        rmSync(join(cases, name)),
+      ); // the menu need not be scrolled
     }, "--headset");
     page = await session.openInHeadset("#case=phantom", errors);
     await page.evaluate(() => window.clipgs.ready);

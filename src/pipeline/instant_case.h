@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/section_step.h"
+
+#include "asset/case.h"
+#include "volume/preset.h"
+#include "volume/volume.h"
+
+namespace clipgs {
+
+/// What a case that is there at once is made with.
+struct InstantOptions {
+  SectionChoice section;
+  bool upsample = true;  ///< as DatasetOptions::upsample; of small volumes alone, for it takes time
+  std::string title;     ///< empty: the preset's name
+};
+
+/// A case of a volume in which nothing is learnt (method.md §13): the section, its light, and
+/// Gaussians placed and coloured in closed form. Where surfaces are drawn from the section they are
+/// discs on those that are lit (surface_splats()); else, of translucent matter and without a
+/// section, they fill the matter. Throws Error.
+Case make_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options);
+
+/// The same into a file, coded as fast as may be. Throws Error.
+void build_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options,
+                        const std::filesystem::path& output);
+
+}  // namespace clipgs

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstddef>
+
+#include "section/openings.h"
+#include "section/section_light.h"
+#include "splat/gaussians.h"
+
+namespace clipgs {
+
+/// About `count` Gaussians that show the lit surfaces of a section as it is uncut, in closed form:
+/// nothing is learnt (method.md §8). Each is a nearly opaque disc in the place of what is one
+/// surface of a cell of a grid, with its mean place, normal and reflectance, in the light that
+/// comes there. Where matter ends because the volume does there are some, too. Surfaces that are
+/// dark uncut have none: where a cut lets light in, walls are drawn from the section. `scan`: of
+/// the section that `openings` was made of; `openings` draws walls.
+Gaussians surface_splats(const Section& section, const SurfaceScan& scan, const Openings& openings,
+                         size_t count);
+
+}  // namespace clipgs
