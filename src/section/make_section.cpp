@@ -120,34 +120,34 @@ bool may_be_air(float value, const Volume& volume, const TransferFunction& trans
   return hidden && (volume.modality != Modality::kCt || value < kMostAir);
 }
 
-/// 1 where there is no air within `reach` voxels along every axis.
+/// What make(i) says of each of `count` places, on all threads.
+template <typename Make>
+std::vector<std::uint8_t> at_each(size_t count, const Make& make) {
+  std::vector<std::uint8_t> all(count);
+  parallel_for(count, size_t{1} << 16, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      all[i] = static_cast<std::uint8_t>(make(i));
+    }
+  });
+  return all;
+}
+
+/// 1 where not all is air of a voxel and those beside it, diagonally as well.
 template <typename IsAir>
-std::vector<std::uint8_t> near_matter(const Field& field, const IsAir& is_air, int reach) {
-  std::vector<std::uint8_t> mask(field.values.size());
-  for (size_t i = 0; i < mask.size(); ++i) {
-    mask[i] = is_air(field.values[i]) ? 0 : 1;
-  }
+std::vector<std::uint8_t> near_matter(const Field& field, const IsAir& is_air) {
+  std::vector<std::uint8_t> mask =
+      at_each(field.values.size(), [&](size_t i) { return is_air(field.values[i]) ? 0 : 1; });
   const std::array<size_t, 3> strides = {1, static_cast<size_t>(field.dims.x),
                                          static_cast<size_t>(field.dims.x) * field.dims.y};
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<std::uint8_t> wider = mask;
-    for (int z = 0; z < field.dims.z; ++z) {
-      for (int y = 0; y < field.dims.y; ++y) {
-        for (int x = 0; x < field.dims.x; ++x) {
-          const size_t at = field.offset(x, y, z);
-          if (mask[at] == 0) {
-            continue;
-          }
-          const int place = IVec3(x, y, z)[axis];
-          const int first = std::max(-reach, -place);
-          const int last = std::min(reach, field.dims[axis] - 1 - place);
-          for (int i = first; i <= last; ++i) {
-            wider[at + static_cast<size_t>(i) * strides[axis]] = 1;
-          }
-        }
-      }
-    }
-    mask = std::move(wider);
+    const size_t stride = strides[static_cast<size_t>(axis)];
+    const auto length = static_cast<size_t>(field.dims[axis]);
+    mask = at_each(mask.size(), [&](size_t i) {
+      const size_t place = i / stride % length;
+      const int before = place > 0 ? mask[i - stride] : 0;
+      const int after = place + 1 < length ? mask[i + stride] : 0;
+      return before | mask[i] | after;
+    });
   }
   return mask;
 }
@@ -156,8 +156,8 @@ std::vector<std::uint8_t> near_matter(const Field& field, const IsAir& is_air, i
 /// as in the lungs, is not: its values are worth reading.
 template <typename IsAir>
 std::vector<std::uint8_t> outside(const Field& field, const IsAir& is_air) {
-  constexpr int kReach = 1;  // interpolation at the surface needs the values on both sides
-  return flood_slices(field.dims, near_matter(field, is_air, kReach));
+  // Interpolation at the surface needs the values on both sides.
+  return flood_slices(field.dims, near_matter(field, is_air));
 }
 
 /// How a value looks on a face: display sRGB under white light, and opacity of half a voxel.
@@ -285,10 +285,9 @@ void fill_scalar(Section& section, const Volume& traced, const Volume& scanned,
     }
   }
   section.curve = curve_for(inside, preset, 0.5f * mean_spacing(section.source_spacing));
-  section.voxels.resize(field.values.size());
-  for (size_t i = 0; i < air.size(); ++i) {
-    section.voxels[i] = air[i] != 0 ? 0 : nearest_code(section.curve.code(field.values[i]));
-  }
+  section.voxels = at_each(air.size(), [&](size_t i) {
+    return air[i] != 0 ? std::uint8_t{0} : nearest_code(section.curve.code(field.values[i]));
+  });
 }
 
 void require_size(int size) {

@@ -60,17 +60,7 @@ BitMask without(BitMask a, const BitMask& b) {
 
 /// Matter, and all that it encloses in an axial slice: lungs belong to the chest.
 BitMask with_holes_filled(const Volume& volume, const BitMask& matter) {
-  BitMask filled(matter.size());
-  const size_t slice = static_cast<size_t>(volume.dims.x) * volume.dims.y;
-  parallel_for(static_cast<size_t>(volume.dims.z), 1, [&](size_t z, size_t) {
-    std::vector<std::uint8_t> mask(slice);
-    for (size_t i = 0; i < slice; ++i) {
-      mask[i] = matter[z * slice + i] ? 1 : 0;
-    }
-    const std::vector<std::uint8_t> outside = flood_slices({volume.dims.x, volume.dims.y, 1}, mask);
-    filled.fill(z * slice, (z + 1) * slice, [&](size_t i) { return outside[i - z * slice] == 0; });
-  });
-  return filled;
+  return flood_slices(volume.dims, matter).inverted();
 }
 
 BitMask dilated(const Volume& volume, const BitMask& mask, float radius) {

@@ -37,7 +37,7 @@ TEST(SmoothWithin, SpreadsASpikeAsAGaussianDoes) {
       }
     }
   }
-  EXPECT_NEAR(sum, 4096, 5);
+  EXPECT_NEAR(sum, 4096, 25);  // tails of less than half a step of 16 bits are lost
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(variance[k] / sum, 1.44, 0.05) << k;
   }

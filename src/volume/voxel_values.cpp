@@ -66,9 +66,21 @@ VoxelValues::Range VoxelValues::range() const {
   std::vector<Range> pieces((size() + kGrain - 1) / kGrain);
   parallel_for(size(), kGrain, [&](size_t begin, size_t end) {
     Range range{(*this)[begin], (*this)[begin]};
-    for (size_t i = begin; i < end; ++i) {
-      const float value = (*this)[i];
+    const auto add = [&range](float value) {
       range = {std::min(range.min, value), std::max(range.max, value)};
+    };
+    if (packed()) {
+      std::vector<std::uint8_t> occurs(meaning_.size());
+      for (size_t i = begin; i < end; ++i) {
+        occurs[codes_[i]] = 1;
+      }
+      for (size_t code = 0; code < occurs.size(); ++code) {
+        add(occurs[code] != 0 ? meaning_[code] : range.min);
+      }
+    } else {
+      for (size_t i = begin; i < end; ++i) {
+        add(floats_[i]);
+      }
     }
     pieces[begin / kGrain] = range;
   });
