@@ -1,6 +1,7 @@
 #include "section/section_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/parallel.h"
@@ -94,6 +95,25 @@ class MatterBetween {
 EmptySpace find_empty_space(const Section& section) {
   constexpr float kHalfInside = 0.5f * Section::kFirstInside;  // lossy coding moves codes a little
   const MatterBetween has_matter(section);
+  // Of the first and the last side along each axis: whether the volume ends there in matter. Where
+  // it does not, air around the body begins at the latest.
+  std::array<std::array<bool, 2>, 3> ends{};
+  for (const Plane& end : section.ends()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float along = glm::dot(end.normal, section.direction[axis]);
+      ends[static_cast<size_t>(axis)][0] |= along > 0.5f;
+      ends[static_cast<size_t>(axis)][1] |= along < -0.5f;
+    }
+  }
+  const auto is_at_air = [&](const IVec3& low, const IVec3& high) {
+    bool any = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& [first, last] = ends[static_cast<size_t>(axis)];
+      any |= low[axis] == 0 && !first;
+      any |= high[axis] == section.dims[axis] - 1 && !last;
+    }
+    return any;
+  };
   return {section.dims, [&](const IVec3& low, const IVec3& high) {
             float least = 255;
             float most = 0;
@@ -108,7 +128,7 @@ EmptySpace find_empty_space(const Section& section) {
             }
             return EmptySpace::Block{
                 has_matter(static_cast<int>(least), static_cast<int>(std::ceil(most))),
-                least < kHalfInside};
+                least < kHalfInside || is_at_air(low, high)};
           }};
 }
 

@@ -11,7 +11,7 @@
 namespace clipgs {
 
 /// Where a section is empty; blocks that interpolation reaches the air around the body from are
-/// marked.
+/// marked, and those at sides at which the volume does not end in matter.
 EmptySpace find_empty_space(const Section& section);
 
 /// The matter of a section that stands in the light: at most `size` samples along each side, each

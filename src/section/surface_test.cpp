@@ -46,6 +46,24 @@ TEST(Surface, CoversWhatTheBodyDoes) {
   EXPECT_NEAR(sum_of_alpha(image) / body, 1, 0.03);
 }
 
+// A nose that all but touches the side of the volume: what is seen through that side of a cut body
+// is its surface, not a gap of a face.
+TEST(Surface, HasNoHolesWhereTheVolumeEndsBeforeMatterDoes) {
+  LitBall s;
+  s.section = make_section(make_ball(32, 14.9f, 250, -1000), load_preset("skin-and-bone"), {64});
+  s.openings = Openings(s.section);
+  ASSERT_TRUE(s.section.ends().empty());
+  const Cut cut = Plane{Vec3(0, 0, 1), -10};  // takes the bottom
+  for (const Vec3& from : {Vec3(1, 0, 0), Vec3(0, -1, 0.1f), Vec3(0.1f, 0, 1)}) {
+    const Image image = s.seen(camera_at(from), cut);
+    for (int y = kSide / 2 - 6; y < kSide / 2 + 6; ++y) {
+      for (int x = kSide / 2 - 6; x < kSide / 2 + 6; ++x) {
+        ASSERT_GT(image.at(x, y)[3], 0.97f) << x << ", " << y;
+      }
+    }
+  }
+}
+
 // A convex body shadows nothing of itself: under a sky as bright everywhere it is so too, and a key
 // light from the left is seen on the left.
 TEST(Surface, IsLitByTheRig) {
