@@ -42,7 +42,7 @@ class Patches {
   static constexpr size_t kSamples = 8;
   static constexpr std::int32_t kNone = -1;
 
-  Patches(const PatchGrid& grid, std::span<const SurfacePoint> points);
+  Patches(const PatchGrid& grid, std::span<const SurfacePoint> scanned);
 
   const PatchGrid& grid() const { return grid_; }
   /// Means of the points of each patch, in the order of cells and sides.

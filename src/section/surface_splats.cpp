@@ -17,7 +17,6 @@ namespace {
 // them, and no farther, for a picture of them is as blurred as they are wide.
 constexpr float kWide = 0.65f;
 constexpr float kThick = 0.15f;
-static const float kSink = getenv("KS") ? atof(getenv("KS")) : 0.f;
 constexpr float kOpacity = 0.95f;
 constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
 
