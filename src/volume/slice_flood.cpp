@@ -108,29 +108,6 @@ std::uint64_t inside(size_t voxels) {
 
 }  // namespace
 
-std::vector<std::uint8_t> flood_slices(const IVec3& dims, const std::vector<std::uint8_t>& mask) {
-  std::vector<std::uint8_t> reached(mask.size());
-  const auto width = static_cast<size_t>(dims.x);
-  const auto height = static_cast<size_t>(dims.y);
-  parallel_for(static_cast<size_t>(dims.z), 1, [&](size_t z, size_t) {
-    Slice slice(dims.x, dims.y);
-    for (size_t y = 0; y < height; ++y) {
-      const std::uint8_t* const row = &mask[(z * height + y) * width];
-      for (size_t x = 0; x < width; ++x) {
-        slice.free(y)[x / kWord] |= std::uint64_t{row[x] == 0 ? 1U : 0U} << (x % kWord);
-      }
-    }
-    slice.flood();
-    for (size_t y = 0; y < height; ++y) {
-      std::uint8_t* const row = &reached[(z * height + y) * width];
-      for (size_t x = 0; x < width; ++x) {
-        row[x] = static_cast<std::uint8_t>(slice.reached(y)[x / kWord] >> (x % kWord) & 1U);
-      }
-    }
-  });
-  return reached;
-}
-
 BitMask flood_slices(const IVec3& dims, const BitMask& mask) {
   BitMask result(mask.size());
   const auto width = static_cast<size_t>(dims.x);
@@ -151,6 +128,21 @@ BitMask flood_slices(const IVec3& dims, const BitMask& mask) {
     }
   });
   return result;
+}
+
+std::vector<std::uint8_t> flood_slices(const IVec3& dims, const std::vector<std::uint8_t>& mask) {
+  BitMask bits(mask.size());
+  parallel_for(mask.size(), size_t{1} << 18, [&](size_t begin, size_t end) {
+    bits.fill(begin, end, [&](size_t i) { return mask[i] != 0; });
+  });
+  const BitMask flooded = flood_slices(dims, bits);
+  std::vector<std::uint8_t> reached(mask.size());
+  parallel_for(reached.size(), size_t{1} << 18, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      reached[i] = flooded[i] ? 1 : 0;
+    }
+  });
+  return reached;
 }
 
 }  // namespace clipgs
