@@ -1,4 +1,4 @@
-import { copyFileSync, readFileSync, renameSync, writeFileSync } from "node:fs";
+import { copyFileSync, readdirSync, readFileSync, renameSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
@@ -48,8 +48,12 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
 
     await alert.getByRole("button", { name: "Choose a case" }).click();
     const menu = visitor.getByRole("dialog", { name: "Cases" });
-    await menu.locator(".card").nth(7).waitFor(); // the list is fetched anew when the menu opens
-    expect(await menu.locator(".card").count()).toBe(8);
+    const cases = readdirSync(session.cases).length;
+    await menu
+      .locator(".card")
+      .nth(cases - 1)
+      .waitFor(); // the list is fetched anew when the menu opens
+    expect(await menu.locator(".card").count()).toBe(cases);
     expect(await menu.locator('[data-case="page"]').textContent()).toMatch(/not|ZIP|archive/i);
     await menu.locator('[data-case="page"]').click();
     await expect.poll(() => alert.textContent()).toContain("page");
@@ -147,9 +151,9 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
       const blocks = dims!.split(",").reduce((product, n) => product * Math.ceil(Number(n) / 2), 1);
       const sum = (sizes: number[]) => sizes.reduce((all, n) => all + n);
       expect(sum(bytes)).toBeLessThan(channels * volumes * voxels + blocks + 3 * 12 * 4 * 48 ** 3);
-      // Each is given once; blocks may still be on their way.
+      // Each is given once; blocks may still be on their way, a single one in their place.
       const given = channels * volumes * voxels;
-      expect([given, given + blocks]).toContain(sum(pieces));
+      expect([given, given + blocks]).toContain(sum(pieces.filter((bytes) => bytes > 1)));
       await visitor.close();
     }
   });
@@ -171,7 +175,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
     await visitor.close();
   });
 
-  it("frees what it held when cases are switched, fifty times", async () => {
+  it("frees what it held when cases are switched, twenty times", async () => {
     const script = {
       content: `window.held = { textures: 0, buffers: 0 };
         for (const kind of ["Texture", "Buffer"]) {
@@ -204,7 +208,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
       return { heap, gpu: await visitor.evaluate("window.held") };
     };
     const before = await switchCases(4);
-    const after = await switchCases(50);
+    const after = await switchCases(20);
     expect(after.gpu).toEqual(before.gpu);
     expect(after.heap.usedSize - before.heap.usedSize).toBeLessThan(1e6);
     expect(after.heap.backingStorageSize - before.heap.backingStorageSize).toBeLessThan(1e6);

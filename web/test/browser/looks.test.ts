@@ -27,7 +27,7 @@ describe.skipIf(missing !== undefined)(
       await session.start(async (cases) => {
         copyMadeCases(session);
         await addLook(cases, "solid", "solid", ({ look }) => (look.title = "Without a section"));
-        ["layered.sog", "filmic.sog"].forEach((one) => rmSync(join(cases, one)));
+        ["layered.sog", "filmic.sog", "instant.sog"].forEach((one) => rmSync(join(cases, one)));
         await addLook(cases, "phantom", "skeleton", ({ look, sphere }) => {
           Object.assign(look, { title: "Skeleton", description: "Bone in ivory." });
           // As that of a look which shows less: the camera would stand elsewhere by itself.
