@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# What paper_tables.sh and ablation.sh have in common; they source it. Where their results lie, how their
-# steps resume and are timed, and the pictures that both learn from and are measured against.
+# What paper_tables.sh, ablation.sh, sharpness.sh and instant.sh have in common; they source it. Where their results
+# lie, how their steps resume and are timed, and the pictures that they learn from and are measured against.
 #
 # From the environment: CASES to make; of the pictures SIZE in px, TRAIN_FRAMES, TRAIN_SPP, TEST_FRAMES and
 # DATASET_OPTIONS, more options of `clipgs dataset`; SH_DEGREE of the Gaussians; CLIPGS, a program to use
-# instead of building one.
+# instead of building one. Of truth at a headset's size: TEST_SIZE and SMALL of the pictures compared, px; NOISE_DB,
+# masked; SPLIT, test, or validation to choose between methods by.
 
 if [ -z "${CLIPGS_DATA:-}" ]; then
   echo "$0: set CLIPGS_DATA to the folder with head.nrrd, chest.nrrd, abdomen_pelvis_3mm.nii.gz and stent.nrrd" >&2
@@ -95,6 +96,30 @@ dataset() {
   step "$at/dataset" "$at/dataset/section.zip" "$clipgs" dataset "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" \
     -o "$at/dataset" --one-sided --train-frames "$train" --train-spp "$spp" --test-frames "$test" --size "$size" \
     "${dataset_options[@]}"
+}
+
+readonly test_size="${TEST_SIZE:-1024}" small="${SMALL:-256}" split="${SPLIT:-test}"
+
+# truth CASE FRAMES: path-traced pictures at a headset's size, FRAMES of each kind, in FOLDER/CASE/truth. What a case
+# learns from does not matter to them: cases of any quality are measured against the same.
+truth() {
+  local at="$folder/$1" frames="$2" noise_db="${NOISE_DB:-44}" text volume
+  text="$(volume_of "$1")"
+  read -ra volume <<<"$text"
+  settings "$at/truth.settings" "TEST_SIZE=$test_size" "TEST_FRAMES=$frames" "NOISE_DB=$noise_db"
+  step "$at/truth" "$at/truth/transforms.json" "$clipgs" dataset "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" \
+    -o "$at/truth" --no-section --train-frames 1 --train-spp 2 --points 1000 --test-frames "$frames" \
+    --validation-frames 1 --uncut-frames "$frames" --close-frames "$frames" --test-size "$test_size" \
+    --test-masked-noise-db "$noise_db"
+}
+
+# measure CASE: FOLDER/CASE/case.sog against the truth, large and small.
+measure() {
+  local at="$folder/$1" size
+  for size in "$test_size" "$small"; do
+    step "$at/$split-$size" "$at/$split-$size.figures" "$clipgs" eval "$at/case.sog" --dataset "$at/truth" \
+      --size "$size" --split "$split" --clip exact --section volume --json "$at/$split-$size.figures"
+  done
 }
 
 machine() {

@@ -38,5 +38,5 @@ expect() {
 expect paper_tables.sh 129 STEPS=30
 expect ablation.sh 17 STEPS=30
 export QUALITY=draft TEST_SIZE=64 SMALL=32 NOISE_DB=15
-export BUILD_OPTIONS="--size 32 --train-frames 24 --steps 20 --budget 1000 --test-noise-db 15"
+export BUILD_OPTIONS="--size 32 --train-frames 24 --steps 20 --budget 1000"
 OUT=sharpness expect sharpness.sh 16 NOISE_DB=16

@@ -1,20 +1,12 @@
-#include <array>
 #include <fmt/format.h>
 #include <memory>
-#include <set>
-#include <string>
-#include <vector>
 
 #include "pipeline/build_case.h"
 #include "pipeline/instant_case.h"
-#include "pipeline/section_step.h"
 
-#include "cli/arguments.h"
+#include "cli/build_arguments.h"
 #include "cli/commands.h"
-#include "cli/look_options.h"
-#include "cli/section_options.h"
 #include "cli/test_picture_options.h"
-#include "cli/volume_options.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "volume/load.h"
@@ -24,114 +16,6 @@ namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// How much work a build puts in.
-struct Quality {
-  const char* name;
-  int size;  // px, training and test pictures
-  int train_frames;
-  int test_frames;  // per test split; half as many per validation split
-  int train_spp;
-  size_t budget;
-  size_t steps;
-  int sh_degree;
-};
-
-// Many pictures of few samples teach more than few clean ones: every picture shows other planes,
-// and noise averages out over them. What limits their number is the memory that training holds them
-// in.
-constexpr std::array kQualities = {
-    Quality{"draft", 192, 600, 8, 4, 40000, 4000, 1},
-    Quality{"standard", 256, 2000, 20, 10, 60000, 8000, 2},
-    Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
-};
-
-constexpr const char* kInstant = "instant";
-
-const Quality& find_quality(const std::string& name) {
-  for (const Quality& quality : kQualities) {
-    if (name == quality.name) {
-      return quality;
-    }
-  }
-  throw CLI::ValidationError("--quality",
-                             fmt::format("\"{}\" is not instant, draft, standard or high", name));
-}
-
-/// Numbers of the quality that the user wants otherwise; 0 or −1: as the quality says.
-struct Overrides {
-  int size = 0;
-  int train_frames = 0;
-  int test_frames = 0;
-  size_t budget = 0;
-  size_t steps = 0;
-  int sh_degree = -1;
-};
-
-struct BuildArguments {
-  std::string volume;
-  std::string output;
-  LookArguments look;
-  std::string quality = "standard";
-  std::string model = "explicit";
-  std::string work;
-  std::string title;
-  std::uint64_t seed = 1;
-  LoadOptions loading;
-  SectionChoice section;
-  bool denoise = false;
-  Overrides overrides;
-  DatasetOptions tests;  ///< what add_test_picture_options() sets
-};
-
-Quality chosen_quality(const BuildArguments& arguments) {
-  Quality quality = find_quality(arguments.quality);
-  const Overrides& o = arguments.overrides;
-  quality.size = o.size > 0 ? o.size : quality.size;
-  quality.train_frames = o.train_frames > 0 ? o.train_frames : quality.train_frames;
-  quality.test_frames = o.test_frames > 0 ? o.test_frames : quality.test_frames;
-  quality.budget = o.budget > 0 ? o.budget : quality.budget;
-  quality.steps = o.steps > 0 ? o.steps : quality.steps;
-  quality.sh_degree = o.sh_degree >= 0 ? o.sh_degree : quality.sh_degree;
-  return quality;
-}
-
-fs::path work_folder(const BuildArguments& arguments) {
-  if (!arguments.work.empty()) {
-    return arguments.work;
-  }
-  return fs::path(arguments.output).replace_extension(".clipgs-work");
-}
-
-BuildOptions build_options(const BuildArguments& arguments) {
-  const Quality quality = chosen_quality(arguments);
-  BuildOptions options;
-  options.pictures = arguments.tests;
-  options.pictures.size = quality.size;
-  options.pictures.train_frames = quality.train_frames;
-  options.pictures.test_frames = quality.test_frames;
-  options.pictures.validation_frames = (quality.test_frames + 1) / 2;
-  options.pictures.train_spp = quality.train_spp;
-  options.pictures.seed = arguments.seed;
-  options.pictures.denoise = arguments.denoise;
-  options.pictures.upsample = !arguments.look.as_scanned;
-  options.section = arguments.section;
-  options.training.budget = options.training.start = quality.budget;
-  options.training.steps = quality.steps;
-  options.training.sh_degree = quality.sh_degree;
-  options.training.seed = arguments.seed;
-  options.papers_way = arguments.model == "clipgs";
-  options.title = arguments.title;
-  return options;
-}
-
-void require_volume(const BuildArguments& arguments) {
-  if (!fs::exists(arguments.volume)) {
-    throw Error(
-        "{}: does not exist; give a DICOM folder or .zip, or a NIfTI, NRRD or MetaImage file",
-        arguments.volume);
-  }
-}
 
 void run_instant_build(const BuildArguments& arguments) {
   require_writable(arguments.output);
@@ -143,7 +27,7 @@ void run_instant_build(const BuildArguments& arguments) {
 }
 
 void run_build(const BuildArguments& arguments) {
-  if (arguments.quality == kInstant) {
+  if (arguments.instant()) {
     run_instant_build(arguments);
     return;
   }
@@ -171,58 +55,12 @@ void require_no_training(const CLI::App& command) {
   }
 }
 
-/// "skin,skeleton": several presets. The name of a file may have commas in it.
-std::vector<std::string> presets_of(const std::string& list) {
-  if (fs::exists(list)) {
-    return {list};
-  }
-  std::vector<std::string> presets = CLI::detail::split(list, ',');
-  std::set<std::string> names;
-  for (const std::string& preset : presets) {
-    if (!names.insert(fs::path(preset).stem().string()).second || preset.empty()) {
-      throw CLI::ValidationError(
-          "--preset",
-          fmt::format("\"{}\" names a preset twice, or none; write skin,skeleton", list));
-    }
-  }
-  return presets;
-}
-
-/// Of several looks: NAME-PRESET.sog, and a work folder of its own.
-BuildArguments build_of_look(const BuildArguments& arguments, const std::string& preset) {
-  const std::string name = fs::path(preset).stem().string();
-  const fs::path output(arguments.output);
-  BuildArguments build = arguments;
-  build.look.preset = preset;
-  build.output = output.parent_path() / fmt::format("{}-{}.sog", output.stem().string(), name);
-  if (!arguments.work.empty()) {
-    build.work = fs::path(arguments.work) / name;
-  }
-  return build;
-}
-
-/// Before the first takes its time: the last can be built, too. Throws Error.
-void require_looks(const std::vector<BuildArguments>& builds) {
-  require_volume(builds.front());
-  const Volume volume = load_volume(builds.front().volume, builds.front().loading);
-  for (const BuildArguments& build : builds) {
-    require_writable(build.output);
-    require_look_for_section(load_look(build.look, volume), build.section);
-  }
-}
-
 /// One case for each preset of --preset.
 void run_builds(const BuildArguments& arguments) {
-  const std::vector<std::string> presets = presets_of(arguments.look.preset);
-  if (presets.size() == 1) {
-    run_build(arguments);
-    return;
+  const std::vector<BuildArguments> builds = builds_of_looks(arguments);
+  if (builds.size() > 1) {
+    require_looks(builds);
   }
-  std::vector<BuildArguments> builds;
-  for (const std::string& preset : presets) {
-    builds.push_back(build_of_look(arguments, preset));
-  }
-  require_looks(builds);
   for (const BuildArguments& build : builds) {
     run_build(build);
   }
@@ -243,17 +81,7 @@ void add_build_command(CLI::App& app) {
                    "Case to write (.sog); of several presets OUTPUT-PRESET.sog each")
       ->required()
       ->check(ends_in({".sog"}));
-  add_look_options(*command, arguments->look);
-  command->get_option("--preset")
-      ->description(
-          "Look: a preset's name, a JSON file, or auto; several with commas between them: a case "
-          "of "
-          "each, which the viewer shows as looks of one volume");
-  add_label_options(*command, arguments->look.labels, arguments->loading);
-  command
-      ->add_option("--quality", arguments->quality,
-                   "instant (seconds, nothing trained), draft, standard or high")
-      ->capture_default_str();
+  add_build_options(*command, *arguments);
   command
       ->add_option("--model", arguments->model,
                    "explicit: Gaussians trained under cuts of any angle; clipgs: a neural model, "
@@ -263,16 +91,6 @@ void add_build_command(CLI::App& app) {
   command->add_option("--work", arguments->work,
                       "Folder for the work in progress, of several presets with a folder of each "
                       "(default: OUTPUT.clipgs-work)");
-  command->add_option("--title", arguments->title,
-                      "Title of the case (default: the preset's name)");
-  command->add_option("--seed", arguments->seed, "Seed of everything random")
-      ->capture_default_str();
-  add_section_options(*command, arguments->section);
-  add_section_coding(*command, arguments->section);
-  add_volume_options(*command, arguments->loading);
-  arguments->loading.work = [&arguments = *arguments](const VolumeSize& size) {
-    return dataset_memory(size, arguments.section, !arguments.look.as_scanned);
-  };
   Overrides& overrides = arguments->overrides;
   command->add_option("--size", overrides.size, "Side of the pictures, px")
       ->check(CLI::Range(32, 4096))
@@ -306,7 +124,7 @@ void add_build_command(CLI::App& app) {
       "         clipgs build dicom/ -o case.sog --quality instant\n"
       "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery");
   command->callback([command, arguments] {
-    if (arguments->quality == kInstant) {
+    if (arguments->instant()) {
       require_no_training(*command);
     }
     leave_section_to_splats(arguments->loading, arguments->section);

@@ -22,5 +22,6 @@ void add_serve_command(CLI::App& app);
 void add_study_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_unpack_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 
 }  // namespace clipgs

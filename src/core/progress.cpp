@@ -9,8 +9,15 @@
 namespace clipgs {
 
 namespace {
+
 std::atomic<bool> enabled{true};
+
+Progress::Watcher& watcher() {
+  static Progress::Watcher all;
+  return all;
 }
+
+}  // namespace
 
 std::string format_duration(double seconds) {
   const auto s = std::lround(seconds);
@@ -34,10 +41,16 @@ Progress::~Progress() {
 
 void Progress::set_enabled(bool on) { enabled = on; }
 
+void Progress::set_watcher(Watcher wanted) { watcher() = std::move(wanted); }
+
 void Progress::update(size_t done, const std::string& detail) {
   if (!started_) {
     started_ = true;
     first_done_ = done;
+  }
+  const double fraction = total_ == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total_);
+  if (watcher()) {
+    watcher()(label_, fraction);
   }
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const auto now = Clock::now();
@@ -50,7 +63,6 @@ void Progress::update(size_t done, const std::string& detail) {
   }
   last_print_ = now;
   shown_ = true;
-  const double fraction = static_cast<double>(done) / static_cast<double>(total_);
   const auto fresh = static_cast<double>(done - first_done_);
   std::string left;
   if (last) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <string>
 
 namespace clipgs {
@@ -21,6 +22,12 @@ class Progress {
 
   /// Turns all progress of the process off (tests, --quiet).
   static void set_enabled(bool on);
+
+  /// Is told of every update: the label, and the share that is done, 0…1.
+  using Watcher = std::function<void(const std::string& label, double share)>;
+  /// Whoever else wants to know how far the process is, even where nothing is printed; null:
+  /// nobody. To be set while nothing is updated.
+  static void set_watcher(Watcher watcher);
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -5,9 +5,11 @@
 #include <utility>
 
 #include "pipeline/case_step.h"
+#include "pipeline/instant_case.h"
 
 #include "asset/section_file.h"
 #include "bake/bake.h"
+#include "cinema/dataset_claim.h"
 #include "core/claim.h"
 #include "splat/scene_file.h"
 #include "train/model_file.h"
@@ -21,6 +23,8 @@ namespace fs = std::filesystem;
 
 // Raised whenever the same model gives another scene with layers.
 constexpr int kBakingRevision = 1;
+// Raised whenever the same volume has another instant case.
+constexpr int kInstantRevision = 1;
 
 void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
 
@@ -139,7 +143,30 @@ Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::pa
   return load_case(SceneFiles(stem).ply);
 }
 
+/// What an instant case depends on.
+Claim instant_claim(const Volume& volume, const Preset& preset, const BuildOptions& build) {
+  Claim claim = claim_of_step("instant", kInstantRevision);
+  claim["pictures"] = digest_of(claims_of(volume, preset, dataset_options(build)).pictures);
+  claim["section_size"] = build.section.none ? 0 : build.section.size;
+  claim["title"] = build.title;
+  return claim;
+}
+
 }  // namespace
+
+void build_instant_first(const Volume& volume, const Preset& preset, const BuildOptions& options,
+                         const FolderLock& work, const fs::path& output) {
+  if (is_finished_case(output)) {
+    return;
+  }
+  const Step step("instant case", work.folder() / "instant", instant_claim(volume, preset, options),
+                  {});
+  if (!step.done() || !fs::exists(output)) {
+    build_instant_case(volume, preset, {options.section, options.pictures.upsample, options.title},
+                       output);
+    step.finish();
+  }
+}
 
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
                     const FolderLock& work) {
@@ -155,6 +182,7 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
 
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const fs::path& output) {
+  build_instant_first(volume, preset, options, work, output);
   const Case contents = build_contents(std::move(volume), preset, options, work);
   say_step(4, "case");
   write_finished_case(output, contents, options.section.coding);

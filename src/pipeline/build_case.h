@@ -23,6 +23,11 @@ struct BuildOptions {
   std::string title;        ///< of the case; empty: the preset's name
 };
 
+/// The instant case of a build, into its file, unless that holds it or a finished case already.
+/// Throws Error.
+void build_instant_first(const Volume& volume, const Preset& preset, const BuildOptions& options,
+                         const FolderLock& work, const std::filesystem::path& output);
+
 /// All that goes into the case, made in steps whose results stay in the folder: dataset/, model.ply
 /// (of the papers' way) and scene.ply. Each keeps the claim of what it is made of beside it (Step):
 /// what is there of the same claim is kept, what a killed build left is gone on from, and what
@@ -31,7 +36,8 @@ struct BuildOptions {
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
                     const FolderLock& work);
 
-/// The same into a file, which is written every time. Throws Error.
+/// The same into a file, which is written every time. Where it does not hold a finished case yet,
+/// it is an instant one (make_instant_case()) meanwhile, as soon as may be. Throws Error.
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const std::filesystem::path& output);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "asset/draw_case.h"
+#include "core/error.h"
 #include "splat/overdraw.h"
 
 namespace clipgs {
@@ -24,6 +25,14 @@ std::string today() {
 void name_case(Case& contents, const std::string& title) {
   contents.scene.title = title.empty() ? contents.scene.preset : title;
   contents.scene.created = today();
+}
+
+bool is_finished_case(const std::filesystem::path& path) {
+  try {
+    return read_case_info(path).scene.trained == 1;
+  } catch (const Error&) {
+    return false;  // none is there, or none that can be read
+  }
 }
 
 void write_finished_case(const std::filesystem::path& path, const Case& contents,

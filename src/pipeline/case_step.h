@@ -10,6 +10,10 @@ namespace clipgs {
 /// Gives a case that is made now its title (empty: the preset's name) and its date.
 void name_case(Case& contents, const std::string& title);
 
+/// Whether there is a case in which all is trained that it is to have. One that is not is written
+/// over as soon as there is a better one.
+bool is_finished_case(const std::filesystem::path& path);
+
 /// Writes the case with its thumbnail, and says in a line what it holds, takes, and costs to draw.
 /// Throws Error.
 void write_finished_case(const std::filesystem::path& path, const Case& contents,

@@ -88,6 +88,7 @@ void match_light(Gaussians& splats, const CinemaScene& scene, const Sphere& sphe
 Scene scene_of(const Volume& volume, const Preset& preset) {
   const VisibleMatter matter = visible_matter(volume, preset.transfer, preset.labels);
   Scene scene;
+  scene.trained = 0;
   scene.sphere = matter.sphere;
   scene.bounds = matter.bounds;
   scene.extent = matter.extent(scene.axis);

@@ -46,7 +46,8 @@ std::shared_ptr<const CaseEntry> read_entry(const std::string& name, const fs::p
 
 }  // namespace
 
-CaseIndex::CaseIndex(fs::path folder) : folder_(std::move(folder)) {
+CaseIndex::CaseIndex(fs::path folder, std::set<std::string> only)
+    : folder_(std::move(folder)), only_(std::move(only)) {
   std::error_code error;
   const fs::file_status status = fs::status(folder_, error);
   if (!fs::exists(status)) {
@@ -74,6 +75,9 @@ CaseEntries CaseIndex::list() {
       continue;
     }
     const std::string name = it->path().stem().string();
+    if (is_hidden(name)) {
+      continue;
+    }
     if (auto entry = look_at(name, folder)) {
       now.emplace(name, std::move(entry));
     }
@@ -94,7 +98,8 @@ CaseEntries CaseIndex::list() {
 std::shared_ptr<const CaseEntry> CaseIndex::find(const std::string& name) {
   const fs::path folder = real_folder();
   // One file of the folder itself, by a name that `list` would give it.
-  if (name.find('/') != std::string::npos || name.find('\0') != std::string::npos ||
+  if (is_hidden(name) || name.find('/') != std::string::npos ||
+      name.find('\0') != std::string::npos ||
       fs::path(name + kExtension).extension() != kExtension) {
     return nullptr;
   }
@@ -150,6 +155,8 @@ nlohmann::json case_index_json(const CaseEntries& entries) {
       // The version lets a browser keep a thumbnail for ever and still see a new one.
       const std::string thumbnail =
           fmt::format("{}/thumbnail?v={}", address, percent_encode(entry->version));
+      one["version"] = entry->version;
+      one["trained"] = entry->info.scene.trained;
       one["title"] = entry->info.scene.title;
       one["preset"] = entry->info.scene.preset;
       one["look"] = volume_look_json(entry->info.scene.look);

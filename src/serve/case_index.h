@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ using CaseEntries = std::vector<std::shared_ptr<const CaseEntry>>;
 /// for each other while files are read.
 class CaseIndex {
  public:
-  /// Throws Error if `folder` is not a folder that can be read.
-  explicit CaseIndex(std::filesystem::path folder);
+  /// `only`: the names of those that there are for anybody to see, if not all. Throws Error if
+  /// `folder` is not a folder that can be read.
+  explicit CaseIndex(std::filesystem::path folder, std::set<std::string> only = {});
 
   /// Every *.sog directly in the folder, sorted by name; broken ones with their error. Throws Error
   /// if the folder is no longer there.
@@ -50,14 +52,18 @@ class CaseIndex {
   std::shared_ptr<const CaseEntry> look_at(const std::string& name,
                                            const std::filesystem::path& folder);
 
+  bool is_hidden(const std::string& name) const { return !only_.empty() && !only_.contains(name); }
+
   std::filesystem::path folder_;
+  std::set<std::string> only_;
   std::mutex mutex_;  ///< of entries_; held for no longer than a look into them
   std::map<std::string, std::shared_ptr<const CaseEntry>> entries_;
 };
 
-/// {"cases": [{name, title, preset, look, created, bytes, splats, sh_degree, file, thumbnail}, …]}:
-/// `file` and `thumbnail` are addresses, the latter null if there is none; `look` is
-/// volume_look_json()'s; a broken case has name, bytes and error alone.
+/// {"cases": [{name, version, title, preset, look, created, bytes, splats, sh_degree, trained,
+/// file, thumbnail}, …]}: `version` changes whenever the file does; `file` and `thumbnail` are
+/// addresses, the latter null if there is none; `look` is volume_look_json()'s, `trained` Scene's;
+/// a broken case has name, bytes and error alone.
 nlohmann::json case_index_json(const CaseEntries& entries);
 
 }  // namespace clipgs

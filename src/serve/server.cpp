@@ -88,7 +88,9 @@ class Server::Implementation {
                      options_.identity ? options_.identity->token : "",
                      {},
                      origin(options_.host),
-                     options_.study};
+                     options_.study,
+                     options_.only,
+                     options_.live};
     if (local_) {
       site.local_name = host_name(options_.host).value_or("localhost");
     }

@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "serve/certificate.h"
 #include "serve/connections.h"
+#include "serve/live_work.h"
 
 namespace clipgs {
 
@@ -19,12 +21,15 @@ struct ServerOptions {
   std::optional<ServerIdentity> identity;
   ConnectionLimits limits = {};
   std::filesystem::path study = {};  ///< where a study is recorded (StudyDesk); "": nowhere
+  std::set<std::string> only = {};   ///< names of the cases that are served; none: all of them
+  LiveWork* live = nullptr;          ///< what is made while it is served; outlives the server
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
 ///
 ///   /                       the viewer
-///   /api/cases              the cases as JSON, see case_index_json
+///   /api/cases              the cases as JSON, see case_index_json; with LiveWork, "making" is
+///                           what is made meanwhile. ?page=NAME: that page looks, &left: no more
 ///   /cases/NAME.sog         a case, whole or in ranges
 ///   /cases/NAME/thumbnail   its picture
 ///   /study, /api/study      of a study, if one is recorded, see StudyDesk

@@ -26,6 +26,9 @@ constexpr std::string_view kCookie = "__Host-clipgs";
 constexpr std::string_view kCasePrefix = "/cases/";
 constexpr std::string_view kCaseSuffix = ".sog";
 constexpr std::string_view kThumbnailSuffix = "/thumbnail";
+// What a page calls itself when it asks what cases there are, and how it says that it is closed.
+constexpr std::string_view kPage = "?page=";
+constexpr std::string_view kLeft = "&left";
 constexpr const char* kAlwaysAsk = "no-cache";  // kept, but checked by its ETag before use
 constexpr const char* kForEver = "public, max-age=31536000, immutable";
 constexpr std::chrono::milliseconds kDelay(2000);
@@ -164,7 +167,7 @@ std::string head_text(const HttpHead& head) {
 
 Site::Site(SiteOptions options)
     : options_(std::move(options)),
-      index_(options_.folder),
+      index_(options_.folder, options_.only),
       study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)) {}
 
 bool Site::wants_body(const HttpRequest& request) const {
@@ -217,9 +220,7 @@ void Site::route(const HttpRequest& request, const std::string& path, std::strin
     give_of_case(request, std::string_view(path).substr(kCasePrefix.size()),
                  query.starts_with("?v="), answer);
   } else if (path == "/api/cases") {
-    give_text(answer, status::ok, "application/json",
-              case_index_json(index_.list())
-                  .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    give_cases(query, answer);
   } else if (!StudyDesk::is_asked(path)) {
     give_viewer(request, answer, path);
   } else if (study_ != nullptr) {
@@ -309,6 +310,24 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
          "open the whole address that clipgs serve printed, with the letters at its end");
   }
   return false;
+}
+
+void Site::give_cases(std::string_view query, Answer& answer) {
+  nlohmann::json json = case_index_json(index_.list());
+  if (options_.live != nullptr) {
+    json["making"] = options_.live->json();
+    if (query.starts_with(kPage)) {
+      std::string page(query.substr(kPage.size()));
+      if (page.ends_with(kLeft)) {
+        page.resize(page.size() - kLeft.size());
+        options_.live->page_left(page);
+      } else {
+        options_.live->page_seen(page);
+      }
+    }
+  }
+  give_text(answer, status::ok, "application/json",
+            json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void Site::give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,

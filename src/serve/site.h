@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
 #include "serve/answer.h"
 #include "serve/case_index.h"
+#include "serve/live_work.h"
 #include "serve/study_desk.h"
 #include "serve/throttle.h"
 
@@ -37,6 +39,8 @@ struct SiteOptions {
   std::optional<std::string> local_name;
   std::string url;                   ///< for those who are refused; without the token
   std::filesystem::path study = {};  ///< where a study is recorded; "": nowhere
+  std::set<std::string> only = {};   ///< see CaseIndex
+  LiveWork* live = nullptr;          ///< what is made meanwhile; outlives the site
 };
 
 /// What is served, without a network: requests in, answers out. Safe to use from several threads.
@@ -65,6 +69,7 @@ class Site {
   /// all others are refused.
   bool may_enter(const HttpRequest& request, const std::string& path, const std::string& client,
                  Answer& answer);
+  void give_cases(std::string_view query, Answer& answer);
   void give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
                     Answer& answer);
 

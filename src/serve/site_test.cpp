@@ -232,5 +232,19 @@ TEST_F(SiteTest, ScriptsAndStylesAreSentCompressed) {
   EXPECT_LT(sent, plain / 3);
 }
 
+TEST_F(SiteTest, TellsPagesWhatIsMadeAndHearsOfThem) {
+  test::write_small_case(folder_ / "foot.sog", "A foot");
+  LiveWork live;
+  live.begin("head", "standard", [] { return std::optional(61.2); });
+  Site site({folder_.path(), "", "machine", "http://127.0.0.1:8080/", {}, {"head"}, &live});
+  const std::string first = get(site, "/api/cases?page=a1");
+  EXPECT_THAT(first, HasSubstr(R"("making":[{"name":"head","quality":"standard","seconds":61}])"));
+  EXPECT_THAT(first, AllOf(HasSubstr("A head"), Not(HasSubstr("A foot")), HasSubstr("version")));
+  EXPECT_THAT(get(site, "/cases/foot.sog"), StartsWith("HTTP/1.1 404"));
+  EXPECT_FALSE(live.deserted());
+  get(site, "/api/cases?page=a1&left");
+  EXPECT_TRUE(live.deserted());
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -74,6 +74,9 @@ struct Scene {
   /// The Gaussians are placed where a section has surfaces, and not trained: where those are drawn
   /// they add nothing.
   bool placed = false;
+  /// Of the training that the scene is to have, the share that it has had: 0 of one that was there
+  /// at once, 1 of one that is finished.
+  float trained = 1;
   PlaneStates states;  ///< of the uniaxial cut
   /// The state that each Gaussian comes from, its rendering layer; empty if the scene has none.
   std::vector<std::uint16_t> layers;

@@ -19,6 +19,7 @@ constexpr std::uintmax_t kMaxJson = std::uintmax_t{16} << 20;
 constexpr const char* kLayerColumn = "layer";
 constexpr const char* kSplatsKey = "splats";
 constexpr const char* kPlaced = "placed";
+constexpr const char* kTrainedKey = "trained";
 
 std::filesystem::path sidecar_path(std::filesystem::path path) {
   if (path.extension() != ".ply") {
@@ -120,6 +121,9 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
   if (scene.placed) {
     result[kSplatsKey] = kPlaced;
   }
+  if (scene.trained < 1) {
+    result[kTrainedKey] = json_number(scene.trained);
+  }
   if (scene.states.count > 0) {
     result["states"] = to_json(scene.states);
   }
@@ -157,6 +161,10 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   scene.placed = object.contains(kSplatsKey);
   if (scene.placed && reader.text(kSplatsKey) != kPlaced) {
     reader.fail(kSplatsKey);
+  }
+  scene.trained = object.contains(kTrainedKey) ? reader.number(kTrainedKey) : 1;
+  if (scene.trained < 0 || scene.trained > 1) {
+    reader.fail(kTrainedKey);
   }
   scene.states =
       object.contains("states") ? states_from_json(reader.child("states")) : PlaneStates();

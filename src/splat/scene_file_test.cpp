@@ -127,6 +127,20 @@ TEST(SceneFile, SaysThatSplatsArePlaced) {
               ThrowsMessage<Error>(HasSubstr("splats")));
 }
 
+TEST(SceneFile, SaysHowFarItIsTrained) {
+  Scene written = random_scene(5, 1, 5);
+  nlohmann::json json = scene_to_json(written, scene_to_world());
+  EXPECT_FALSE(json.contains("trained"));
+  written.trained = 0.25f;
+  json = scene_to_json(written, scene_to_world());
+  Scene read;
+  scene_from_json(json, "trained.json", read);
+  EXPECT_EQ(read.trained, 0.25f);
+  json["trained"] = 1.5;
+  EXPECT_THAT([&] { scene_from_json(json, "trained.json", read); },
+              ThrowsMessage<Error>(HasSubstr("trained")));
+}
+
 TEST(PlaneStates, NearestAndPlane) {
   const PlaneStates states{11, -5, 1, true};
   EXPECT_EQ(states.nearest(-100), 0);

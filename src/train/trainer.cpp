@@ -453,6 +453,8 @@ Scene refine(const Scene& scene, const Dataset& dataset, const TrainOptions& opt
   Scene refined = scene;
   refined.gaussians = trainer.gaussians();
   refined.face_gain = trainer.face_gain();
+  refined.placed = false;
+  refined.trained = 1;
   if (!scene.layers.empty()) {
     refined.layers.resize(refined.gaussians.size());
     for (size_t i = 0; i < refined.layers.size(); ++i) {
