@@ -57,6 +57,8 @@ export interface Host {
   choose?(): void;
   /** Lets a person choose another look of the volume, where there are several. */
   chooseLook?(): void;
+  /** What the case is where it is not finished, and when there will be a better one; "": it is. */
+  news?(): string;
   /** A link to what is shown; absent where no address says it. */
   address?(): string;
 }
@@ -91,6 +93,7 @@ export class App {
     this.#lookName,
   );
   readonly #stats = h("output", { class: "stats", "aria-label": "Statistics", "aria-live": "off" });
+  readonly #news = h("output", { class: "news", "aria-label": "Quality", hidden: true });
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
   readonly #headsetButtons = h("span", { class: "group" });
@@ -141,7 +144,7 @@ export class App {
       h("header", { class: "bar", part: "bar" }, this.#caseTitle(), this.#lookButton, this.#buttons()),
       this.#panel.element,
       this.#cube.element,
-      h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#stats),
+      h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#news, this.#stats),
       this.#progress,
       this.#message,
       this.#help,
@@ -247,6 +250,37 @@ export class App {
       this.fail(sectionProblem, again);
       this.headset.panel?.tell(sectionProblem);
     }
+  }
+
+  /** Puts a newer version of the case that is shown in its place; that stays where this fails. */
+  async renew({ name, file }: Pick<CaseSummary, "name" | "file">): Promise<void> {
+    try {
+      if (await this.viewer.renew(file)) {
+        this.#title.textContent = this.title;
+        this.offerLooks();
+        this.#update();
+      }
+    } catch (error) {
+      console.warn(failureText(name, error));
+    }
+  }
+
+  /** Says, beside the picture, what the case is and when there will be a better one. */
+  tell(news: string): void {
+    if (this.#news.textContent !== news) {
+      this.#news.textContent = news;
+      this.#news.hidden = news === "";
+      this.headset.refresh();
+    }
+  }
+
+  get news(): string {
+    return this.#news.textContent;
+  }
+
+  /** Whether people are led through a study. */
+  get isInStudy(): boolean {
+    return this.#study !== null;
   }
 
   /** What the looks of the volume are, or which is shown, may be another. */

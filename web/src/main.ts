@@ -2,7 +2,7 @@ import "./ui/viewer.css";
 import "./ui/page.css";
 
 import type { ClipgsApi } from "./api";
-import { caseFile, fetchCases } from "./model/case_list";
+import { caseFile, fetchIndex } from "./model/case_list";
 import { h } from "./ui/dom";
 import { CaseClient } from "./worker/case_client";
 
@@ -14,8 +14,8 @@ declare global {
 
 // The case is fetched and decoded while the rest of the viewer's code is on its way.
 const client = new CaseClient();
-const cases = fetchCases();
-cases.catch(() => {}); // said by the page
+const index = fetchIndex();
+index.catch(() => {}); // said by the page
 
 /** The case that the address names (parseLink() would bring most of the viewer's code), or else the first one. */
 async function expectCase(): Promise<void> {
@@ -23,7 +23,7 @@ async function expectCase(): Promise<void> {
     return; // its plan says which case
   }
   const linked = new URLSearchParams(location.hash.slice(1)).get("case");
-  const file = linked ? caseFile(linked) : (await cases).find((one) => !one.error)?.file;
+  const file = linked ? caseFile(linked) : (await index).cases.find((one) => !one.error)?.file;
   if (file) {
     client.expect(file);
   }
@@ -33,7 +33,7 @@ expectCase().catch(() => {}); // said by the page
 const root = document.getElementById("app")!;
 try {
   const { startPage } = await import("./page");
-  window.clipgs = startPage(root, client, cases);
+  window.clipgs = startPage(root, client, index);
 } catch (error) {
   client.dispose();
   root.replaceChildren(h("div", { class: "message", role: "alert" }, h("p", {}, (error as Error).message)));

@@ -1,6 +1,7 @@
 import type { ClipgsApi } from "./api";
 import { App, type Host } from "./app";
-import { caseFile, type CaseSummary, fetchCases } from "./model/case_list";
+import { caseFile, type CaseIndex, type CaseSummary, fetchIndex, sayGoodbye } from "./model/case_list";
+import { newsText } from "./model/case_news";
 import { type Look, looksOf } from "./model/looks";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
@@ -10,11 +11,14 @@ import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";
 
 const kLinkDelayMs = 300;
+/** How often it is asked what there is, where a server makes cases while it serves them, and where others may. */
+const kMakingMs = 2000;
+const kUnfinishedMs = 5000;
 
-/** Makes the page in `root`; its first case and the list of `cases` may be on their way already. */
-export function startPage(root: HTMLElement, client: CaseClient, cases: Promise<CaseSummary[]>): ClipgsApi {
+/** Makes the page in `root`; its first case and the `index` may be on their way already. */
+export function startPage(root: HTMLElement, client: CaseClient, index: Promise<CaseIndex>): ClipgsApi {
   const page = new Page(root, client);
-  const ready = page.start(cases);
+  const ready = page.start(index);
   ready.catch(() => {}); // said on the page; who waits for it hears it too
   return makeApi(page.app, () => ready);
 }
@@ -25,7 +29,10 @@ class Page implements Host {
   readonly app: App;
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
-  #cases: CaseSummary[] = [];
+  readonly #name = crypto.randomUUID?.() ?? String(Math.random()).slice(2); // that the server knows it by
+  #index: CaseIndex = { cases: [], making: null };
+  #version = ""; // of the case that is shown, or was tried to be
+  #newsTimer = 0;
   #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
   #size: Link["size"];
   #linkTimer = 0;
@@ -37,16 +44,73 @@ class Page implements Host {
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
   }
 
-  /** Shows what the address names, or else the first case. Rejects with CaseError. */
-  async start(cases: Promise<CaseSummary[]>): Promise<void> {
+  /** Shows what the address names, or else the first case, when it is there. Rejects with CaseError. */
+  async start(index: Promise<CaseIndex>): Promise<void> {
     try {
-      this.#cases = await cases;
+      this.#index = await index;
+      addEventListener("pagehide", () => this.#index.making && sayGoodbye(this.#name));
+      await this.#firstCase();
     } catch (error) {
       this.app.fail((error as CaseError).message, () => location.reload());
       throw error;
     }
     const study = new URLSearchParams(location.search).get("study");
     await (study ? this.#study(study) : this.#follow(location.hash));
+    this.#watch();
+  }
+
+  get #cases(): CaseSummary[] {
+    return this.#index.cases;
+  }
+
+  /** Until the case that the address names, or any, is made. Rejects with CaseError. */
+  async #firstCase(): Promise<void> {
+    for (;;) {
+      const linked = parseLink(location.hash).case;
+      const coming = this.#index.making?.filter(
+        (one) => one.error === null && (!linked || one.name === linked),
+      );
+      if (!coming?.length || this.#cases.some((one) => !linked || one.name === linked)) {
+        return;
+      }
+      this.app.tell(`${coming[0]!.quality} case is being made`);
+      await new Promise((resolve) => setTimeout(resolve, kMakingMs / 4));
+      this.#index = await fetchIndex(this.#name);
+    }
+  }
+
+  /** Looks for better cases as long as there may be some. */
+  #watch(): void {
+    clearTimeout(this.#newsTimer);
+    this.#tellNews();
+    const { making } = this.#index;
+    const unfinished = this.#cases.some((one) => one.trained < 1 && one.name === this.app.viewer.caseName);
+    if (making || unfinished) {
+      const look = () => void this.#takeNews().then(() => this.#watch());
+      this.#newsTimer = window.setTimeout(look, making ? kMakingMs : kUnfinishedMs);
+    }
+  }
+
+  /** Takes what is new; what cannot be had now may be had later. */
+  async #takeNews(): Promise<void> {
+    try {
+      this.#index = await fetchIndex(this.#name);
+    } catch {
+      return;
+    }
+    const { viewer } = this.app;
+    const shown = this.#cases.find((one) => one.name === viewer.caseName);
+    const isNew = shown && !shown.error && this.#version !== "" && shown.version !== this.#version;
+    if (isNew && !this.#opening && !this.app.isInStudy) {
+      this.#version = shown.version; // one that cannot be shown is not tried again
+      await this.app.renew(shown);
+    }
+  }
+
+  #tellNews(): void {
+    const name = this.app.viewer.caseName;
+    const shown = this.#cases.find((one) => one.name === name);
+    this.app.tell(newsText(shown, this.#index.making ?? [], name));
   }
 
   /** Leads people through a study by the plan of this name. Rejects with CaseError. */
@@ -68,7 +132,7 @@ class Page implements Host {
   }
 
   async cases(): Promise<CaseSummary[]> {
-    this.#cases = await fetchCases();
+    this.#index = await fetchIndex(this.#name);
     this.app.offerLooks();
     return this.#cases;
   }
@@ -102,8 +166,14 @@ class Page implements Host {
       parseLink(location.hash),
       again,
     );
+    this.#version = known?.version ?? "";
     document.title = `${this.app.title} · clipgs`;
     this.#prefetchAfter(name);
+    this.#watch();
+  }
+
+  news(): string {
+    return this.app.news;
   }
 
   takesWheel(): boolean {

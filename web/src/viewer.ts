@@ -53,6 +53,14 @@ interface Frame {
   inset: Inset;
 }
 
+/** What splats are sorted for: without those that reach no farther than `leastPixels`. */
+interface SortFrame {
+  camera: PerspectiveCamera;
+  width: number;
+  height: number;
+  leastPixels: number;
+}
+
 /** Behind the case where none is chosen, display sRGB: a quiet glow, from its middle outwards. */
 const kGlows = {
   dark: {
@@ -146,6 +154,7 @@ export class Viewer {
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #inset: Inset = { right: 0, bottom: 0 };
   #ticks = 0; // animation frames
+  #sortedFor: SortFrame | null = null; // last, by who draws
   #ordered = false; // whether the case's splats have an order
   #pictured = false; // whether the page has drawn it
   readonly #firstFrame: (() => void)[] = [];
@@ -261,6 +270,63 @@ export class Viewer {
     if (this.#case !== opened) {
       throw opened.refusal ?? new CaseError(kSuperseded);
     }
+  }
+
+  /**
+   * Puts a newer version of the case that is shown in its place, once all of it is there: until then that stays as it
+   * is, and nothing else changes. Returns whether it did: not where another case is shown by then. Rejects with
+   * CaseError.
+   */
+  async renew(url: string): Promise<boolean> {
+    const before = this.#case;
+    if (!before) {
+      return false;
+    }
+    const loaded = await this.#client.load(url, () => {});
+    const fresh = new OpenCase(before.name, loaded, this.#client);
+    const isWanted = () => this.#case === before && !this.#disposed;
+    try {
+      const decoded = loaded.section && (await this.#client.section(loaded.ticket));
+      if (decoded) {
+        await fresh.setSection(decoded, this.#renderer, () => this.#case === fresh && this.#relit());
+        await fresh.light(this.state);
+      }
+      const renewed = await this.#alone(
+        async () => isWanted() && (await this.#swap(fresh, loaded.scene.count)),
+      );
+      if (!renewed) {
+        fresh.free();
+        return false;
+      }
+      this.stats.sectionMs = decoded?.milliseconds ?? 0;
+    } catch (error) {
+      fresh.free();
+      throw error;
+    }
+    // Nothing moved: the next picture is drawn at its best.
+    this.#lastChange = -Infinity;
+    this.#changeTick = -Infinity;
+    return true;
+  }
+
+  /** Shows another version of a case, in the order that it has for the picture of now. */
+  async #swap(fresh: OpenCase, total: number): Promise<boolean> {
+    if (!this.#worn) {
+      this.#placeCamera();
+    }
+    const { camera, width, height, leastPixels } = this.#sortedFor ?? this.#sortOfCanvas;
+    const sorted = await fresh.sort(camera, width, height, this.state, leastPixels);
+    this.#replaceCase(fresh);
+    this.#ordered = sorted !== null;
+    this.#pictured = true;
+    this.stats.total = total;
+    this.stats.drawn = sorted?.count ?? 0;
+    this.stats.sectionBytes = fresh.faces?.bytes ?? 0;
+    return true;
+  }
+
+  get #sortOfCanvas(): SortFrame {
+    return { camera: this.#camera, width: this.#width, height: this.#height, leastPixels: 0 };
   }
 
   /** The worker sorts for a case from when it is loaded: one that cannot be shown leaves none. */
@@ -851,6 +917,7 @@ export class Viewer {
     leastPixels = 0,
   ): Promise<void> {
     let sorted: SortResult | null;
+    this.#sortedFor = { camera, width, height, leastPixels };
     try {
       sorted = await current.sort(camera, width, height, this.state, leastPixels);
     } catch (error) {

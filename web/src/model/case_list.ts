@@ -1,4 +1,5 @@
 import { CaseError } from "../sog/zip";
+import type { CaseInMaking } from "./case_news";
 
 /** Which volume a case shows, and how (docs/format.md). */
 export interface CaseLook {
@@ -11,6 +12,10 @@ export interface CaseLook {
 export interface CaseSummary {
   name: string;
   bytes: number;
+  /** Another one, whenever the file is another. */
+  version: string;
+  /** Of the training that it is to have, 0 … 1. */
+  trained: number;
   title: string;
   preset: string;
   look: CaseLook | null;
@@ -20,6 +25,13 @@ export interface CaseSummary {
   error: string | null;
 }
 
+/** What the server has. */
+export interface CaseIndex {
+  cases: CaseSummary[];
+  /** What it makes meanwhile; null: it makes none, and does not want to know who looks. */
+  making: CaseInMaking[] | null;
+}
+
 /** Where the server has the case of this name. */
 export function caseFile(name: string): string {
   return `cases/${encodeURIComponent(name)}.sog`;
@@ -27,12 +39,15 @@ export function caseFile(name: string): string {
 
 export const kNoAnswer = "the server does not answer; is clipgs serve still running?";
 
-/** Asks the server what cases there are. Throws CaseError, with the server's own words where it says why. */
-export async function fetchCases(): Promise<CaseSummary[]> {
+/**
+ * Asks the server what cases there are, and tells it who asks, if anybody wants to be counted. Throws CaseError, with the
+ * server's own words where it says why.
+ */
+export async function fetchIndex(page = ""): Promise<CaseIndex> {
   let refusal: string | undefined;
-  let index: { cases: Partial<CaseSummary>[] };
+  let index: { cases: Partial<CaseSummary>[]; making?: Partial<CaseInMaking>[] };
   try {
-    const response = await fetch("api/cases");
+    const response = await fetch(page ? `api/cases?page=${page}` : "api/cases");
     if (!response.ok) {
       const said = response.headers.get("Content-Type")?.startsWith("text/plain");
       refusal = said ? (await response.text()).trim() : undefined;
@@ -42,9 +57,11 @@ export async function fetchCases(): Promise<CaseSummary[]> {
   } catch {
     throw new CaseError(refusal || kNoAnswer);
   }
-  return index.cases.map((one) => ({
+  const cases = index.cases.map((one) => ({
     name: one.name ?? "",
     bytes: one.bytes ?? 0,
+    version: one.version ?? "",
+    trained: one.trained ?? 1,
     title: one.title || one.name || "",
     preset: one.preset ?? "",
     look: one.look ?? null,
@@ -53,6 +70,18 @@ export async function fetchCases(): Promise<CaseSummary[]> {
     thumbnail: one.thumbnail ?? null,
     error: one.error ?? null,
   }));
+  const making = index.making?.map((one) => ({
+    name: one.name ?? "",
+    quality: one.quality ?? "",
+    seconds: one.seconds ?? null,
+    error: one.error ?? null,
+  }));
+  return { cases, making: making ?? null };
+}
+
+/** Tells the server that the page of this name is closed. */
+export function sayGoodbye(page: string): void {
+  void fetch(`api/cases?page=${page}&left`, { keepalive: true }).catch(() => {});
 }
 
 /** Why the case of this name could not be opened, in a line that names it. */

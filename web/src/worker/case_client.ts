@@ -72,8 +72,9 @@ export class CaseClient {
       progress: () => {},
       loaded: this.#load(url, (share) => expected.progress(share)),
     };
-    expected.loaded.catch(() => {}); // said by load()
     this.#expected = expected;
+    // Who asks for it after it failed has it tried anew: a case may be made meanwhile.
+    expected.loaded.catch(() => this.#expected === expected && (this.#expected = null));
   }
 
   /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */

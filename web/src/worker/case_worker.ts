@@ -22,7 +22,9 @@ const worker = self as unknown as {
 const files = new FileCache();
 let modules: Promise<[WebAssembly.Module, WebAssembly.Module]> | null = null;
 fetchModules().catch(() => {}); // while the first case is on its way, which says what failed
-let current: { ticket: number; order: SplatOrder } | null = null;
+// What was loaded last, and what is shown until that is.
+let scenes: { ticket: number; order: SplatOrder }[] = [];
+let sorted = -1; // the ticket of what is shown
 let newest = { ticket: -1, superseded: new AbortController() }; // load
 
 function reply(message: Reply, transfer: Transferable[] = []): void {
@@ -116,9 +118,9 @@ async function load(ticket: number, url: string): Promise<void> {
     const { info, problem } = sectionOf(meta.clipgs, archive);
     checkNewest(ticket);
     const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
-    const order = new SplatOrder(splatOrder); // a new instance: the memory of the case before is given back
+    const order = new SplatOrder(splatOrder); // an instance for each, whose memory goes with it
     order.load(scene);
-    current = { ticket, order };
+    scenes = [...scenes.filter((scene) => scene.ticket === sorted), { ticket, order }];
     const section = info && { info, webp: archive.get(info.file)!.slice(), libwebp };
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
     if (section) {
@@ -156,7 +158,12 @@ async function load(ticket: number, url: string): Promise<void> {
 function sort(request: Extract<Request, { kind: "sort" }>): void {
   const start = performance.now();
   const { scene, order } = request;
-  const count = current?.ticket === scene ? current.order.sort(request.view, request.clip, order) : -1;
+  if (scene > sorted) {
+    sorted = scene;
+    scenes = scenes.filter(({ ticket }) => ticket >= sorted); // the memory of the case before is given back
+  }
+  const known = scenes.find(({ ticket }) => ticket === scene);
+  const count = known ? known.order.sort(request.view, request.clip, order) : -1;
   reply({ kind: "sorted", scene, order, count, milliseconds: performance.now() - start }, [order.buffer]);
 }
 

@@ -57,7 +57,7 @@ export class Headset {
   readonly #viewer: Viewer;
   readonly #actions: Actions;
   readonly #marking: Marking;
-  readonly #host: Pick<PanelHost, "cases" | "looks" | "open">;
+  readonly #host: Pick<PanelHost, "cases" | "looks" | "open"> & Partial<Pick<PanelHost, "news">>;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
@@ -79,7 +79,7 @@ export class Headset {
     viewer: Viewer,
     actions: Actions,
     marking: Marking,
-    host: Pick<PanelHost, "cases" | "looks" | "open">,
+    host: Pick<PanelHost, "cases" | "looks" | "open"> & Partial<Pick<PanelHost, "news">>,
   ) {
     this.#viewer = viewer;
     this.#actions = actions;
@@ -171,6 +171,7 @@ export class Headset {
       this.panel = new Panel(this.#viewer, this.#actions, this.#marking, {
         cases: () => this.#host.cases(),
         looks: () => this.#host.looks(),
+        news: () => this.#host.news?.() ?? "",
         open: (name) => this.#host.open(name),
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),

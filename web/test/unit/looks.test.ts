@@ -11,6 +11,8 @@ function summary(name: string, title: string, volume = "", look = ""): CaseSumma
     name,
     title,
     bytes: 1,
+    version: "",
+    trained: 1,
     preset: "",
     look: volume ? { volume, title: look, description: "" } : null,
     splats: 1,

@@ -97,6 +97,8 @@ export interface PanelHost {
   cases(): Promise<CaseSummary[]>;
   /** Of the volume that is shown; none where it has one alone. */
   looks(): readonly Look[];
+  /** What the case is where it is not finished, and when there will be a better one. */
+  news(): string;
   open(name: string): Promise<void>;
   leave(): void;
   /** Puts case and panel before the eyes, the case in life size. */
@@ -359,7 +361,10 @@ export class Panel {
   }
 
   #header(): Container {
-    const title = this.#live(() => this.#viewer.info?.title || this.#viewer.caseName || "No case");
+    const title = this.#live(() => {
+      const name = this.#viewer.info?.title || this.#viewer.caseName || "No case";
+      return [name, this.#host.news()].filter(Boolean).join(" · ");
+    });
     const looks = button("Looks", () => this.show("looks"), {
       pressed: computed(() => this.#tab.value === "looks"),
     });

@@ -1,0 +1,37 @@
+import type { CaseSummary } from "./case_list";
+
+/** A case that the server makes while it serves it; `seconds` where it knows how many there are left. */
+export interface CaseInMaking {
+  name: string;
+  quality: string;
+  seconds: number | null;
+  error: string | null;
+}
+
+/** About how long. */
+function leftText(seconds: number): string {
+  if (seconds < 90) {
+    return `${Math.max(10, 10 * Math.round(seconds / 10))} s`;
+  }
+  return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${Math.round(seconds / 3600)} h`;
+}
+
+function makingText({ quality, seconds, error }: CaseInMaking): string {
+  if (error !== null) {
+    return `${quality} stopped: ${error}`;
+  }
+  return seconds === null ? `${quality} follows` : `${quality} in ${leftText(seconds)}`;
+}
+
+/** What a case is that is not finished, and when there will be a better one: "Instant · standard in 6 min"; or nothing. */
+export function newsText(
+  shown: CaseSummary | undefined,
+  making: readonly CaseInMaking[],
+  name: string | null,
+): string {
+  const trained = shown?.trained ?? 1;
+  const is =
+    !shown || trained === 1 ? "" : trained === 0 ? "Instant" : `${Math.round(100 * trained)} % trained`;
+  const next = making.find((one) => one.name === name);
+  return [is, ...(next ? [makingText(next)] : [])].filter((text) => text !== "").join(" · ");
+}
