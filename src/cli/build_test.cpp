@@ -254,8 +254,13 @@ TEST_F(BuildTest, KilledBuildResumesToTheSameBytesAtAnyThreadCount) {
     ++kills;
     seconds *= 1.3;
     ASSERT_LT(kills, 60);
-    // A kill may come after the case is in its place, with the report still to write.
-    EXPECT_TRUE(!fs::exists(at("interrupted.sog")) || read_text(at("interrupted.sog")) == expected);
+    // The instant case is there before the build is done. A kill may come after the finished one is
+    // in its place, with the report still to write.
+    if (fs::exists(at("interrupted.sog"))) {
+      const std::string text = read_text(at("interrupted.sog"));
+      EXPECT_TRUE(text == expected || text.find("\"trained\":0") != std::string::npos);
+      ASSERT_EQ(run_clipgs({"info", at("interrupted.sog")}).status, 0);
+    }
   }
   EXPECT_GT(kills, 0);
   EXPECT_TRUE(read_text(at("interrupted.sog")) == expected);

@@ -156,6 +156,7 @@ Claim instant_claim(const Volume& volume, const Preset& preset, const BuildOptio
 
 void build_instant_first(const Volume& volume, const Preset& preset, const BuildOptions& options,
                          const FolderLock& work, const fs::path& output) {
+  require_look_for_section(preset, options.section);
   if (is_finished_case(output)) {
     return;
   }
