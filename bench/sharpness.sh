@@ -15,6 +15,13 @@ source bench/paper_steps.sh
 readonly quality="${QUALITY:-standard}" test_frames="${TEST_FRAMES:-6}"
 read -ra build_options <<<"${BUILD_OPTIONS:-}"
 
+# build CASE OPTIONS...: its case.sog, which is there when it is finished.
+build() {
+  local at="$folder/$1"
+  "$clipgs" build "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" -o "$at/coming.sog" --work "$at/work" "${@:2}"
+  mv "$at/coming.sog" "$at/case.sog"
+}
+
 for name in "${cases[@]}"; do
   at="$folder/$name"
   text="$(volume_of "$name")"
@@ -22,9 +29,9 @@ for name in "${cases[@]}"; do
   truth "$name" "$test_frames"
   # Of the same test planes and views, which training keeps away from, tiny pictures: the large ones are the truth's.
   settings "$at/build.settings" "QUALITY=$quality" "TEST_FRAMES=$test_frames" "BUILD_OPTIONS=${build_options[*]}"
-  step "$at/build" "$at/case.sog" "$clipgs" build "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" -o "$at/case.sog" \
-    --work "$at/work" --quality "$quality" --test-frames "$test_frames" --uncut-frames "$test_frames" \
-    --close-frames "$test_frames" --test-size 32 --test-noise-db 20 "${build_options[@]}"
+  step "$at/build" "$at/case.sog" build "$name" --quality "$quality" --test-frames "$test_frames" \
+    --uncut-frames "$test_frames" --close-frames "$test_frames" --test-size 32 --test-noise-db 20 \
+    "${build_options[@]}"
   measure "$name"
 done
 

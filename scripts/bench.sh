@@ -28,7 +28,7 @@ bench() {
   local name="$1" volume="$2" quality="$3" case="$folder/$1.sog"
   shift 3
   local command=(build "$CLIPGS_DATA/$volume" -o "$case" --quality "$quality" "$@")
-  if [ ! -f "$case" ]; then
+  if [ ! -f "$folder/$name.figures" ]; then
     echo "bench: building $case" >&2
     /usr/bin/time -f '{"seconds": %e, "kilobytes": %M}' -o "$folder/$name.time" "$clipgs" "${command[@]}" >&2
     "$clipgs" eval "$case" --dataset "$folder/$name.clipgs-work/dataset" \

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# From nothing to a scene in the browser: installs what is missing, builds clipgs, makes a case from a
-# procedural phantom and serves it. Interrupt it whenever you like; run it again to go on.
+# From nothing to a scene in the browser: installs what is missing, builds clipgs and shows a procedural
+# phantom, at once and better while you watch. Interrupt it whenever you like; run it again to go on.
 #
-#   scripts/demo.sh              ends by serving; stop it with Ctrl+C
-#   scripts/demo.sh --no-serve   ends when the case is made
+#   scripts/demo.sh              ends with the page that it opens, or Ctrl+C
+#   scripts/demo.sh --no-serve   shows nothing; ends when the case is made
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -26,13 +26,9 @@ mkdir -p "$folder"
 if [ ! -f "$folder/phantom.nii.gz" ]; then
   "$clipgs" phantom "$folder/phantom.nii.gz"
 fi
-if [ ! -f "$folder/phantom.sog" ]; then
-  echo "demo: making a case from the phantom; this takes some minutes"
-  "$clipgs" build "$folder/phantom.nii.gz" -o "$folder/phantom.sog" \
-    --quality draft --title "Phantom torso"
-fi
-echo "demo: $folder/phantom.sog is ready"
-
 if [ "$serve" -eq 1 ]; then
-  exec "$clipgs" serve "$folder"
+  exec "$clipgs" view "$folder/phantom.nii.gz" --work "$folder" --quality draft --title "Phantom torso"
 fi
+echo "demo: making a case from the phantom; this takes some minutes"
+"$clipgs" build "$folder/phantom.nii.gz" -o "$folder/phantom.sog" --quality draft --title "Phantom torso"
+echo "demo: $folder/phantom.sog is ready"

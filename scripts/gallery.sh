@@ -46,15 +46,22 @@ pair() {
   convert "$folder/$name-ours.png" -background 'rgb(18,20,26)' -flatten "$folder/$name-ours.png"
 }
 
+# build NAME VOLUME OPTIONS...: NAME.sog, unless it is there; one that is being built, and not finished yet, is not.
+build() {
+  local name="$1" volume="$2"
+  if [ ! -f "$folder/$name.sog" ]; then
+    echo "gallery: building $folder/$name.sog"
+    "$clipgs" build "$volume" -o "$folder/$name.coming.sog" --work "$folder/$name.clipgs-work" "${@:3}"
+    mv "$folder/$name.coming.sog" "$folder/$name.sog"
+  fi
+}
+
 # picture NAME VOLUME TITLE VIEW [LOADING...]
 picture() {
   local name="$1" volume="$2" title="$3" view="$4"
   shift 4
   local case="$folder/$name.sog"
-  if [ ! -f "$case" ]; then
-    echo "gallery: building $case"
-    "$clipgs" build "$volume" -o "$case" --quality "${QUALITY:-standard}" --title "$title" "$@"
-  fi
+  build "$name" "$volume" --quality "${QUALITY:-standard}" --title "$title" "$@"
   echo "gallery: drawing $name"
   local plane='((n) => [...n, n.reduce((s, v, i) => s + v * c.center_ras_mm[i], 0)].join(","))'
   local axis
@@ -183,9 +190,7 @@ inside phantom "$folder/phantom.nii.gz" 20,45,1.4
 if [ -n "${CLIPGS_DATA:-}" ]; then
   picture head "$CLIPGS_DATA/head.nrrd" "Head and neck" 30,20 --hu 16,-1024
   faces head 20,50
-  if [ ! -f "$folder/skull.sog" ]; then
-    "$clipgs" build "$CLIPGS_DATA/head.nrrd" -o "$folder/skull.sog" --quality draft --preset bone --title "Skull" --hu 16,-1024
-  fi
+  build skull "$CLIPGS_DATA/head.nrrd" --quality draft --preset bone --title "Skull" --hu 16,-1024
   inside skull "$CLIPGS_DATA/head.nrrd" 20,35,1.2 --hu 16,-1024
   picture chest "$CLIPGS_DATA/chest.nrrd" "Chest" 30,25
   inside chest "$CLIPGS_DATA/chest.nrrd" 20,45,1.4

@@ -23,6 +23,7 @@ void describe_common(const Scene& scene, bool has_layers, Json& json) {
     json[kLookKey] = volume_look_json(scene.look);
   }
   json["created"] = scene.created;
+  json["trained"] = json_number(scene.trained);
   json["axis"] = rounded_list(scene.axis);
   json["extent_mm"] = {json_number(scene.extent.x), json_number(scene.extent.y)};
   json["center_ras_mm"] = rounded_list(scene.sphere.center);

@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
-#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -109,7 +109,7 @@ class Making {
     }
     for (const auto& looks : volumes_) {
       for (const BuildArguments& build : looks) {
-        if (!build.instant() && !failed_.contains(name_of(build))) {
+        if (!build.instant() && !lost_.contains(name_of(build))) {
           attempt({build}, [&] { make(build); });
         }
       }
@@ -118,7 +118,7 @@ class Making {
   }
 
   bool done() const { return done_; }
-  bool failed() const { return !failed_.empty(); }
+  bool failed() const { return failed_; }
 
  private:
   template <typename Visit>
@@ -138,7 +138,8 @@ class Making {
     } catch (const std::exception& error) {
       fmt::print(stderr, "clipgs: {}\n", error.what());
       for (const BuildArguments& build : builds) {
-        failed_[name_of(build)] = error.what();
+        failed_ = true;
+        lost_.insert(name_of(build));
         live_.end(name_of(build), without_folders(error.what(), build));
       }
     }
@@ -198,8 +199,9 @@ class Making {
 
   std::vector<std::vector<BuildArguments>> volumes_;
   LiveWork& live_;
-  std::optional<Volume> kept_;                 // the only one, between its two cases
-  std::map<std::string, std::string> failed_;  // by the name of the case, why
+  std::optional<Volume> kept_;  // the only one, between its two cases
+  std::set<std::string> lost_;  // names of cases that cannot be made
+  std::atomic<bool> failed_ = false;
   std::atomic<bool> done_ = false;
 };
 

@@ -286,6 +286,9 @@ export class Viewer {
     const fresh = new OpenCase(before.name, loaded, this.#client);
     const isWanted = () => this.#case === before && !this.#disposed;
     try {
+      if (loaded.sectionProblem) {
+        throw new CaseError(loaded.sectionProblem);
+      }
       const decoded = loaded.section && (await this.#client.section(loaded.ticket));
       if (decoded) {
         await fresh.setSection(decoded, this.#renderer, () => this.#case === fresh && this.#relit());

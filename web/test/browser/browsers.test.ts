@@ -82,10 +82,8 @@ const kShots: Shot[] = [
   { name: "filmic", view: [35, 20, 1], plane: [0, -1, 0, 0], clip: "exact", section: "volume" },
   { name: "filmic", view: [35, 20, 1], plane: null, clip: "exact", section: "volume", rig: "rim" },
   // Placed splats, which are drawn where the surface is not.
-  { name: "instant", view: [35, 20, 1], plane: null, clip: "exact", section: "volume" },
   { name: "instant", view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact", section: "volume" },
   { name: "instant", view: [35, 20, 1], plane: [0.5, 0.3, -0.6, 10], clip: "exact", section: "splats" },
-  { name: "instant", view: [90, 0, 1], plane: [0, -1, 0, 0.5], clip: "exact", section: "volume" },
   // Face colours, at one plane and at three.
   ...(["hard", "soft", "exact"] as const).map(
     (clip, i): Shot => ({ name: "solid", view: kViews[i]!, plane: kPlanes[1]!, clip, section: "splats" }),
