@@ -73,7 +73,7 @@ class Page implements Host {
       if (!coming?.length || this.#cases.some((one) => !linked || one.name === linked)) {
         return;
       }
-      this.app.tell(`${coming[0]!.quality} case is being made`);
+      this.app.tell(`The ${coming[0]!.quality} case is on its way`);
       await new Promise((resolve) => setTimeout(resolve, kMakingMs / 4));
       this.#index = await fetchIndex(this.#name);
     }
