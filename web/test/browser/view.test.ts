@@ -70,7 +70,9 @@ describe.skipIf(missing !== undefined)(`a better version of a case${why}`, () =>
         requestAnimationFrame(look);
       };
       requestAnimationFrame(look);
+      window.clipgs.setView({ azimuth: 40, elevation: 20, zoom: 1.2 }); // drawn again, to compare with
     });
+    await page.waitForFunction(() => window.clipgs.stats.settled);
     replaceBy("phantom.sog");
     await page.waitForFunction((known) => window.clipgs.stats.total !== known, total);
     await page.waitForFunction(() => window.clipgs.stats.settled);
