@@ -12,7 +12,7 @@ namespace {
 
 std::atomic<bool> enabled{true};
 
-Progress::Watcher& watcher() {
+Progress::Watcher& the_watcher() {
   static Progress::Watcher all;
   return all;
 }
@@ -41,7 +41,7 @@ Progress::~Progress() {
 
 void Progress::set_enabled(bool on) { enabled = on; }
 
-void Progress::set_watcher(Watcher wanted) { watcher() = std::move(wanted); }
+void Progress::set_watcher(Watcher watcher) { the_watcher() = std::move(watcher); }
 
 void Progress::update(size_t done, const std::string& detail) {
   if (!started_) {
@@ -49,8 +49,8 @@ void Progress::update(size_t done, const std::string& detail) {
     first_done_ = done;
   }
   const double fraction = total_ == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total_);
-  if (watcher()) {
-    watcher()(label_, fraction);
+  if (the_watcher()) {
+    the_watcher()(label_, fraction);
   }
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const auto now = Clock::now();

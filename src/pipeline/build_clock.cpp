@@ -20,7 +20,7 @@ BuildClock::BuildClock(const BuildOptions& options) {
   const DatasetOptions& pictures = options.pictures;
   const double pixels = static_cast<double>(pictures.size) * pictures.size;
   const double frames = pictures.train_frames;
-  const double steps = static_cast<double>(options.training.steps);
+  const auto steps = static_cast<double>(options.training.steps);
   pieces_ = {
       {"dataset", frames * (kPerPicture + kPerSample * pixels * pictures.train_spp)},
       {"loading", frames * kPerPixelLoaded * pixels},
