@@ -15,7 +15,7 @@ import { launchBrowser } from "../test/browser/session";
 import { median, table } from "./measure";
 
 const kRounds = 3;
-const [volume = "", ...options] = process.argv.slice(process.argv.indexOf("--") + 1);
+const [volume = "", ...options] = process.argv.slice(2);
 
 interface Times {
   address: number;

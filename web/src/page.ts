@@ -70,6 +70,10 @@ class Page implements Host {
       const coming = this.#index.making?.filter(
         (one) => one.error === null && (!linked || one.name === linked),
       );
+      const failed = this.#index.making?.find((one) => one.error !== null && one.name === linked);
+      if (failed && !this.#cases.some((one) => one.name === linked)) {
+        throw new CaseError(failed.error!);
+      }
       if (!coming?.length || this.#cases.some((one) => !linked || one.name === linked)) {
         return;
       }
