@@ -13,7 +13,6 @@
 
 #include "pipeline/build_case.h"
 #include "pipeline/build_clock.h"
-#include "pipeline/case_step.h"
 
 #include "cli/build_arguments.h"
 #include "cli/commands.h"
@@ -98,9 +97,11 @@ class Making {
  public:
   Making(std::vector<std::vector<BuildArguments>> volumes, LiveWork& live)
       : volumes_(std::move(volumes)), live_(live) {
-    for_each([&](const BuildArguments& build) {
-      live_.begin(name_of(build), fs::exists(build.output) ? build.quality : "instant");
-    });
+    for (const auto& looks : volumes_) {
+      for (const BuildArguments& build : looks) {
+        live_.begin(name_of(build), fs::exists(build.output) ? build.quality : "instant");
+      }
+    }
   }
 
   void run() {
@@ -121,15 +122,6 @@ class Making {
   bool failed() const { return failed_; }
 
  private:
-  template <typename Visit>
-  void for_each(const Visit& visit) {
-    for (const auto& looks : volumes_) {
-      for (const BuildArguments& build : looks) {
-        visit(build);
-      }
-    }
-  }
-
   /// What goes wrong with one volume is said, here and on the page, and the others go on.
   template <typename Work>
   void attempt(const std::vector<BuildArguments>& builds, const Work& work) {
