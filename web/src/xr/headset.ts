@@ -41,6 +41,9 @@ function fixedCamera<T extends PerspectiveCamera>(camera: T): T {
   return camera;
 }
 
+/** What is done for the headset by what the viewer stands in. */
+type HeadsetHost = Pick<PanelHost, "cases" | "looks" | "open"> & Partial<Pick<PanelHost, "news">>;
+
 /** A case in a headset: while it is worn, it draws in place of the page. */
 export class Headset {
   readonly stage: Stage;
@@ -57,7 +60,7 @@ export class Headset {
   readonly #viewer: Viewer;
   readonly #actions: Actions;
   readonly #marking: Marking;
-  readonly #host: Pick<PanelHost, "cases" | "looks" | "open"> & Partial<Pick<PanelHost, "news">>;
+  readonly #host: HeadsetHost;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
@@ -75,12 +78,7 @@ export class Headset {
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
-  constructor(
-    viewer: Viewer,
-    actions: Actions,
-    marking: Marking,
-    host: Pick<PanelHost, "cases" | "looks" | "open"> & Partial<Pick<PanelHost, "news">>,
-  ) {
+  constructor(viewer: Viewer, actions: Actions, marking: Marking, host: HeadsetHost) {
     this.#viewer = viewer;
     this.#actions = actions;
     this.#marking = marking;
