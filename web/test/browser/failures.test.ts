@@ -54,7 +54,12 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
   });
 
   async function opened(name: string, ...scripts: { content: string }[]): Promise<Page> {
-    const page = await session.open(`#case=${name}&size=64x64`, errors, { width: 400, height: 300 }, scripts);
+    const page = await session.open(
+      `#case=${name}&size=64x64`,
+      errors,
+      { width: 400, height: 300, scale: 1 },
+      scripts,
+    );
     await page.evaluate(() => window.clipgs.ready);
     return page;
   }

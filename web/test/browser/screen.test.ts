@@ -14,7 +14,7 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
 
   beforeAll(async () => {
     await session.start(() => copyMadeCases(session));
-    page = await session.open("#case=phantom", errors);
+    page = await session.open("#case=phantom", errors, { width: 900, height: 600, scale: 1 });
     await page.evaluate(() => window.clipgs.ready);
   });
 

@@ -41,6 +41,16 @@ export async function loseGpu(page: Page): Promise<void> {
   });
 }
 
+/** What a page is shown in, CSS px; `scale`: pixels that are drawn for one of them. */
+interface Viewport {
+  width: number;
+  height: number;
+  scale?: number;
+}
+
+/** Layout does not depend on how finely it is drawn, and pixels are what takes time without a GPU. */
+const kUsual: Viewport = { width: 900, height: 600, scale: 0.5 };
+
 /** A served folder of cases and Chromium, which looks at it. */
 export class Session extends Server {
   #browser!: Browser;
@@ -62,14 +72,14 @@ export class Session extends Server {
           window.headset.installRuntime({ forceInstall: true });`,
       },
     ];
-    return this.open(hash, errors, { width: 320, height: 200 }, scripts);
+    return this.open(hash, errors, { width: 320, height: 200, scale: 1 }, scripts);
   }
 
   /** Opens the viewer; `hash` as in a link. Errors of the page fail the test through `errors`. */
   async open(
     hash = "",
     errors: string[] = [],
-    viewport = { width: 900, height: 600 },
+    viewport = kUsual,
     scripts: { path?: string; content?: string }[] = [],
   ): Promise<Page> {
     const page = await this.openPage(this.url + hash, errors, viewport, scripts);
@@ -81,10 +91,11 @@ export class Session extends Server {
   async openPage(
     url: string,
     errors: string[] = [],
-    viewport = { width: 900, height: 600 },
+    viewport = kUsual,
     scripts: { path?: string; content?: string }[] = [],
   ): Promise<Page> {
-    const page = await this.#browser.newPage({ viewport, ignoreHTTPSErrors: true });
+    const { scale: deviceScaleFactor = kUsual.scale, ...size } = viewport;
+    const page = await this.#browser.newPage({ viewport: size, deviceScaleFactor, ignoreHTTPSErrors: true });
     for (const script of scripts) {
       await page.addInitScript(script);
     }

@@ -42,7 +42,7 @@ describe.skipIf(missing !== undefined)(`a better version of a case${why}`, () =>
   }
 
   it("takes the place of what is shown, and nothing else changes, nor flashes", async () => {
-    const page = await session.open("", errors, { width: 500, height: 400 });
+    const page = await session.open("", errors, { width: 500, height: 400, scale: 1 });
     await page.evaluate(() => window.clipgs.ready);
     await newsOf(page).getByText("Instant").waitFor();
     await page.evaluate(() => {

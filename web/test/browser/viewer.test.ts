@@ -40,6 +40,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     const framed = await session.open(
       "#case=phantom&view=35,20&plane=0,-1,0,0&clip=soft&size=256x256",
       errors,
+      { width: 256, height: 256, scale: 1 },
     );
     await framed.evaluate(() => window.clipgs.ready);
     const picture = await pagePicture(framed, 256, 256);
@@ -570,11 +571,12 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await slider.getAttribute("aria-valuetext")).toMatch(/^State 43 \/ 200 · \u2212?\d+\.\d\d mm$/);
     await page.mouse.move(300, 300);
     await page.keyboard.down("Alt");
+    const scale = await page.evaluate(() => devicePixelRatio); // the driver's pixels are not of CSS
     for (let i = 0; i < 3; ++i) {
-      await page.mouse.wheel(0, -20); // by 0.4 of a state
+      await page.mouse.wheel(0, -20 * scale); // by 0.4 of a state
     }
     await expect.poll(async () => (await state()).state).toBe(44);
-    await page.mouse.wheel(0, 100); // back by 2
+    await page.mouse.wheel(0, 100 * scale); // back by 2
     await expect.poll(async () => (await state()).state).toBe(42);
     await page.keyboard.up("Alt");
 
