@@ -48,6 +48,16 @@ class Picture {
   WebPMemoryWriter writer_{};
 };
 
+/// Whether there is no colour to take care of.
+bool is_grey(const Texels& texels) {
+  for (size_t i = 0; i < texels.rgba.size(); i += 4) {
+    if (texels.rgba[i] != texels.rgba[i + 1] || texels.rgba[i] != texels.rgba[i + 2]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Texels::Texels(int w, int h) : width(w), height(h), rgba(4 * size(), 0) {
@@ -70,11 +80,12 @@ Bytes encode_webp_data(const Texels& texels, float quality, Saving saving) {
   WebPConfig config;
   WebPConfigInit(&config);
   config.quality = quality;
-  config.method = saving == Saving::kBytes ? 6 : 1;
+  // 6 takes twice as long as 4 and is a hundredth smaller.
+  config.method = saving == Saving::kBytes ? 4 : 1;
   config.thread_level = 1;
   config.sns_strength = 0;
   config.filter_strength = 0;
-  config.use_sharp_yuv = saving == Saving::kBytes ? 1 : 0;
+  config.use_sharp_yuv = saving == Saving::kBytes && !is_grey(texels) ? 1 : 0;
   return Picture(texels.width, texels.height).encode(config, texels.rgba.data());
 }
 
