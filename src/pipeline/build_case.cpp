@@ -25,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr int kBakingRevision = 1;
 // Raised whenever the same volume has another instant case.
 constexpr int kInstantRevision = 1;
+// The same of the one that has the finished case's section.
+constexpr int kPlacedRevision = 1;
 
 void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
 
@@ -37,16 +39,49 @@ DatasetOptions dataset_options(const BuildOptions& build) {
   return options;
 }
 
+/// What a case depends on in which nothing is learnt.
+Claim unlearnt_claim(const char* step, int revision, const Volume& volume, const Preset& preset,
+                     const BuildOptions& build) {
+  Claim claim = claim_of_step(step, revision);
+  claim["pictures"] = digest_of(claims_of(volume, preset, dataset_options(build)).pictures);
+  claim["section_size"] = build.section.none ? 0 : build.section.size;
+  claim["title"] = build.title;
+  return claim;
+}
+
+/// Shows what the section alone does, unless that was done. Returns the section, if it was made.
+std::optional<Section> show_section(TracedVolume& traced, const Preset& preset,
+                                    const BuildOptions& build, const fs::path& work,
+                                    const CaseWatcher& show) {
+  if (!show || build.section.none || build.papers_way) {
+    return std::nullopt;
+  }
+  const Step step("case of the section", work / "placed",
+                  unlearnt_claim("placed", kPlacedRevision, traced.scanned(), preset, build), {});
+  if (step.done()) {
+    return std::nullopt;
+  }
+  std::optional<Section> section(
+      make_section(traced.traced(), traced.scanned(), preset, {build.section.size}));
+  if (std::optional<Case> contents =
+          make_placed_case(traced.scanned(), preset, *section, build.title)) {
+    show(*std::move(contents));
+  }
+  step.finish();
+  return section;
+}
+
 Dataset build_dataset(const Volume& volume, const Preset& preset, const BuildOptions& build,
-                      const fs::path& folder) {
+                      const fs::path& work, const CaseWatcher& show) {
   const DatasetOptions options = dataset_options(build);
   const int tests = 2 * options.test_frames + options.uncut_frames + options.close_frames;
   say_step(2, fmt::format("pictures: {0} training, {1} test and half as many validation, {2}x{2}, "
                           "preset {3}",
                           options.train_frames, tests, options.size, preset.name));
   TracedVolume traced(volume, preset, options.upsample);
-  const Dataset dataset = make_dataset(traced, preset, folder, options);
-  make_dataset_section(traced, preset, dataset, build.section);
+  std::optional<Section> section = show_section(traced, preset, build, work, show);
+  const Dataset dataset = make_dataset(traced, preset, work / "dataset", options);
+  make_dataset_section(traced, preset, dataset, build.section, std::move(section));
   return dataset;
 }
 
@@ -78,12 +113,18 @@ struct SceneFiles {
 };
 
 void build_explicit(const Dataset& dataset, const BuildOptions& build, const Section* faces,
-                    const fs::path& stem) {
+                    const fs::path& stem, const CaseWatcher& show) {
   const SceneFiles files(stem);
   const Step step("training", stem, training_claim(build.training, dataset, faces),
                   files.results(faces), {files.checkpoint});
   if (!step.done()) {
-    const Scene scene = train(dataset, build.training, files.checkpoint, faces);
+    const auto show_scene = [&](const Scene& scene) {
+      Case contents(scene, faces != nullptr ? std::optional(*faces) : std::nullopt);
+      name_case(contents, build.title);
+      show(std::move(contents));
+    };
+    const Scene scene = train(dataset, build.training, files.checkpoint, faces,
+                              show ? SceneWatcher(show_scene) : SceneWatcher());
     write_scene_section(files.ply, faces);
     write_scene(files.ply, scene);
     step.finish();
@@ -129,7 +170,8 @@ void build_layered(const Dataset& dataset, const BuildOptions& build, const Sect
   }
 }
 
-Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::path& stem) {
+Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::path& stem,
+                 const CaseWatcher& show) {
   say_step(3, fmt::format("training: {} Gaussians, {} steps", build.training.budget,
                           build.training.steps));
   const std::optional<Section> section = read_dataset_section(dataset);
@@ -137,19 +179,10 @@ Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::pa
   if (build.papers_way) {
     build_layered(dataset, build, faces, stem);
   } else {
-    build_explicit(dataset, build, faces, stem);
+    build_explicit(dataset, build, faces, stem, show);
   }
   // Turning into the file's axes and back may round: a build that resumes here must end the same.
   return load_case(SceneFiles(stem).ply);
-}
-
-/// What an instant case depends on.
-Claim instant_claim(const Volume& volume, const Preset& preset, const BuildOptions& build) {
-  Claim claim = claim_of_step("instant", kInstantRevision);
-  claim["pictures"] = digest_of(claims_of(volume, preset, dataset_options(build)).pictures);
-  claim["section_size"] = build.section.none ? 0 : build.section.size;
-  claim["title"] = build.title;
-  return claim;
 }
 
 }  // namespace
@@ -160,8 +193,8 @@ void build_instant_first(const Volume& volume, const Preset& preset, const Build
   if (is_finished_case(output)) {
     return;
   }
-  const Step step("instant case", work.folder() / "instant", instant_claim(volume, preset, options),
-                  {});
+  const Step step("instant case", work.folder() / "instant",
+                  unlearnt_claim("instant", kInstantRevision, volume, preset, options), {});
   if (!step.done() || !fs::exists(output)) {
     build_instant_case(volume, preset, {options.section, options.pictures.upsample, options.title},
                        output);
@@ -170,12 +203,12 @@ void build_instant_first(const Volume& volume, const Preset& preset, const Build
 }
 
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
-                    const FolderLock& work) {
+                    const FolderLock& work, const CaseWatcher& show) {
   require_look_for_section(preset, options.section);
-  const fs::path folder = work.folder() / "dataset";
-  const FolderLock lock(folder);  // clipgs dataset may be pointed here, too
-  const Dataset dataset = build_dataset(std::exchange(volume, {}), preset, options, folder);
-  Case contents = build_scene(dataset, options, work.folder() / "scene");
+  const FolderLock lock(work.folder() / "dataset");  // clipgs dataset may be pointed here, too
+  const Dataset dataset =
+      build_dataset(std::exchange(volume, {}), preset, options, work.folder(), show);
+  Case contents = build_scene(dataset, options, work.folder() / "scene", show);
   name_case(contents, options.title);
   contents.scene.look = dataset.look;  // that of work kept since before scenes had one, too
   return contents;
@@ -184,7 +217,13 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const fs::path& output) {
   build_instant_first(volume, preset, options, work, output);
-  const Case contents = build_contents(std::move(volume), preset, options, work);
+  CaseWatcher show;
+  if (!is_finished_case(output)) {
+    show = [&](const Case& contents) {
+      write_finished_case(output, contents, quick_coding(options.section.coding));
+    };
+  }
+  const Case contents = build_contents(std::move(volume), preset, options, work, show);
   say_step(4, "case");
   write_finished_case(output, contents, options.section.coding);
 }

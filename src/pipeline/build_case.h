@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "pipeline/section_step.h"
@@ -28,16 +29,21 @@ struct BuildOptions {
 void build_instant_first(const Volume& volume, const Preset& preset, const BuildOptions& options,
                          const FolderLock& work, const std::filesystem::path& output);
 
+/// Is given a case that is not finished yet.
+using CaseWatcher = std::function<void(Case)>;
+
 /// All that goes into the case, made in steps whose results stay in the folder: dataset/, model.ply
 /// (of the papers' way) and scene.ply. Each keeps the claim of what it is made of beside it (Step):
 /// what is there of the same claim is kept, what a killed build left is gone on from, and what
 /// depends on a change is made again, with a line on standard error that says why. The volume is
 /// let go of before training. Throws Error.
+/// `show` is given what is worth looking at meanwhile, each better than the one before.
 Case build_contents(Volume volume, const Preset& preset, const BuildOptions& options,
-                    const FolderLock& work);
+                    const FolderLock& work, const CaseWatcher& show = {});
 
 /// The same into a file, which is written every time. Where it does not hold a finished case yet,
-/// it is an instant one (make_instant_case()) meanwhile, as soon as may be. Throws Error.
+/// it is an instant one (make_instant_case()) as soon as may be, then one of the section that the
+/// finished case will have, then what training has come to (method.md §13). Throws Error.
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const std::filesystem::path& output);
 

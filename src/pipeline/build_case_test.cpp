@@ -126,6 +126,36 @@ TEST_F(BuildCaseTest, WhatDependsOnAChangeIsMadeAgainAndNothingElse) {
   expect_as_from_scratch();
 }
 
+TEST_F(BuildCaseTest, EachCaseThatIsShownMeanwhileHasLearntMore) {
+  std::vector<Case> seen;
+  const auto build_and_see = [&] {
+    seen.clear();
+    return build_contents(input_.volume, input_.preset, input_.options,
+                          FolderLock(folder_ / "work"),
+                          [&](Case contents) { seen.push_back(std::move(contents)); });
+  };
+  input_.options.title = "Ball";
+  input_.options.section.size = 48;  // so fine that nearly all of its matter is opaque
+  input_.volume = make_ball(48, 19, 300, -1000);
+  const Case finished = build_and_see();
+  std::vector<float> trained;
+  for (const Case& contents : seen) {
+    trained.push_back(contents.scene.trained);
+    EXPECT_EQ(contents.scene.title, "Ball");
+    EXPECT_EQ(contents.section->voxels, finished.section->voxels);
+  }
+  EXPECT_THAT(trained, testing::ElementsAre(0, 0.1f, 0.25f, 0.5f));  // of 20 steps
+  EXPECT_TRUE(seen.front().scene.placed);
+  EXPECT_FALSE(seen.back().scene.placed);
+  EXPECT_EQ(finished.scene.trained, 1);
+  build_and_see();
+  EXPECT_TRUE(seen.empty());
+  input_.options.training.steps = 24;
+  build_and_see();
+  EXPECT_EQ(seen.size(), 3);  // what the section shows is the same
+  EXPECT_EQ(build(input_, "fresh"), (build(input_), shown_)) << "who looks on changes nothing";
+}
+
 TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {
   build(input_);
   expect_again(

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "pipeline/case_step.h"
 
@@ -98,9 +99,23 @@ Scene scene_of(const Volume& volume, const Preset& preset) {
   return scene;
 }
 
-/// How a case is coded at once: by the quality that was asked for, or one that is good enough for
-/// the while.
-CaseCoding quick(const CaseCoding& asked) {
+/// The case of a section: discs on its surfaces, if these can be drawn.
+bool place_splats(Case& contents) {
+  const Section& section = *contents.section;
+  const SurfaceScan scan = scan_surfaces(section);
+  const auto openings = std::make_shared<const Openings>(section, scan);
+  if (!openings->drawn() || scan.translucent >= kSurelyOpaque) {
+    return false;
+  }
+  contents.scene.gaussians = surface_splats(section, scan, *openings, kSplats);
+  contents.scene.placed = true;
+  contents.openings = openings;
+  return true;
+}
+
+}  // namespace
+
+CaseCoding quick_coding(const CaseCoding& asked) {
   constexpr float kQuality = 85;
   CaseCoding coding = asked;
   coding.section_quality = asked.section_quality.value_or(kQuality);
@@ -108,7 +123,13 @@ CaseCoding quick(const CaseCoding& asked) {
   return coding;
 }
 
-}  // namespace
+std::optional<Case> make_placed_case(const Volume& volume, const Preset& preset, Section section,
+                                     const std::string& title) {
+  Case contents(scene_of(volume, preset));
+  name_case(contents, title);
+  contents.section = std::move(section);
+  return place_splats(contents) ? std::optional(std::move(contents)) : std::nullopt;
+}
 
 Case make_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options) {
   require_look_for_section(preset, options.section);
@@ -116,14 +137,9 @@ Case make_instant_case(const Volume& volume, const Preset& preset, const Instant
   name_case(contents, options.title);
   if (!options.section.none) {
     TracedVolume traced(volume, preset, options.upsample && volume.voxels() <= kFewVoxels);
-    const Section& section = contents.section.emplace(make_section(
-        traced.traced(), volume, preset, {std::min(options.section.size, kSectionSize)}));
-    const SurfaceScan scan = scan_surfaces(section);
-    const auto openings = std::make_shared<const Openings>(section, scan);
-    if (openings->drawn() && scan.translucent < kSurelyOpaque) {
-      contents.scene.gaussians = surface_splats(section, scan, *openings, kSplats);
-      contents.scene.placed = true;
-      contents.openings = openings;
+    contents.section.emplace(make_section(traced.traced(), volume, preset,
+                                          {std::min(options.section.size, kSectionSize)}));
+    if (place_splats(contents)) {
       return contents;
     }
   }
@@ -135,7 +151,7 @@ Case make_instant_case(const Volume& volume, const Preset& preset, const Instant
 void build_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options,
                         const std::filesystem::path& output) {
   write_finished_case(output, make_instant_case(volume, preset, options),
-                      quick(options.section.coding));
+                      quick_coding(options.section.coding));
 }
 
 }  // namespace clipgs

@@ -24,6 +24,15 @@ struct InstantOptions {
 /// section, they fill the matter. Throws Error.
 Case make_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options);
 
+/// The same of a section that is there, made of the volume by make_section(), if its surfaces can
+/// be drawn.
+std::optional<Case> make_placed_case(const Volume& volume, const Preset& preset, Section section,
+                                     const std::string& title);
+
+/// How a case is coded that is only to be looked at until there is a better one: by the quality
+/// that was asked for, or one that is good enough for the while, as fast as may be.
+CaseCoding quick_coding(const CaseCoding& asked);
+
 /// The same into a file, coded as fast as may be. Throws Error.
 void build_instant_case(const Volume& volume, const Preset& preset, const InstantOptions& options,
                         const std::filesystem::path& output);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <utility>
 
 #include "asset/section_file.h"
 #include "cinema/scene.h"
@@ -30,7 +31,9 @@ std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choi
     return pictures;
   }
   const std::uint64_t finer = upsample ? most_upsampled(volume).loaded() : 0;
-  return std::max(pictures, finer + section_memory(volume, {choice.size}));
+  // A build makes the section first, to show it, and then the pictures.
+  return std::max(pictures + held_section_memory(volume, {choice.size}),
+                  finer + section_memory(volume, {choice.size}));
 }
 
 void require_look_for_section(const Preset& preset, const SectionChoice& choice) {
@@ -56,7 +59,7 @@ void require_look_for_section(const Preset& preset, const SectionChoice& choice)
 }
 
 void make_dataset_section(TracedVolume& volume, const Preset& preset, const Dataset& dataset,
-                          const SectionChoice& choice) {
+                          const SectionChoice& choice, std::optional<Section> made) {
   if (choice.none) {
     forget(section_stem(dataset), {section_file(dataset)});
     return;
@@ -71,7 +74,8 @@ void make_dataset_section(TracedVolume& volume, const Preset& preset, const Data
   if (step.done()) {
     return;
   }
-  Section section = make_section(volume.traced(), volume.scanned(), preset, options);
+  Section section = made ? *std::exchange(made, {})
+                         : make_section(volume.traced(), volume.scanned(), preset, options);
   const ReflectanceFit fit = fit_reflectance(section, dataset);
   write_section(section_file(dataset), section);
   step.finish();

@@ -22,13 +22,14 @@ struct SectionChoice {
 /// Throws Error if cut faces drawn from the volume cannot look as the preset says.
 void require_look_for_section(const Preset& preset, const SectionChoice& choice);
 
-/// Bytes of memory that a dataset and its section take beside a volume, the one after the other.
+/// Bytes of memory that a dataset and its section take beside a volume, while the other is made.
 std::uint64_t dataset_memory(const VolumeSize& volume, const SectionChoice& choice, bool upsample);
 
 /// Writes the section of a volume, with its light fitted to the dataset's pictures, beside them,
-/// unless it is there already. `choice.none`: removes the one that is there.
+/// unless it is there already. `choice.none`: removes the one that is there. `made`: what
+/// make_section() makes of all that, if somebody has it.
 void make_dataset_section(TracedVolume& volume, const Preset& preset, const Dataset& dataset,
-                          const SectionChoice& choice);
+                          const SectionChoice& choice, std::optional<Section> made = {});
 
 /// The dataset's section, if it has one.
 std::optional<Section> read_dataset_section(const Dataset& dataset);

@@ -350,6 +350,11 @@ std::uint64_t section_memory(const VolumeSize& scanned, const SectionOptions& op
   return std::max(sizeof(float) * resampled, (2 * sizeof(float) + 4) * section);
 }
 
+std::uint64_t held_section_memory(const VolumeSize& scanned, const SectionOptions& options) {
+  return (scanned.rgb ? 3 : 1) *
+         std::min(most_upsampled(scanned).voxels(), most_voxels(options.size));
+}
+
 Section resize_section(const Section& section, int size) {
   require_size(size);
   const Vec3 steps = Vec3(section.dims - 1);

@@ -154,6 +154,8 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
 /// Bytes of memory that making a section of such a volume takes beside it and the traced one, at
 /// most.
 std::uint64_t section_memory(const VolumeSize& scanned, const SectionOptions& options);
+/// Bytes that a section of it holds, at most, when it is made.
+std::uint64_t held_section_memory(const VolumeSize& scanned, const SectionOptions& options);
 
 /// The same section with as many voxels as a cube of that side has, at most; as it is if it has no
 /// more.

@@ -1,6 +1,7 @@
 #include "train/trainer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -403,9 +404,12 @@ Scene scene_of(const Dataset& dataset) {
 
 namespace {
 
-/// Steps to the end, from `checkpoint` if it is there.
-void run(Trainer& trainer, size_t steps, const std::filesystem::path& checkpoint,
-         const char* name) {
+// Of the steps: when a scene on its way is worth looking at.
+constexpr std::array kMoments = {0.125f, 0.25f, 0.5f};
+
+/// Steps to the end, from `checkpoint` if it is there. `watch` is told after every step.
+void run(Trainer& trainer, size_t steps, const std::filesystem::path& checkpoint, const char* name,
+         const std::function<void()>& watch = {}) {
   if (!checkpoint.empty()) {
     trainer.load_checkpoint(checkpoint);
   }
@@ -422,19 +426,34 @@ void run(Trainer& trainer, size_t steps, const std::filesystem::path& checkpoint
       trainer.save_checkpoint(checkpoint);
       last_save = Clock::now();
     }
+    if (watch) {
+      watch();
+    }
   }
 }
 
 }  // namespace
 
 Scene train(const Dataset& dataset, const TrainOptions& options,
-            const std::filesystem::path& checkpoint, const Section* section) {
+            const std::filesystem::path& checkpoint, const Section* section,
+            const SceneWatcher& watch) {
   Trainer trainer(dataset, options, section);
-  run(trainer, options.steps, checkpoint, "training");
-  Scene scene = scene_of(dataset);
-  scene.gaussians = trainer.gaussians();
-  scene.face_gain = trainer.face_gain();
-  return scene;
+  const auto scene_of_now = [&] {
+    Scene scene = scene_of(dataset);
+    scene.gaussians = trainer.gaussians();
+    scene.face_gain = trainer.face_gain();
+    scene.trained = static_cast<float>(trainer.steps_done()) / static_cast<float>(options.steps);
+    return scene;
+  };
+  run(trainer, options.steps, checkpoint, "training", [&] {
+    const bool is_moment = std::ranges::any_of(kMoments, [&](float share) {
+      return trainer.steps_done() == static_cast<size_t>(share * static_cast<float>(options.steps));
+    });
+    if (watch && is_moment) {
+      watch(scene_of_now());
+    }
+  });
+  return scene_of_now();
 }
 
 UniaxialModel train_model(const Dataset& dataset, const TrainOptions& options,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "cinema/dataset.h"
@@ -120,10 +121,14 @@ class Trainer {
   Image image_gradient_;
 };
 
+/// Is given a scene on its way (Scene::trained says how far), when it has become worth looking at.
+using SceneWatcher = std::function<void(const Scene&)>;
+
 /// Trains from start to finish, or on from `checkpoint` if that file is there; writes it every few
 /// minutes (pass an empty path for none), and shows progress. Throws Error.
 Scene train(const Dataset& dataset, const TrainOptions& options,
-            const std::filesystem::path& checkpoint, const Section* section = nullptr);
+            const std::filesystem::path& checkpoint, const Section* section = nullptr,
+            const SceneWatcher& watch = {});
 
 /// The same for a uniaxial model; `options.uniaxial` says which.
 UniaxialModel train_model(const Dataset& dataset, const TrainOptions& options,
