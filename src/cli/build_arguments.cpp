@@ -32,7 +32,7 @@ struct Quality {
 // and noise averages out over them. What limits their number is the memory that training holds them
 // in.
 constexpr std::array kQualities = {
-    Quality{"draft", 192, 600, 8, 4, 40000, 4000, 1},
+    Quality{"draft", 192, 600, 8, 4, 40000, 2000, 1},
     Quality{"standard", 256, 2000, 20, 10, 60000, 8000, 2},
     Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
 };
