@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What paper_tables.sh, ablation.sh, sharpness.sh and instant.sh have in common; they source it. Where their results
+# What paper_tables.sh, ablation.sh, sharpness.sh, instant.sh and curve.sh have in common; they source it. Where their results
 # lie, how their steps resume and are timed, and the pictures that they learn from and are measured against.
 #
 # From the environment: CASES to make; of the pictures SIZE in px, TRAIN_FRAMES, TRAIN_SPP, TEST_FRAMES and
@@ -115,10 +115,15 @@ truth() {
 
 # measure CASE: FOLDER/CASE/case.sog against the truth, large and small.
 measure() {
-  local at="$folder/$1" size
+  measure_case "$folder/$1" "$folder/$1/case.sog" "$folder/$1/"
+}
+
+# measure_case AT FILE STEM: the same of a case in a file, against the truth in AT; the figures are called STEM….
+measure_case() {
+  local at="$1" size
   for size in "$test_size" "$small"; do
-    step "$at/$split-$size" "$at/$split-$size.figures" "$clipgs" eval "$at/case.sog" --dataset "$at/truth" \
-      --size "$size" --split "$split" --clip exact --section volume --json "$at/$split-$size.figures"
+    step "$3$split-$size" "$3$split-$size.figures" "$clipgs" eval "$2" --dataset "$at/truth" \
+      --size "$size" --split "$split" --clip exact --section volume --json "$3$split-$size.figures"
   done
 }
 
