@@ -26,9 +26,9 @@ const cell = (version) => version ? `${show(version.mean, 1)} (${version.kinds.m
 for (const px of [size, small]) {
   console.log(`${px} × ${px} px, masked PSNR in dB, mean (axis / oblique / uncut / close up), of what is there after so many seconds:\n`);
   head(["s", ...cases]);
+  const all = cases.map((name) => versions(folder, name, px));
   for (const seconds of kSeconds) {
-    const there = (name) => versions(folder, name, px).filter((version) => version.seconds <= seconds).at(-1);
-    line([seconds, ...cases.map((name) => cell(there(name)))]);
+    line([seconds, ...all.map((of) => cell(of.filter((version) => version.seconds <= seconds).at(-1)))]);
   }
   console.log();
 }

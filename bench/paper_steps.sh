@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What paper_tables.sh, ablation.sh, sharpness.sh, instant.sh and curve.sh have in common; they source it. Where their results
-# lie, how their steps resume and are timed, and the pictures that they learn from and are measured against.
+# What paper_tables.sh, ablation.sh, sharpness.sh, instant.sh and curve.sh have in common; they source it. Where their
+# results lie, how their steps resume and are timed, and the pictures that they learn from and are measured against.
 #
 # From the environment: CASES to make; of the pictures SIZE in px, TRAIN_FRAMES, TRAIN_SPP, TEST_FRAMES and
 # DATASET_OPTIONS, more options of `clipgs dataset`; SH_DEGREE of the Gaussians; CLIPGS, a program to use
