@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asset/layers.h"
+#include "asset/section_codings.h"
 #include "asset/sog.h"
 #include "asset/webp.h"
 #include "core/error.h"
@@ -26,8 +27,6 @@ constexpr const char* kSectionKey = "section";
 constexpr const char* kStatesKey = "states";
 constexpr const char* kThumbnailFile = "thumbnail.webp";
 constexpr float kThumbnailQuality = 80;
-/// Of a section's image: the first that is small enough, or the last.
-constexpr std::array kQualities = {kLossless, 97.0f, 94.0f, 90.0f, 85.0f, 80.0f, 75.0f, 70.0f};
 /// Of the JSON, at most, about, and of the ZIP's directory.
 constexpr size_t kMetaBytes = 40'000;
 constexpr size_t kDirectoryBytes = 2'000;
@@ -69,63 +68,9 @@ bool has_layers(const json& block) {
   return states != block.end() && states->contains("file");
 }
 
-struct CodedSection {
-  json block;
-  ZipEntry file;
-};
-
-CodedSection code_section(const Section& section, float quality, Saving saving) {
-  std::vector<ZipEntry> files;
-  json block = encode_section(section, quality, files, saving);
-  return {std::move(block), std::move(files.front())};
-}
-
 std::string text_of(const json& value) {
   return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
-
-size_t size_of(const CodedSection& section) {
-  return section.file.bytes.size() + text_of(section.block).size();
-}
-
-/// A section by kQualities, or by one that is given: each is coded once, for it takes seconds.
-class SectionCodings {
- public:
-  SectionCodings(const Section& section, const CaseCoding& coding)
-      : section_(section), given_(coding.section_quality), saving_(coding.saving) {}
-
-  /// The best that takes no more than `room` bytes. What does not fit by one is not tried by a
-  /// better one.
-  const CodedSection& best(size_t room) {
-    if (given_) {
-      return by(*given_);
-    }
-    size_t low = 0;  // what is before is too large
-    size_t high = kQualities.size() - 1;
-    while (low < high) {
-      const size_t middle = (low + high) / 2;
-      if (size_of(by(kQualities[middle])) <= room) {
-        high = middle;
-      } else {
-        low = middle + 1;
-      }
-    }
-    return by(kQualities[high]);
-  }
-
- private:
-  const CodedSection& by(float quality) {
-    const auto known = coded_.find(quality);
-    return known != coded_.end()
-               ? known->second
-               : coded_.emplace(quality, code_section(section_, quality, saving_)).first->second;
-  }
-
-  const Section& section_;
-  std::optional<float> given_;
-  Saving saving_;
-  std::map<float, CodedSection> coded_;
-};
 
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
@@ -183,20 +128,22 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
   const Scene& scene = contents.scene;
   json block = scene_to_json(scene, world);
   block["generator"] = fmt::format("clipgs {}", program_version());
-  // Where the size of the case decides, splats have what the section leaves of it when it is kept
-  // as well as fits; where that is too little for them, the section is kept less well.
   std::optional<SectionCodings> section;
-  size_t others = kMetaBytes + scene.layers.size() / kLayersPerByte;
   if (contents.section) {
-    section.emplace(*contents.section, coding);
-    others += section->best(coding.bytes - std::min(coding.bytes, others)).file.bytes.size();
+    section.emplace(*contents.section, coding.section_quality, coding.saving);
   }
   ZipEntry picture;
   if (thumbnail != nullptr) {
     picture = {kThumbnailFile, encode_webp(*thumbnail, kThumbnailQuality)};
-    others += picture.bytes.size();
   }
-  const size_t room = coding.bytes - std::min(coding.bytes, others);
+  // Where the size of the case decides, the section is kept as well as fits beside the fewest
+  // colours, and the splats have what it leaves.
+  const size_t others = kMetaBytes + scene.layers.size() / kLayersPerByte + picture.bytes.size();
+  const auto room = [&](size_t least) {
+    const size_t rest = coding.bytes - std::min(coding.bytes, others);
+    return section ? rest - std::min(rest, section->best(rest - std::min(rest, least)).bytes())
+                   : rest;
+  };
   std::vector<ZipEntry> files;
   std::vector<size_t> order;
   json meta = encode_sog(transform(scene.gaussians, world.inverse()), files, &order, room);

@@ -27,6 +27,7 @@ constexpr int kSectionBlock =
     16;  // side of the blocks that lossy WebP codes: slices do not share one
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
 constexpr const char* kImageFile = "section.webp";
+constexpr const char* kVoxelsFile = "section.voxels";
 constexpr const char* kSectionMetaFile = "section.json";
 constexpr const char* kChecksum = "checksum";
 
@@ -75,6 +76,13 @@ Texels to_texels(const Section& section, const Mosaic& mosaic) {
   return texels;
 }
 
+/// By itself: texels take four times as much as voxels, and decoding takes as much again.
+Bytes encode_image(const Section& section, const Mosaic& mosaic, float quality, Saving saving) {
+  const Texels texels = to_texels(section, mosaic);
+  return quality >= kLossless ? encode_webp(texels, saving)
+                              : encode_webp_data(texels, quality, saving);
+}
+
 std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, const IVec3& dims,
                                     int channels) {
   std::vector<std::uint8_t> voxels(static_cast<size_t>(dims.x) * dims.y * dims.z * channels);
@@ -95,15 +103,25 @@ std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, 
 /// By how much coding moved the values.
 ErrorBands coding_errors(const Section& section, const std::vector<std::uint8_t>& decoded) {
   ErrorBands errors;
-  const auto value = [&](const std::uint8_t* v) {
-    return section.channels == 1 ? section.curve.values()[v[0]]
-                                 : section.value(Vec3(v[0], v[1], v[2]));
+  if (section.channels == 1) {
+    // A code stands for its value: there are no more than 256² pairs.
+    const auto& values = section.curve.values();
+    for (size_t i = 0; i < decoded.size(); ++i) {
+      const std::uint8_t code = decoded[i];
+      if (code >= Section::kFirstInside) {
+        errors.add(code, values[code] - values[section.voxels[i]]);
+      }
+    }
+    return errors;
+  }
+  const auto value = [&](const std::vector<std::uint8_t>& voxels, size_t i) {
+    return section.value(Vec3(voxels[i], voxels[i + 1], voxels[i + 2]));
   };
   for (size_t i = 0; i < decoded.size(); i += section.channels) {
-    const float told = value(&decoded[i]);
+    const float told = value(decoded, i);
     const float code = section.curve.code(told);
     if (code >= Section::kFirstInside) {
-      errors.add(code, told - value(&section.voxels[i]));
+      errors.add(code, told - value(section.voxels, i));
     }
   }
   return errors;
@@ -294,37 +312,20 @@ void read_grid(const JsonReader& reader, Section& section) {
   }
 }
 
-}  // namespace
-
-json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
-                    Saving saving) {
-  const Mosaic mosaic(section.dims);
-  if (mosaic.width() > kMaxImage || mosaic.height() > kMaxImage) {
-    throw Error("a section of {} × {} × {} voxels does not fit into an image; make it smaller",
-                section.dims.x, section.dims.y, section.dims.z);
-  }
-  const Texels texels = to_texels(section, mosaic);
-  Bytes image = quality >= kLossless ? encode_webp(texels, saving)
-                                     : encode_webp_data(texels, quality, saving);
-  const std::vector<std::uint8_t> decoded =
-      to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
-                section.dims, section.channels);
+/// All but the voxels, where these are to be read back as `voxels` and miss values by so much.
+json describe(const Section& section, const std::vector<std::uint8_t>& voxels,
+              const std::array<float, Section::kErrorBands>& rms) {
   json errors = json::array();
-  for (const float error : coding_errors(section, decoded).on_top_of(section.value_errors)) {
+  for (const float error : rms) {
     errors.push_back(short_number(error));
   }
-  files.push_back({kImageFile, std::move(image)});
-
   json curve = json::array();
   for (const float value : section.curve.values()) {
     curve.push_back(json_number(value));
   }
   json object = {{"version", section.tone == ToneCurve::kSrgb ? kPlainVersion : kTonedVersion},
-                 {"file", kImageFile},
-                 {kChecksum, checksum(decoded)},
+                 {kChecksum, checksum(voxels)},
                  {"dims", {section.dims.x, section.dims.y, section.dims.z}},
-                 {"tile", {mosaic.tile_width, mosaic.tile_height}},
-                 {"columns", mosaic.columns},
                  {"channels", section.channels},
                  {"spacing", json_vector(section.spacing)},
                  {"origin", json_vector(section.origin)},
@@ -343,9 +344,8 @@ json encode_section(const Section& section, float quality, std::vector<ZipEntry>
   return object;
 }
 
-Section decode_section(const json& object, const std::map<std::string, Bytes>& files,
-                       const std::string& name) {
-  const JsonReader reader(object, name);
+/// All but the voxels.
+Section read_description(const JsonReader& reader, const std::string& name) {
   require_version(reader, name);
   Section section;
   read_grid(reader, section);
@@ -375,7 +375,35 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
   }
   read_lights(reader.child("lights"), section);
   section.tone = read_tone(reader.child("lights"), name);
+  return section;
+}
 
+}  // namespace
+
+json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
+                    Saving saving) {
+  const Mosaic mosaic(section.dims);
+  if (mosaic.width() > kMaxImage || mosaic.height() > kMaxImage) {
+    throw Error("a section of {} × {} × {} voxels does not fit into an image; make it smaller",
+                section.dims.x, section.dims.y, section.dims.z);
+  }
+  Bytes image = encode_image(section, mosaic, quality, saving);
+  const std::vector<std::uint8_t> decoded =
+      to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
+                section.dims, section.channels);
+  json object =
+      describe(section, decoded, coding_errors(section, decoded).on_top_of(section.value_errors));
+  object["file"] = kImageFile;
+  object["tile"] = {mosaic.tile_width, mosaic.tile_height};
+  object["columns"] = mosaic.columns;
+  files.push_back({kImageFile, std::move(image)});
+  return object;
+}
+
+Section decode_section(const json& object, const std::map<std::string, Bytes>& files,
+                       const std::string& name) {
+  const JsonReader reader(object, name);
+  Section section = read_description(reader, name);
   const Mosaic mosaic(section.dims);
   if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
     reader.fail("columns");
@@ -402,21 +430,30 @@ std::filesystem::path section_path(std::filesystem::path scene) {
 }
 
 void write_section(const std::filesystem::path& path, const Section& section) {
-  std::vector<ZipEntry> files;
-  const std::string text = encode_section(section, kLossless, files, Saving::kTime).dump();
-  files.push_back({kSectionMetaFile, Bytes(text.begin(), text.end())});
-  const Bytes bytes = write_zip(files);
+  const std::string text = describe(section, section.voxels, section.value_errors).dump();
+  const Bytes bytes = write_zip(
+      {{kVoxelsFile, section.voxels}, {kSectionMetaFile, Bytes(text.begin(), text.end())}});
   write_file(path, bytes.data(), bytes.size());
 }
 
 Section read_section(const std::filesystem::path& path) {
-  const std::map<std::string, Bytes> files = read_zip(read_file(path, kMaxFile), path.string());
+  const std::string name = path.string();
+  std::map<std::string, Bytes> files = read_zip(read_file(path, kMaxFile), name);
   const auto meta = files.find(kSectionMetaFile);
-  if (meta == files.end()) {
-    throw Error("{}: has no {}; is it a section?", path.string(), kSectionMetaFile);
+  const auto voxels = files.find(kVoxelsFile);
+  if (meta == files.end() || voxels == files.end()) {
+    throw Error("{}: has no {} or no {}; make it again", name, kSectionMetaFile, kVoxelsFile);
   }
   const json object = json::parse(meta->second.begin(), meta->second.end(), nullptr, false);
-  return decode_section(object, files, path.string());
+  const JsonReader reader(object, name);
+  Section section = read_description(reader, name);
+  if (voxels->second.size() != section.voxel_count() * section.channels) {
+    throw Error("{}: its {} is {} bytes long, not {}; make it again", name, kVoxelsFile,
+                voxels->second.size(), section.voxel_count() * section.channels);
+  }
+  section.voxels = std::move(voxels->second);
+  require_checksum(object.value(kChecksum, json()), section.voxels, name);
+  return section;
 }
 
 }  // namespace clipgs

@@ -42,8 +42,8 @@ SectionInfo section_info(const nlohmann::json& object, const std::map<std::strin
 /// Where the section of a scene lies: NAME.section.zip beside NAME.ply.
 std::filesystem::path section_path(std::filesystem::path scene);
 
-/// A section by itself, lossless, as work in progress keeps it: quick to write. Written whole or
-/// not at all. Throws Error.
+/// A section by itself, as work in progress keeps it: quick to write. Written whole or not at all.
+/// Throws Error.
 void write_section(const std::filesystem::path& path, const Section& section);
 Section read_section(const std::filesystem::path& path);
 

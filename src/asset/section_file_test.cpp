@@ -87,6 +87,29 @@ TEST_P(SectionFileTest, RoundTripIsLossless) {
   EXPECT_EQ(read_text(folder / "a.zip"), read_text(folder / "b.zip"));
 }
 
+TEST_P(SectionFileTest, RefusesVoxelsThatAreNotThoseDescribed) {
+  const TestFolder folder;
+  write_section(folder / "a.zip", make(GetParam()));
+  const std::map<std::string, Bytes> good =
+      read_zip(read_file(folder / "a.zip", size_t{1} << 20), "a.zip");
+  const auto refused = [&](const auto& change) {
+    std::map<std::string, Bytes> bad = good;
+    change(bad);
+    std::vector<ZipEntry> entries;
+    for (const auto& [name, bytes] : bad) {
+      entries.push_back({name, bytes});
+    }
+    const Bytes zip = write_zip(entries);
+    write_file(folder / "b.zip", zip.data(), zip.size());
+    EXPECT_THROW(read_section(folder / "b.zip"), Error);
+  };
+  refused([](auto& files) { files["section.voxels"].pop_back(); });
+  refused([](auto& files) { files["section.voxels"][9] ^= 1; });
+  refused([](auto& files) { files.erase("section.voxels"); });
+  refused([](auto& files) { files.erase("section.json"); });
+  refused([](auto& files) { files["section.json"].resize(20); });
+}
+
 TEST_P(SectionFileTest, LossyCodingStatesItsError) {
   const Section section = make(GetParam());
   std::vector<ZipEntry> lossless;

@@ -527,7 +527,7 @@ class Decoder {
 Texels splat_texels(size_t count) { return {image_width(count), image_height(count)}; }
 
 json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
-                std::vector<size_t>* order, size_t room) {
+                std::vector<size_t>* order, const SogRoom& room) {
   require_writable_values(gaussians);
   std::vector<size_t> morton = morton_order(gaussians);
   const Gaussians ordered = gaussians.gather(morton);
@@ -558,8 +558,9 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
   }
   const std::vector<float> weights = writer.seen_areas();
   const size_t least = palette_size(ordered.size(), kMostSplatsPerCentroid);
+  const size_t bytes = room ? room(taken + fewest_bytes(all_sets, ordered.size(), least)) : 0;
   size_t size = palette_size(ordered.size(), kFewestSplatsPerCentroid);
-  while (size > least && taken + fewest_bytes(all_sets, ordered.size(), size) > room) {
+  while (size > least && taken + fewest_bytes(all_sets, ordered.size(), size) > bytes) {
     size /= 2;
   }
   do {
@@ -568,7 +569,7 @@ json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
     }
     encoded = writer.encode();
     size /= 2;
-  } while (size >= least && taken + total_bytes(encoded) > room);
+  } while (size >= least && taken + total_bytes(encoded) > bytes);
   std::ranges::move(encoded, std::back_inserter(files));
   return meta;
 }

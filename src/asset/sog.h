@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -20,15 +21,18 @@ struct SogSummary {
 /// Splats that a SOG may hold here.
 constexpr size_t kMaxSplats = size_t{4} << 20;
 
+/// Told how many bytes a SOG hardly takes less than, says how many it may take.
+using SogRoom = std::function<size_t(size_t least)>;
+
 /// Quantises `gaussians` (scene space) as SOG v2: appends the images to `files` and returns
 /// meta.json; face colours and the images' checksums are keys of our own in it. Splats come out in
 /// Morton order; the result depends neither on the order they came in nor on the number of threads.
 /// `order`, unless null, is set to the index in `gaussians` of each splat of the SOG. Colours above
 /// degree 0 are a palette with a centroid for every 16 splats, or for as few as 2 where the images
-/// then take no more than `room` bytes. Throws Error if there are no splats, too many, or one that
-/// is not finite.
+/// then take no more than there is `room` for (none: 16). Throws Error if there are no splats, too
+/// many, or one that is not finite.
 nlohmann::json encode_sog(const Gaussians& gaussians, std::vector<ZipEntry>& files,
-                          std::vector<size_t>* order = nullptr, size_t room = 0);
+                          std::vector<size_t>* order = nullptr, const SogRoom& room = {});
 
 /// An image of a SOG with a texel for each of `count` splats, all (0, 0, 0, 255).
 Texels splat_texels(size_t count);

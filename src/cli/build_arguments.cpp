@@ -33,7 +33,7 @@ struct Quality {
 // in.
 constexpr std::array kQualities = {
     Quality{"draft", 192, 600, 8, 4, 40000, 2000, 1},
-    Quality{"standard", 256, 2000, 20, 10, 60000, 8000, 2},
+    Quality{"standard", 256, 1000, 20, 4, 60000, 3000, 2},
     Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
 };
 

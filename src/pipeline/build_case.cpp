@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <future>
 #include <utility>
 
 #include "pipeline/case_step.h"
@@ -185,6 +186,31 @@ Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::pa
   return load_case(SceneFiles(stem).ply);
 }
 
+/// Writes what is worth looking at while the work goes on, one after the other.
+class Showing {
+ public:
+  Showing(fs::path output, const CaseCoding& asked)
+      : output_(std::move(output)), coding_(quick_coding(asked)) {}
+
+  void show(Case contents) {
+    wait();
+    writing_ = std::async(std::launch::async, [this, shown = std::move(contents)] {
+      write_finished_case(output_, shown, coding_);
+    });
+  }
+  /// Throws Error if what was shown last could not be written.
+  void wait() {
+    if (writing_.valid()) {
+      writing_.get();
+    }
+  }
+
+ private:
+  fs::path output_;
+  CaseCoding coding_;
+  std::future<void> writing_;
+};
+
 }  // namespace
 
 void build_instant_first(const Volume& volume, const Preset& preset, const BuildOptions& options,
@@ -217,13 +243,13 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const fs::path& output) {
   build_instant_first(volume, preset, options, work, output);
+  Showing showing(output, options.section.coding);
   CaseWatcher show;
   if (!is_finished_case(output)) {
-    show = [&](const Case& contents) {
-      write_finished_case(output, contents, quick_coding(options.section.coding));
-    };
+    show = [&](Case contents) { showing.show(std::move(contents)); };
   }
   const Case contents = build_contents(std::move(volume), preset, options, work, show);
+  showing.wait();
   say_step(4, "case");
   write_finished_case(output, contents, options.section.coding);
 }
