@@ -59,8 +59,6 @@ for name in "${cases[@]}"; do
 done
 
 cat <<EOF2
-## The neural model's parts
-
 Made by \`CLIPGS_DATA=... bench/ablation.sh\` on $(machine) and no graphics card: $budget Gaussians of SH
 degree $sh_degree, $steps steps. Axis planes against path-traced truth, faces by splats; means over the cases:
 ${cases[*]}. LT: [learnable truncation](method.md#9-the-neural-model), AAM: the adaptive adjustment model. In

@@ -18,13 +18,11 @@ readonly bench=build/release/src/cinema/cinema_bench
 readonly denoise=build/release/src/cinema/denoise_bench
 
 cat <<EOF2
-# The path tracer
-
 Made by \`CLIPGS_DATA=... bench/cinema.sh\` on $(nproc) cores of
 $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1) and no graphics card. Pictures of 512 × 512
 pixels, paths of at most 4 vertices, times without loading the volume.
 
-## Beside the plain tracer
+### Beside the plain tracer
 
 Delta tracking against one majorant, in double precision, one path at a time. A sample is a path that
 starts at the camera; adaptive ones go where the noise is.
@@ -38,7 +36,7 @@ EOF2
 
 cat <<EOF2
 
-## The denoiser
+### The denoiser
 
 Pictures of 256 × 256 pixels, mean squared errors over black as PSNR, means of 8 seeds, against a converged
 picture of the same view whose own noise is taken off. The bias is the error of the mean of denoised pictures
@@ -52,7 +50,7 @@ EOF2
 "$denoise" "$CLIPGS_DATA/chest.nrrd" muscle
 "$denoise" "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" soft-tissue
 
-printf '\n## Beside Cycles\n\n'
+printf '\n### Beside Cycles\n\n'
 if ! command -v blender >/dev/null; then
   echo "Blender is not installed."
   exit 0

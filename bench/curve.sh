@@ -1,26 +1,31 @@
 #!/usr/bin/env bash
 # How good a case is after so many seconds: every version that `clipgs build` writes of one, with the second it was
-# there, against path-traced truth at 1024 and at 256 pixels. Prints Markdown, and draws FOLDER/curve.svg.
+# there, against path-traced truth at 1024 and at 256 pixels: cut, uncut and close up, as a headset shows it. Of the
+# last, the finished case, what each kind of pixel has, its size and the memory it took. Prints Markdown, and draws
+# FOLDER/curve.svg.
 #
 #   CLIPGS_DATA=... bench/curve.sh [FOLDER]    FOLDER (default build/curve) keeps everything, a folder a case; what is
 #                                              there is not made again, but a build that was interrupted begins anew
 #
-# The truth takes a quarter of an hour. QUALITY of the builds (draft), TEST_FRAMES of each kind (2); paper_steps.sh says
-# what else has a default. Figures of another program, from its FOLDER, come beside these with BESIDE=FOLDER.
+# The truth takes a quarter of an hour. QUALITY of the builds (draft) and BUILD_OPTIONS, more of `clipgs build`;
+# paper_steps.sh says what else has a default. Figures of another program, from its FOLDER, come beside these with
+# BESIDE=FOLDER.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 set -- "${1:-build/curve}"
 source bench/paper_steps.sh
 readonly quality="${QUALITY:-draft}"
+read -ra build_options <<<"${BUILD_OPTIONS:-}"
 
-# keep_versions CASE VOLUME OPTIONS...: builds it, and keeps each version as SECONDS.sog.
+# keep_versions AT VOLUME OPTIONS...: builds it, and keeps each version as SECONDS.sog, and the peak memory in KB.
 keep_versions() {
-  local at="$folder/$1" began last="" now pid
+  local at="$1" began last="" now pid
   shift
   rm -rf "$at/versions" "$at/work" "$at/case.sog"
   mkdir -p "$at/versions"
   began="$(LC_ALL=C date +%s.%N)"
-  "$clipgs" build "$@" -o "$at/case.sog" --quality "$quality" --work "$at/work" >&2 &
+  /usr/bin/time -f %M -o "$at/kilobytes" "$clipgs" build "$@" -o "$at/case.sog" --quality "$quality" \
+    --work "$at/work" >&2 &
   pid=$!
   local alive=true
   while $alive; do
@@ -38,20 +43,26 @@ keep_versions() {
 
 for name in "${cases[@]}"; do
   at="$folder/$name"
-  text="$(volume_of "$name")"
-  read -ra volume <<<"$text"
-  truth "$name" "${TEST_FRAMES:-2}"
-  settings "$at/versions.settings" "QUALITY=$quality"
+  find_volume "$name"
+  truth "$name"
+  settings "$at/versions.settings" "QUALITY=$quality" "BUILD_OPTIONS=${build_options[*]}"
   if [ ! -f "$at/versions.made" ]; then
-    cat "$CLIPGS_DATA/${volume[0]}" >/dev/null # from a warm disk
-    keep_versions "$name" "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}"
+    cat "${volume[0]}" >/dev/null # from a warm disk
+    keep_versions "$at" "${volume[@]}" "${tiny_tests[@]}" "${build_options[@]}"
     touch "$at/versions.made"
   fi
   for version in "$at"/versions/*.sog; do
-    measure_case "$at" "$version" "${version%.sog}-"
+    measure "$name" "$version" "${version%.sog}-"
+  done
+  for size in "$test_size" "$small"; do
+    cp "${version%.sog}-$split-$size.figures" "$at/$split-$size.figures"
   done
 done
 
 node bench/curve.cjs "$folder" "$split" "$test_size" "$small" "${BESIDE:-}" "${cases[@]}"
+echo "The finished cases:"
+echo
+node bench/sharpness.cjs "$folder" "$split" "$test_size" "$small" "${cases[@]}"
+echo "| GiB at the peak | $(for name in "${cases[@]}"; do awk '{ printf "%.2f | ", $1 / 1048576 }' "$folder/$name/kilobytes"; done)"
 echo
 echo "On $(machine)."

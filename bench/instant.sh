@@ -5,7 +5,7 @@
 #   CLIPGS_DATA=... bench/instant.sh [FOLDER]    FOLDER (default build/instant) keeps everything, a folder a case; what
 #                                                is there is not made again, and what is timed alone takes seconds
 #
-# The truth takes a quarter of an hour. TEST_FRAMES of each kind (2); paper_steps.sh says what else has a default.
+# The truth takes a quarter of an hour. paper_steps.sh says what has a default.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 set -- "${1:-build/instant}"
@@ -13,11 +13,10 @@ source bench/paper_steps.sh
 
 for name in "${cases[@]}"; do
   at="$folder/$name"
-  text="$(volume_of "$name")"
-  read -ra volume <<<"$text"
-  truth "$name" "${TEST_FRAMES:-2}"
-  cat "$CLIPGS_DATA/${volume[0]}" >/dev/null # from a warm disk
-  step "$at/case" "$at/case.sog" "$clipgs" build "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" -o "$at/case.sog" \
+  find_volume "$name"
+  truth "$name"
+  cat "${volume[0]}" >/dev/null # from a warm disk
+  step "$at/case" "$at/case.sog" "$clipgs" build "${volume[@]}" -o "$at/case.sog" \
     --quality instant
   measure "$name"
 done

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# What paper_tables.sh, ablation.sh, sharpness.sh, instant.sh and curve.sh have in common; they source it. Where their
+# What paper_tables.sh, ablation.sh, instant.sh, curve.sh, seeds.sh and operators.sh have in common; they source it. Where their
 # results lie, how their steps resume and are timed, and the pictures that they learn from and are measured against.
 #
 # From the environment: CASES to make; of the pictures SIZE in px, TRAIN_FRAMES, TRAIN_SPP, TEST_FRAMES and
 # DATASET_OPTIONS, more options of `clipgs dataset`; SH_DEGREE of the Gaussians; CLIPGS, a program to use
 # instead of building one. Of truth at a headset's size: TEST_SIZE and SMALL of the pictures compared, px; NOISE_DB,
-# masked; SPLIT, test, or validation to choose between methods by.
+# masked; TEST_FRAMES of each kind (2); SPLIT, test, or
+# validation to choose between methods by; TRUTH, a folder for it that others share (FOLDER).
 
 if [ -z "${CLIPGS_DATA:-}" ]; then
-  echo "$0: set CLIPGS_DATA to the folder with head.nrrd, chest.nrrd, abdomen_pelvis_3mm.nii.gz and stent.nrrd" >&2
+  echo "$0: set CLIPGS_DATA to the folder of the volumes: head.nrrd, chest.nrrd, abdomen_pelvis_3mm.nii.gz, stent.nrrd" >&2
   exit 2
 fi
 readonly folder="${1:-build/paper}"
@@ -17,19 +18,25 @@ read -ra cases <<<"${CASES:-head chest abdomen stent}"
 read -ra dataset_options <<<"${DATASET_OPTIONS:---views spiral}"
 readonly sh_degree="${SH_DEGREE:-2}"
 readonly clipgs="${CLIPGS:-build/release/src/cli/clipgs}"
+mkdir -p "$folder"
 if [ -z "${CLIPGS:-}" ]; then
   bash scripts/build.sh >&2
 fi
 
-# volume_of CASE: the file in CLIPGS_DATA, and options how to read it.
-volume_of() {
+# find_volume CASE: sets `volume` to its file, and options how to read it.
+find_volume() {
   case "$1" in
-    head) echo head.nrrd --hu 16,-1024 ;;
-    chest) echo chest.nrrd ;;
-    abdomen) echo abdomen_pelvis_3mm.nii.gz ;;
-    stent) echo stent.nrrd ;;
+    head) volume=("$CLIPGS_DATA/head.nrrd" --hu 16,-1024) ;;
+    chest) volume=("$CLIPGS_DATA/chest.nrrd") ;;
+    abdomen) volume=("$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz") ;;
+    stent) volume=("$CLIPGS_DATA/stent.nrrd") ;;
+    mr) volume=("$CLIPGS_DATA/chris_t1.nii.gz") ;;
+    phantom)
+      volume=("$folder/phantom.nrrd")
+      [ -f "${volume[0]}" ] || "$clipgs" phantom "${volume[0]}" >&2
+      ;;
     *)
-      echo "$0: there is no case $1; use head, chest, abdomen and stent" >&2
+      echo "$0: there is no case $1; use head, chest, abdomen, stent, mr and phantom" >&2
       return 1
       ;;
   esac
@@ -88,41 +95,39 @@ bytes() {
 # dataset CASE: the pictures, in FOLDER/CASE/dataset.
 dataset() {
   local at="$folder/$1" size="${SIZE:-256}" train="${TRAIN_FRAMES:-3000}" spp="${TRAIN_SPP:-6}" test="${TEST_FRAMES:-20}"
-  local text volume
-  text="$(volume_of "$1")"
-  read -ra volume <<<"$text"
+  local volume
+  find_volume "$1"
   settings "$at/dataset.settings" "SIZE=$size" "TRAIN_FRAMES=$train" "TRAIN_SPP=$spp" "TEST_FRAMES=$test" \
     "DATASET_OPTIONS=${dataset_options[*]}"
-  step "$at/dataset" "$at/dataset/section.zip" "$clipgs" dataset "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" \
+  step "$at/dataset" "$at/dataset/section.zip" "$clipgs" dataset "${volume[@]}" \
     -o "$at/dataset" --one-sided --train-frames "$train" --train-spp "$spp" --test-frames "$test" --size "$size" \
     "${dataset_options[@]}"
 }
 
-readonly test_size="${TEST_SIZE:-1024}" small="${SMALL:-256}" split="${SPLIT:-test}"
+readonly test_size="${TEST_SIZE:-1024}" small="${SMALL:-256}" split="${SPLIT:-test}" test_frames="${TEST_FRAMES:-2}"
+readonly truths="${TRUTH:-$folder}"
+# Of the same test planes and views, which training keeps away from, tiny pictures: the large ones are the truth's.
+readonly tiny_tests=(--test-frames "$test_frames" --uncut-frames "$test_frames" --close-frames "$test_frames"
+  --test-size 32 --test-noise-db 20)
 
-# truth CASE FRAMES: path-traced pictures at a headset's size, FRAMES of each kind, in FOLDER/CASE/truth. What a case
+# truth CASE: path-traced pictures at a headset's size, TEST_FRAMES of each kind, in TRUTH/CASE/truth. What a case
 # learns from does not matter to them: cases of any quality are measured against the same.
 truth() {
-  local at="$folder/$1" frames="$2" noise_db="${NOISE_DB:-44}" text volume
-  text="$(volume_of "$1")"
-  read -ra volume <<<"$text"
+  local at="$truths/$1" frames="$test_frames" noise_db="${NOISE_DB:-44}" volume
+  find_volume "$1"
   settings "$at/truth.settings" "TEST_SIZE=$test_size" "TEST_FRAMES=$frames" "NOISE_DB=$noise_db"
-  step "$at/truth" "$at/truth/transforms.json" "$clipgs" dataset "$CLIPGS_DATA/${volume[0]}" "${volume[@]:1}" \
+  step "$at/truth" "$at/truth/transforms.json" "$clipgs" dataset "${volume[@]}" \
     -o "$at/truth" --no-section --train-frames 1 --train-spp 2 --points 1000 --test-frames "$frames" \
     --validation-frames 1 --uncut-frames "$frames" --close-frames "$frames" --test-size "$test_size" \
     --test-masked-noise-db "$noise_db"
 }
 
-# measure CASE: FOLDER/CASE/case.sog against the truth, large and small.
+# measure CASE [FILE STEM]: FOLDER/CASE/case.sog, or another of the case, against the truth, large and small; the
+# figures are called STEM….
 measure() {
-  measure_case "$folder/$1" "$folder/$1/case.sog" "$folder/$1/"
-}
-
-# measure_case AT FILE STEM: the same of a case in a file, against the truth in AT; the figures are called STEM….
-measure_case() {
-  local at="$1" size
+  local file="${2:-$folder/$1/case.sog}" stem="${3:-$folder/$1/}" size
   for size in "$test_size" "$small"; do
-    step "$3$split-$size" "$3$split-$size.figures" "$clipgs" eval "$2" --dataset "$at/truth" \
+    step "$stem$split-$size" "$stem$split-$size.figures" "$clipgs" eval "$file" --dataset "$truths/$1/truth" \
       --size "$size" --split "$split" --clip exact --section volume --json "$3$split-$size.figures"
   done
 }

@@ -63,8 +63,6 @@ for name in "${cases[@]}"; do
 done
 
 cat <<EOF2
-## The papers' tables
-
 Made by \`CLIPGS_DATA=... bench/paper_tables.sh\` on $(machine) and no graphics card: $budget Gaussians of
 SH degree $sh_degree; $steps steps of the neural model, $refine_steps of refinement (to $refine_budget Gaussians of
 degree $refine_sh_degree), $section_steps of refinement with the section. Means over the cases: ${cases[*]}. [method.md](method.md#7-metrics) defines the columns.

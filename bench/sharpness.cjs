@@ -1,4 +1,4 @@
-// The tables of sharpness.sh, from what it left of each case: SPLIT-SIZE.figures.
+// The tables of finished cases of curve.sh and instant.sh, from what they left of each case: SPLIT-SIZE.figures.
 //
 //   node bench/sharpness.cjs FOLDER SPLIT SIZE SMALL CASE...
 const fs = require("node:fs");

@@ -30,11 +30,11 @@ struct Quality {
 
 // Many pictures of few samples teach more than few clean ones: every picture shows other planes,
 // and noise averages out over them. What limits their number is the memory that training holds them
-// in.
+// in. Test pictures are few: they cost as much as ten others, and nothing is made of them.
 constexpr std::array kQualities = {
-    Quality{"draft", 192, 600, 8, 4, 40000, 2000, 1},
-    Quality{"standard", 256, 1000, 20, 4, 60000, 3000, 2},
-    Quality{"high", 512, 3000, 32, 12, 150000, 24000, 2},
+    Quality{"draft", 192, 600, 2, 4, 40000, 2000, 1},
+    Quality{"standard", 256, 1000, 4, 4, 60000, 3000, 2},
+    Quality{"high", 512, 3000, 8, 12, 150000, 24000, 2},
 };
 
 const Quality& find_quality(const std::string& name) {

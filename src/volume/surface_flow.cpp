@@ -122,19 +122,21 @@ class SurfaceFlow {
  private:
   /// Where what is shown meets what is not, and values change by more than noise.
   void find_surfaces(const TransferFunction& transfer, float noise) {
-    surface_.resize(scanned_.size());
+    Field surface(scanned_.size());  // 0…1: how far each voxel is at one
+    at_surface_.resize(scanned_.size());
     const float even = kEvenRange * noise;
     const float steep = std::max(kSurfaceRange * noise, std::numeric_limits<float>::min());
     parallel_for(scanned_.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         const bool seen = !(transfer.min_extinction(least_[i], most_[i]) > 0) &&
                           transfer.max_extinction(least_[i], most_[i]) > 0;
-        surface_[i] = seen ? glm::smoothstep(even, steep, most_[i] - least_[i]) : 0;
+        surface[i] = seen ? glm::smoothstep(even, steep, most_[i] - least_[i]) : 0;
+        at_surface_[i] = surface[i] > 0 ? 1 : 0;
       }
     });
     for_each_voxel(grids_.fine, [&](int x, int y, int z) {
       freedom_[grids_.fine_at(x, y, z)] =
-          static_cast<std::uint8_t>(std::lround(255 * grids_.interpolate(surface_, x, y, z)));
+          static_cast<std::uint8_t>(std::lround(255 * grids_.interpolate(surface, x, y, z)));
     });
   }
 
@@ -227,7 +229,7 @@ class SurfaceFlow {
     Field missing(scanned_.size());
     for_each_voxel(grids_.coarse, [&](int x, int y, int z) {
       const size_t at = grids_.coarse_at(x, y, z);
-      missing[at] = surface_[at] > 0 ? scanned_[at] - mean_over(x, y, z) : 0;
+      missing[at] = at_surface_[at] != 0 ? scanned_[at] - mean_over(x, y, z) : 0;
     });
     return missing;
   }
@@ -261,7 +263,7 @@ class SurfaceFlow {
   void keep_thin_things() {
     Field lost = missing();
     for (size_t i = 0; i < lost.size(); ++i) {
-      lost[i] = surface_[i] > 0
+      lost[i] = at_surface_[i] != 0
                     ? glm::smoothstep(kFaithful, kFalse, std::abs(lost[i]) / (most_[i] - least_[i]))
                     : 0;
     }
@@ -318,7 +320,7 @@ class SurfaceFlow {
 
   const FineGrid& grids_;
   Field scanned_, least_, most_;
-  Field surface_;                      // 0…1: how far each scanned voxel is at a surface
+  std::vector<std::uint8_t> at_surface_;  // of scanned voxels: whether anything there may flow
   std::vector<float> values_;          // of fine voxels, and as many as flow_block() reads beyond
   std::vector<std::uint8_t> freedom_;  // of those: 255 may flow, 0 stay
   std::vector<Block> blocks_;

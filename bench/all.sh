@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# Every table of docs/benchmarks.md anew, made by one program, and put in its place there.
+#
+#   CLIPGS_DATA=... bench/all.sh [FOLDER] [PART...]    FOLDER (default build/all) keeps everything; the parts, if not
+#                                                      all, are those of `parts` below
+#
+# Takes ten hours on two cores, which should have nothing else to do: what is timed comes first. Stop it whenever you
+# like; run again, it goes on. It refuses to go on with other sources than it began with. Needs Chromium, the package
+# `time`, and Blender with python3-openvdb for one of the tables.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+all="$(realpath -m "${1:-build/all}")"
+shift || true
+readonly parts=(instant draft standard tracer kernels viewer flicker seeds operators cuts papers ablation samples clone)
+[ $# -gt 0 ] || set -- "${parts[@]}"
+mkdir -p "$all/tables"
+
+# What figures depend on: documents may change meanwhile.
+sources="$(git rev-parse HEAD:src HEAD:presets HEAD:web/src HEAD:web/bench | sha256sum | cut -c 1-16)"
+if [ -f "$all/sources" ] && [ "$(<"$all/sources")" != "$sources" ]; then
+  echo "all: $all was begun with other sources, at commit $(<"$all/commit"): check that out, or use another FOLDER" >&2
+  exit 1
+fi
+if [ ! -f "$all/sources" ]; then
+  git diff --quiet HEAD -- src presets web || { echo "all: commit what you changed in src, presets and web first" >&2; exit 1; }
+  bash scripts/build.sh >&2
+  cp build/release/src/cli/clipgs "$all/clipgs"
+  git rev-parse --short HEAD >"$all/commit"
+  echo "$sources" >"$all/sources"
+fi
+export CLIPGS="$all/clipgs" TRUTH="$all/truth"
+readonly volumes="head chest abdomen stent"
+
+part_instant() { CASES="$volumes" bash bench/instant.sh "$all/instant"; }
+part_draft() { CASES="$volumes mr phantom" QUALITY=draft bash bench/curve.sh "$all/draft"; }
+part_standard() { CASES="$volumes mr phantom" QUALITY=standard bash bench/curve.sh "$all/standard"; }
+part_seeds() { CASES="$volumes" BUILT="$all/standard" bash bench/seeds.sh "$all/seeds"; }
+part_operators() { CASES="head abdomen" BUILT="$all/standard" bash bench/operators.sh "$all/operators"; }
+part_cuts() { bash bench/cuts.sh "$all/draft/abdomen/case.sog" "$all/cuts"; }
+part_papers() { CASES="$volumes" bash bench/paper_tables.sh "$all/papers"; }
+part_ablation() { CASES=head STEPS=4000 bash bench/ablation.sh "$all/papers"; }
+part_samples() { BUDGET=20000 STEPS=1500 bash bench/dataset.sh "$all/samples"; }
+part_tracer() { bash bench/cinema.sh; }
+part_kernels() { bash bench/kernels.sh; }
+part_viewer() { bash bench/web.sh "$all/standard/head/case.sog" "$all/standard/abdomen/case.sog"; }
+part_flicker() {
+  bash bench/flicker.sh "$all/draft/abdomen/case.sog" "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "$all/flicker" --steps 8
+}
+part_clone() { bash bench/clone.sh; }
+
+for part in "$@"; do
+  table="$all/tables/$part.md"
+  if [ ! -f "$table" ]; then
+    echo "all: $part" >&2
+    {
+      "part_$part"
+      printf '\nMade at commit %s by `bench/all.sh`.\n' "$(<"$all/commit")"
+    } >"$table.part"
+    mv "$table.part" "$table"
+  fi
+done
+node bench/tables.cjs docs/benchmarks.md "$all/tables"
