@@ -1,12 +1,14 @@
 """One scene, path traced by Blender's Cycles and by clipgs on the same cores: seconds to equal noise.
 
   blender -b --factory-startup --python-exit-code 1 --python bench/cycles.py -- \\
-      VOLUME.nrrd PRESET.json CLIPGS [--hu SCALE,OFFSET] [--noise-db 35] [--out FOLDER]
+      VOLUME.nrrd PRESET.json CLIPGS [--hu SCALE,OFFSET] [--surface HU] [--as-scanned] [--out FOLDER]
 
 Prints one row of a Markdown table. So that noise is compared with like noise, the scene is what both
 can do: the preset's extinction with one colour, isotropic scattering without surfaces, and the keys
-of the studio rig under an even sky. FOLDER keeps the pictures. Needs Debian's blender and
-python3-openvdb, whose module Blender's Python finds.
+of the studio rig under an even sky; or with --surface the body above a value, opaque and of one
+colour, as Lambert's law has it: of Blender a mesh of the isosurface, of clipgs the voxels
+themselves. FOLDER keeps the pictures. Needs Debian's blender and python3-openvdb, whose
+module Blender's Python finds.
 """
 import argparse
 import gzip
@@ -85,8 +87,56 @@ def bounding_sphere(extinction, spacing, origin, most):
     return center, math.sqrt(((points - center) ** 2).sum(1).max())
 
 
-def make_scene(vdb, color, keys, center, radius):
-    """The volume, the lights and the camera (30° from the front, 15° up), in millimetres."""
+def new_material(shader_name, socket):
+    material = bpy.data.materials.new("matter")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    shader = nodes.new(shader_name)
+    output = nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(shader.outputs[0], output.inputs[socket])
+    return material, shader
+
+
+def volume_matter(extinction, spacing, origin, color, folder):
+    grid = pyopenvdb.FloatGrid()
+    grid.name = "density"
+    grid.copyFromArray(extinction)
+    # Cycles puts a voxel's value half a voxel above its index.
+    grid.transform = transform_of(spacing, origin - spacing / 2)
+    pyopenvdb.write(str(folder / "density.vdb"), grids=[grid])
+    volume = bpy.data.volumes.new("matter")
+    volume.filepath = str(folder / "density.vdb")
+    material, shader = new_material("ShaderNodeVolumePrincipled", "Volume")
+    # With black absorption the principled volume has the extinction `density` and the albedo `color`.
+    shader.inputs["Color"].default_value = (*color, 1)
+    shader.inputs["Density"].default_value = 1
+    volume.materials.append(material)
+    return volume
+
+
+def surface_matter(values, isovalue, spacing, origin, color):
+    grid = pyopenvdb.FloatGrid(float(values.min()))
+    grid.copyFromArray(np.ascontiguousarray(values))
+    grid.transform = transform_of(spacing, origin)
+    points, quads = grid.convertToQuads(isovalue)
+    mesh = bpy.data.meshes.new("matter")
+    mesh.from_pydata(points.tolist(), [], quads.tolist())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    material, shader = new_material("ShaderNodeBsdfDiffuse", "Surface")
+    shader.inputs["Color"].default_value = (*color, 1)
+    mesh.materials.append(material)
+    return mesh
+
+
+def transform_of(spacing, origin):
+    matrix = np.diag([*spacing, 1.0])
+    matrix[3, :3] = origin
+    return pyopenvdb.createLinearTransform(matrix.tolist())
+
+
+def make_scene(matter, keys, center, radius):
+    """The matter, the lights and the camera (30° from the front, 15° up), in millimetres."""
     for thing in list(bpy.data.objects):
         bpy.data.objects.remove(thing)
     scene = bpy.context.scene
@@ -96,20 +146,7 @@ def make_scene(vdb, color, keys, center, radius):
         scene.collection.objects.link(thing)
         return thing
 
-    volume = bpy.data.volumes.new("matter")
-    volume.filepath = str(vdb)
-    material = bpy.data.materials.new("matter")
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
-    nodes.clear()
-    # With black absorption the principled volume has the extinction `density` and the albedo `color`.
-    shader = nodes.new("ShaderNodeVolumePrincipled")
-    shader.inputs["Color"].default_value = (*color, 1)
-    shader.inputs["Density"].default_value = 1
-    output = nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(shader.outputs[0], output.inputs["Volume"])
-    volume.materials.append(material)
-    add("matter", volume)
+    add("matter", matter)
 
     for key in keys:
         sun = bpy.data.lights.new("key", "SUN")
@@ -159,6 +196,7 @@ def set_up_cycles():
     cycles.pixel_filter_type = "BOX"  # as clipgs
     cycles.max_bounces = VERTICES - 1
     cycles.volume_bounces = VERTICES - 1  # after the first vertex
+    cycles.diffuse_bounces = VERTICES - 1
     cycles.volume_step_rate = 1
     cycles.volume_max_steps = 1024
     cycles.sample_clamp_indirect = 0
@@ -201,6 +239,8 @@ def main():
     parser.add_argument("preset")
     parser.add_argument("clipgs")
     parser.add_argument("--hu", help="SCALE,OFFSET")
+    parser.add_argument("--surface", type=float, help="value above which all is opaque")
+    parser.add_argument("--as-scanned", action="store_true", help="clipgs traces no finer voxels")
     parser.add_argument("--noise-db", type=float, default=35)
     parser.add_argument("--spp", default="4,8,16", help="samples a pixel in each half, ascending")
     parser.add_argument("--out")
@@ -214,6 +254,11 @@ def main():
     preset |= {"surface_strength": 0, "phase_g": 0}
     preset.pop("gradient_opacity", None)
     preset.pop("boundary", None)
+    if arguments.surface is not None:
+        preset |= {"title": f"Opaque from {arguments.surface:g} HU on" + (", as scanned" if arguments.as_scanned else ""), "surface_strength": 1e6}
+        # Within a hundredth of a millimetre of where bone or skin begins.
+        preset["points"] = [{"value": arguments.surface, "extinction": 0},
+                            {"value": arguments.surface + 2, "extinction": 100}]
     preset["points"] = [{"value": p["value"], "color": color, "extinction": p["extinction"]}
                         for p in preset["points"]]
     rig["sky"] = {part: {"color": "#ffffff", "intensity": SKY} for part in rig["sky"]}
@@ -226,15 +271,12 @@ def main():
         values = scale * values + offset
     knots = np.array([(p["value"], p["extinction"]) for p in preset["points"]])
     extinction = np.interp(values, knots[:, 0], knots[:, 1]).astype(np.float32)
-    grid = pyopenvdb.FloatGrid()
-    grid.name = "density"
-    grid.copyFromArray(extinction)
-    matrix = np.diag([*spacing, 1.0])
-    matrix[3, :3] = origin - spacing / 2  # Cycles puts a voxel's value half a voxel above its index
-    grid.transform = pyopenvdb.createLinearTransform(matrix.tolist())
-    pyopenvdb.write(str(folder / "density.vdb"), grids=[grid])
     center, radius = bounding_sphere(extinction, spacing, origin, knots[:, 1].max())
-    make_scene(folder / "density.vdb", linear_color(color), rig["keys"], center, radius)
+    if arguments.surface is None:
+        matter = volume_matter(extinction, spacing, origin, linear_color(color), folder)
+    else:
+        matter = surface_matter(values, arguments.surface, spacing, origin, linear_color(color))
+    make_scene(matter, rig["keys"], center, radius)
     set_up_cycles()
 
     def draw_ours():
@@ -244,6 +286,7 @@ def main():
                    "--noise-db", str(arguments.noise_db), "--background", "0,0,0", "--bits", "16",
                    "-o", str(folder / "clipgs.png"), "--json"]
         command += ["--hu", arguments.hu] if arguments.hu else []
+        command += ["--as-scanned"] if arguments.as_scanned else []
         return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
     cycles_half(1, 0, folder)  # prepares the volume

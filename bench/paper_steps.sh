@@ -82,6 +82,7 @@ step() {
     return
   fi
   echo "$(basename "$0"): making $output" >&2
+  mkdir -p "$(dirname "$name")"
   touch "$name.began"
   "$@" >&2
   count_time "$name" "$(LC_ALL=C date +%s.%N)"
@@ -128,7 +129,7 @@ measure() {
   local file="${2:-$folder/$1/case.sog}" stem="${3:-$folder/$1/}" size
   for size in "$test_size" "$small"; do
     step "$stem$split-$size" "$stem$split-$size.figures" "$clipgs" eval "$file" --dataset "$truths/$1/truth" \
-      --size "$size" --split "$split" --clip exact --section volume --json "$3$split-$size.figures"
+      --size "$size" --split "$split" --clip exact --section volume --json "$stem$split-$size.figures"
   done
 }
 

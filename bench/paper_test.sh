@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Whether paper_tables.sh, ablation.sh, curve.sh, seeds.sh and operators.sh work: all, on a phantom, with next to no pictures and steps.
+# Whether paper_tables.sh, ablation.sh, instant.sh, curve.sh, seeds.sh and operators.sh work: all, on a phantom, with next to no pictures and steps.
 #
 #   bench/paper_test.sh CLIPGS
 set -euo pipefail
@@ -41,5 +41,6 @@ export QUALITY=draft TEST_SIZE=64 SMALL=32 NOISE_DB=15
 export BUILD_OPTIONS="--size 32 --train-frames 24 --steps 20 --budget 1000"
 OUT=curve expect curve.sh 38 NOISE_DB=16
 export BUILT="$scratch/curve" TRUTH="$scratch/curve"
+OUT=instant expect instant.sh 17 NOISE_DB=16
 OUT=seeds expect seeds.sh 12 STEPS=30
 OUT=operators expect operators.sh 10 STEPS=30

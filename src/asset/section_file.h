@@ -13,7 +13,7 @@
 namespace clipgs {
 
 /// Quality of the image that holds a section's voxels; below, 90 loses 0.2 to 0.5 dB of a picture
-/// and half of the bytes (docs/benchmarks.md).
+/// and half of the bytes (docs/tried.md).
 constexpr float kLossless = 100;
 
 /// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with

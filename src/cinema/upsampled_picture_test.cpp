@@ -20,7 +20,7 @@ struct Case {
   const char* name;
   SolidBody body;
   Vec3 spacing;  // mm, of the scan
-  double gain;   // dB, at least; measured ones are in docs/benchmarks.md
+  double gain;   // dB, at least; measured ones are in docs/tried.md
 };
 
 /// Flesh of one colour: what differs is the surface.

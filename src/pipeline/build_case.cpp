@@ -12,6 +12,8 @@
 #include "bake/bake.h"
 #include "cinema/dataset_claim.h"
 #include "core/claim.h"
+#include "core/digest.h"
+#include "core/file.h"
 #include "splat/scene_file.h"
 #include "train/model_file.h"
 #include "train/training_claim.h"
@@ -28,6 +30,8 @@ constexpr int kBakingRevision = 1;
 constexpr int kInstantRevision = 1;
 // The same of the one that has the finished case's section.
 constexpr int kPlacedRevision = 1;
+// The same of a scene's case.
+constexpr int kCaseRevision = 1;
 
 void say_step(int step, const std::string& what) { fmt::print(stderr, "[{}/4] {}\n", step, what); }
 
@@ -186,6 +190,33 @@ Case build_scene(const Dataset& dataset, const BuildOptions& build, const fs::pa
   return load_case(SceneFiles(stem).ply);
 }
 
+/// Of what is in a file; of none, nothing.
+std::string digest_of_file(const fs::path& path) {
+  constexpr std::uintmax_t kMost = std::uintmax_t{1} << 30;
+  return fs::exists(path) ? Digest().add(read_file(path, kMost)).hex() : std::string();
+}
+
+/// The finished case, unless the file holds it.
+void write_last(const fs::path& output, const Case& contents, const BuildOptions& options,
+                const fs::path& work) {
+  const CaseCoding& coding = options.section.coding;
+  const VolumeLook& look = contents.scene.look;
+  Claim claim = claim_of_step("case", kCaseRevision);
+  claim["scene"] = digest_of(read_claim(work / "scene"));
+  claim["title"] = options.title;
+  claim["look"] = look.title + "\n" + look.description;
+  claim["bytes"] = coding.bytes;
+  claim["section_quality"] = coding.section_quality.value_or(0);
+  const fs::path written = work / "case.digest";
+  const Step step("case", work / "case", claim, {written});
+  if (step.done() && read_text(written) == digest_of_file(output)) {
+    return;
+  }
+  write_finished_case(output, contents, coding);
+  write_text(written, digest_of_file(output));
+  step.finish();
+}
+
 /// Writes what is worth looking at while the work goes on, one after the other.
 class Showing {
  public:
@@ -251,7 +282,7 @@ void build_case(Volume volume, const Preset& preset, const BuildOptions& options
   const Case contents = build_contents(std::move(volume), preset, options, work, show);
   showing.wait();
   say_step(4, "case");
-  write_finished_case(output, contents, options.section.coding);
+  write_last(output, contents, options, work.folder());
 }
 
 }  // namespace clipgs

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "core/error.h"
 #include "core/file.h"
 #include "core/progress.h"
 #include "volume/phantom.h"
@@ -154,6 +155,52 @@ TEST_F(BuildCaseTest, EachCaseThatIsShownMeanwhileHasLearntMore) {
   build_and_see();
   EXPECT_EQ(seen.size(), 3);  // what the section shows is the same
   EXPECT_EQ(build(input_, "fresh"), (build(input_), shown_)) << "who looks on changes nothing";
+}
+
+TEST_F(BuildCaseTest, AVersionThatCannotBeWrittenEndsTheBuildWhichThenGoesOn) {
+  input_.options.section.size = 48;
+  input_.volume = make_ball(48, 19, 300, -1000);
+  const fs::path output = folder_ / "cases" / "ball.sog";
+  const auto build_file = [&] {
+    fs::create_directories(output.parent_path());
+    build_case(input_.volume, input_.preset, input_.options, FolderLock(folder_ / "work"), output);
+  };
+  // While pictures are traced the folder goes away: every version after that is lost.
+  Progress::set_watcher([&](const std::string& label, double) {
+    if (label == "dataset") {
+      fs::remove_all(output.parent_path());
+    }
+  });
+  EXPECT_THROW(build_file(), Error);
+  Progress::set_watcher(nullptr);
+  testing::internal::CaptureStderr();
+  build_file();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("pictures: done before"));
+  EXPECT_EQ(read_case_info(output).scene.trained, 1);
+}
+
+TEST_F(BuildCaseTest, AFinishedCaseIsWrittenAgainOnlyWhereItIsAnother) {
+  const fs::path output = folder_ / "ball.sog";
+  const auto build_file = [&] {
+    testing::internal::CaptureStderr();
+    testing::internal::CaptureStdout();
+    build_case(input_.volume, input_.preset, input_.options, FolderLock(folder_ / "work"), output);
+    testing::internal::GetCapturedStderr();
+    return testing::internal::GetCapturedStdout().find("ball.sog") != std::string::npos;
+  };
+  EXPECT_TRUE(build_file());
+  EXPECT_FALSE(build_file());
+  input_.options.title = "Ball";
+  EXPECT_TRUE(build_file());
+  EXPECT_EQ(read_case_info(output).scene.title, "Ball");
+  EXPECT_FALSE(build_file());
+  write_text(output, "something else");
+  EXPECT_TRUE(build_file());
+  EXPECT_EQ(read_case_info(output).scene.trained, 1);
+  fs::remove(output);
+  EXPECT_TRUE(build_file());
+  input_.options.training.steps = 21;
+  EXPECT_TRUE(build_file());
 }
 
 TEST_F(BuildCaseTest, AnotherVolumeOrLookIsAnotherPicture) {

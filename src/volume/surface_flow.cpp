@@ -15,7 +15,7 @@
 namespace clipgs {
 namespace {
 
-// Chosen on a sphere, a torus and a face of known shape (docs/benchmarks.md#surfaces).
+// Chosen on a sphere, a torus and a face of known shape (docs/tried.md#surfaces).
 constexpr size_t kRounds = 8;        // the means are put right before each
 constexpr int kSteps = 10;           // of the flow, a round
 constexpr int kSoftening = 3;        // steps of heat in the end, by a voxel or so

@@ -110,7 +110,7 @@ struct Scanner {
 
 class UpsampleSurfaces : public testing::TestWithParam<Scanner> {};
 
-// The figures are in docs/benchmarks.md.
+// The figures are in docs/tried.md.
 TEST_P(UpsampleSurfaces, AreTwiceAsTrueToTheBody) {
   const Scanner& scanner = GetParam();
   for (const Body& body : bodies()) {
