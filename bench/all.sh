@@ -60,3 +60,6 @@ for part in "$@"; do
   fi
 done
 node bench/tables.cjs docs/benchmarks.md "$all/tables"
+for plot in draft/curve.svg samples/samples.svg; do
+  [ ! -f "$all/$plot" ] || cp "$all/$plot" docs/
+done

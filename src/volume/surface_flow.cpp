@@ -98,7 +98,9 @@ class SurfaceFlow {
   }
 
   void run() {
-    next_.resize(blocks_.size() * kBlockVoxels);
+    for (std::vector<float>& next : next_) {
+      next.resize(largest_layer() * kBlockVoxels);
+    }
     Progress progress("finer voxels", kRounds);
     for (size_t round = 0; round < kRounds; ++round) {
       keep_means();
@@ -145,6 +147,7 @@ class SurfaceFlow {
   void find_blocks() {
     const IVec3 count = (grids_.fine + kFlowBlock - 1) / kFlowBlock;
     for (int z = 0; z < count.z; ++z) {
+      layers_.push_back(blocks_.size());
       for (int y = 0; y < count.y; ++y) {
         for (int x = 0; x < count.x; ++x) {
           const Block block{glm::max(kFlowBlock * IVec3(x, y, z), IVec3(1)),
@@ -164,6 +167,7 @@ class SurfaceFlow {
         }
       }
     }
+    layers_.push_back(blocks_.size());
   }
 
   struct Block {
@@ -300,22 +304,50 @@ class SurfaceFlow {
                         1.0f / (spacing * spacing),
                         kStep * finest * finest / 255,
                         along == Along::kLevelSets ? 1.0f : 0.0f};
-    parallel_for(blocks_.size(), 16, [&](size_t begin, size_t end) {
+    // Layer by layer: what a layer has been is needed until the one above has flowed.
+    for (size_t layer = 0; layer + 1 < layers_.size(); ++layer) {
+      flow(step, layer);
+      if (layer > 0) {
+        put_back(layer - 1);
+      }
+    }
+    if (layers_.size() > 1) {
+      put_back(layers_.size() - 2);
+    }
+  }
+
+  void flow(const FlowStep& step, size_t layer) {
+    std::vector<float>& next = next_[layer % 2];
+    const size_t from = layers_[layer];
+    parallel_for(layers_[layer + 1] - from, 8, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const auto& [first, last] = blocks_[i];
+        const auto& [first, last] = blocks_[from + i];
         const size_t at = grids_.fine_at(first.x, first.y, first.z);
-        flow_block(step, &values_[at], &freedom_[at], last - first, &next_[i * kBlockVoxels]);
+        flow_block(step, &values_[at], &freedom_[at], last - first, &next[i * kBlockVoxels]);
       }
     });
-    parallel_for(blocks_.size(), 64, [&](size_t begin, size_t end) {
+  }
+
+  void put_back(size_t layer) {
+    const std::vector<float>& next = next_[layer % 2];
+    const size_t from = layers_[layer];
+    parallel_for(layers_[layer + 1] - from, 32, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
-        const float* const next = &next_[i * kBlockVoxels];
-        const int width = blocks_[i].end.x - blocks_[i].begin.x;
-        for_each_row(blocks_[i], [&](size_t row, size_t place) {
-          std::copy_n(next + place, width, &values_[row]);
+        const Block& block = blocks_[from + i];
+        const int width = block.end.x - block.begin.x;
+        for_each_row(block, [&](size_t row, size_t place) {
+          std::copy_n(&next[i * kBlockVoxels + place], width, &values_[row]);
         });
       }
     });
+  }
+
+  size_t largest_layer() const {
+    size_t most = 0;
+    for (size_t layer = 0; layer + 1 < layers_.size(); ++layer) {
+      most = std::max(most, layers_[layer + 1] - layers_[layer]);
+    }
+    return most;
   }
 
   const FineGrid& grids_;
@@ -324,7 +356,8 @@ class SurfaceFlow {
   std::vector<float> values_;          // of fine voxels, and as many as flow_block() reads beyond
   std::vector<std::uint8_t> freedom_;  // of those: 255 may flow, 0 stay
   std::vector<Block> blocks_;
-  std::vector<float> next_;
+  std::vector<size_t> layers_;              // where in blocks_ each layer across z begins; the end
+  std::array<std::vector<float>, 2> next_;  // values of two layers
 };
 
 }  // namespace
