@@ -13,18 +13,18 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 set -- "${1:-build/operators}"
 source bench/paper_steps.sh
-readonly built="${BUILT:-build/curve}" budget="${BUDGET:-60000}" steps="${STEPS:-3000}"
+readonly built="${BUILT:-build/curve}" budget="${BUDGET:-40000}" steps="${STEPS:-2500}" degree="${SH_DEGREE:-1}"
 
 for name in "${cases[@]}"; do
   at="$folder/$name"
-  settings "$at/settings" "BUDGET=$budget" "STEPS=$steps" "SH_DEGREE=$sh_degree"
+  settings "$at/settings" "BUDGET=$budget" "STEPS=$steps" "SH_DEGREE=$degree"
   for clip in hard soft exact; do
     for faces in splats volume; do
       scene="$at/$clip-$faces"
       alone=()
       [ "$faces" = volume ] || alone=(--no-section)
       step "$scene" "$scene.json" "$clipgs" train "$built/$name/work/dataset" -o "$scene.ply" --clip "$clip" \
-        --budget "$budget" --steps "$steps" --sh-degree "$sh_degree" "${alone[@]}"
+        --budget "$budget" --steps "$steps" --sh-degree "$degree" "${alone[@]}"
       step "$scene.figures" "$scene.figures" "$clipgs" eval "$scene.ply" --dataset "$truths/$name/truth" \
         --size "$small" --split "$split" --section "$faces" --json "$scene.figures"
     done

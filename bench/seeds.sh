@@ -12,18 +12,18 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 set -- "${1:-build/seeds}"
 source bench/paper_steps.sh
-readonly built="${BUILT:-build/curve}" budget="${BUDGET:-60000}" steps="${STEPS:-3000}"
+readonly built="${BUILT:-build/curve}" budget="${BUDGET:-40000}" steps="${STEPS:-2500}" degree="${SH_DEGREE:-1}"
 read -ra seeds <<<"${SEEDS:-2 3}"
 
 for name in "${cases[@]}"; do
   at="$folder/$name"
-  settings "$at/settings" "BUDGET=$budget" "STEPS=$steps" "SH_DEGREE=$sh_degree"
+  settings "$at/settings" "BUDGET=$budget" "STEPS=$steps" "SH_DEGREE=$degree"
   for size in "$test_size" "$small"; do
     cp "$built/$name/$split-$size.figures" "$at/1-$split-$size.figures"
   done
   for seed in "${seeds[@]}"; do
     step "$at/$seed" "$at/$seed.json" "$clipgs" train "$built/$name/work/dataset" -o "$at/$seed.ply" \
-      --budget "$budget" --steps "$steps" --sh-degree "$sh_degree" --seed "$seed"
+      --budget "$budget" --steps "$steps" --sh-degree "$degree" --seed "$seed"
     step "$at/$seed.sog" "$at/$seed.sog" "$clipgs" pack "$at/$seed.ply" -o "$at/$seed.sog"
     measure "$name" "$at/$seed.sog" "$at/$seed-"
   done

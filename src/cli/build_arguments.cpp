@@ -33,7 +33,7 @@ struct Quality {
 // in. Test pictures are few: they cost as much as ten others, and nothing is made of them.
 constexpr std::array kQualities = {
     Quality{"draft", 192, 600, 2, 4, 40000, 2000, 1},
-    Quality{"standard", 256, 1000, 4, 4, 60000, 3000, 2},
+    Quality{"standard", 256, 1000, 4, 4, 40000, 2500, 1},
     Quality{"high", 512, 3000, 8, 12, 150000, 24000, 2},
 };
 
