@@ -2,7 +2,7 @@
 //
 //   node bench/curve.cjs FOLDER SPLIT SIZE SMALL BESIDE CASE...
 const fs = require("node:fs");
-const {show, mean, line, head} = require("./markdown.cjs");
+const {kinds, show, mean, line, head} = require("./markdown.cjs");
 
 const [folder, split, size, small, beside, ...cases] = process.argv.slice(2);
 const kSeconds = [5, 10, 30, 60, 120, 300, 600];
@@ -16,12 +16,12 @@ function versions(from, name, px) {
     const stem = file.slice(0, -".sog".length);
     const {rows} = JSON.parse(fs.readFileSync(`${at}/${stem}-${split}-${px}.figures`, "utf8"));
     const of = (kind) => rows.find((row) => row.split === `${split}_${kind}`)?.psnr_masked;
-    const kinds = ["axis", "oblique", "uncut", "close"].map(of);
-    return {seconds: Number(stem), kinds, mean: mean(kinds)};
+    const byKind = kinds.map(([kind]) => of(kind));
+    return {seconds: Number(stem), byKind, mean: mean(byKind)};
   });
 }
 
-const cell = (version) => version ? `${show(version.mean, 1)} (${version.kinds.map((v) => show(v, 1)).join(" / ")})` : "–";
+const cell = (version) => version ? `${show(version.mean, 1)} (${version.byKind.map((v) => show(v, 1)).join(" / ")})` : "–";
 
 for (const px of [size, small]) {
   console.log(`${px} × ${px} px, masked PSNR in dB, mean (axis / oblique / uncut / close up), of what is there after so many seconds:\n`);

@@ -1,4 +1,6 @@
 // What the tables of the benchmarks have in common: figures, their means, lines of Markdown.
+// Of pictures at a headset's size: the end of a split's name, and a title.
+const kinds = [["axis", "cut across the axis"], ["oblique", "oblique"], ["uncut", "uncut"], ["close", "close up"]];
 const known = (value) => value !== null && value !== undefined;
 const show = (value, digits) => (known(value) ? value.toFixed(digits) : "–");
 const mean = (values) => {
@@ -11,4 +13,4 @@ const head = (cells) => {
   console.log(`|${"---|".repeat(cells.length)}`);
 };
 
-module.exports = { known, show, mean, line, head };
+module.exports = { kinds, known, show, mean, line, head };

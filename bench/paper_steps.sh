@@ -114,12 +114,12 @@ readonly tiny_tests=(--test-frames "$test_frames" --uncut-frames "$test_frames" 
 # truth CASE: path-traced pictures at a headset's size, TEST_FRAMES of each kind, in TRUTH/CASE/truth. What a case
 # learns from does not matter to them: cases of any quality are measured against the same.
 truth() {
-  local at="$truths/$1" frames="$test_frames" noise_db="${NOISE_DB:-44}" volume
+  local at="$truths/$1" noise_db="${NOISE_DB:-44}" volume
   find_volume "$1"
-  settings "$at/truth.settings" "TEST_SIZE=$test_size" "TEST_FRAMES=$frames" "NOISE_DB=$noise_db"
+  settings "$at/truth.settings" "TEST_SIZE=$test_size" "TEST_FRAMES=$test_frames" "NOISE_DB=$noise_db"
   step "$at/truth" "$at/truth/transforms.json" "$clipgs" dataset "${volume[@]}" \
-    -o "$at/truth" --no-section --train-frames 1 --train-spp 2 --points 1000 --test-frames "$frames" \
-    --validation-frames 1 --uncut-frames "$frames" --close-frames "$frames" --test-size "$test_size" \
+    -o "$at/truth" --no-section --train-frames 1 --train-spp 2 --points 1000 --test-frames "$test_frames" \
+    --validation-frames 1 --uncut-frames "$test_frames" --close-frames "$test_frames" --test-size "$test_size" \
     --test-masked-noise-db "$noise_db"
 }
 

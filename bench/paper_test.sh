@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Whether paper_tables.sh, ablation.sh, instant.sh, curve.sh, seeds.sh and operators.sh work: all, on a phantom, with next to no pictures and steps.
+# Whether paper_tables.sh, ablation.sh, instant.sh, curve.sh, seeds.sh and operators.sh work: all, on a phantom, with
+# next to no pictures and steps.
 #
 #   bench/paper_test.sh CLIPGS
 set -euo pipefail

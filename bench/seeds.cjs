@@ -2,11 +2,10 @@
 //
 //   node bench/seeds.cjs FOLDER SPLIT SIZE SMALL "SEED..." CASE...
 const fs = require("node:fs");
-const {show, mean, line, head} = require("./markdown.cjs");
+const {kinds, show, mean, line, head} = require("./markdown.cjs");
 
 const [folder, split, size, small, seedList, ...cases] = process.argv.slice(2);
 const seeds = seedList.split(" ");
-const kinds = [["axis", "cut across the axis"], ["oblique", "oblique"], ["uncut", "uncut"], ["close", "close up"]];
 const psnr = (name, seed, px, kind) =>
   JSON.parse(fs.readFileSync(`${folder}/${name}/${seed}-${split}-${px}.figures`, "utf8"))
     .rows.find((row) => row.split === `${split}_${kind}`)?.psnr_masked;

@@ -2,11 +2,10 @@
 //
 //   node bench/sharpness.cjs FOLDER SPLIT SIZE SMALL CASE...
 const fs = require("node:fs");
-const {show, mean, line, head} = require("./markdown.cjs");
+const {kinds, show, mean, line, head} = require("./markdown.cjs");
 
 const [folder, split, ...rest] = process.argv.slice(2);
 const [sizes, cases] = [rest.slice(0, 2), rest.slice(2)];
-const kinds = [["axis", "cut across the axis"], ["oblique", "oblique"], ["uncut", "uncut"], ["close", "close up"]];
 
 const figures = (name, size) => JSON.parse(fs.readFileSync(`${folder}/${name}/${split}-${size}.figures`, "utf8"));
 const row = (name, size, kind) => figures(name, size).rows.find((r) => r.split === `${split}_${kind}`) ?? {};

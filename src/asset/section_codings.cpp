@@ -1,7 +1,7 @@
 #include "asset/section_codings.h"
 
-#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -28,20 +28,19 @@ Section sample_of(const Section& section) {
   Section sample = section;
   const size_t slice = static_cast<size_t>(section.dims.x) * section.dims.y * section.channels;
   sample.dims.z = (section.dims.z + kSliceOf - 1) / kSliceOf;
-  for (size_t z = 1; std::cmp_less(z, sample.dims.z); ++z) {
-    std::copy_n(section.voxels.begin() + static_cast<std::ptrdiff_t>(z * kSliceOf * slice), slice,
-                sample.voxels.begin() + static_cast<std::ptrdiff_t>(z * slice));
+  std::vector<std::uint8_t> voxels;
+  voxels.reserve(sample.dims.z * slice);
+  for (size_t z = 0; std::cmp_less(z, section.dims.z); z += kSliceOf) {
+    const auto first = section.voxels.begin() + static_cast<std::ptrdiff_t>(z * slice);
+    voxels.insert(voxels.end(), first, first + static_cast<std::ptrdiff_t>(slice));
   }
-  sample.voxels.resize(sample.dims.z * slice);
+  sample.voxels = std::move(voxels);  // and with them goes the memory of all others
   return sample;
 }
 
 }  // namespace
 
-size_t CodedSection::bytes() const {
-  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
-  return file.bytes.size() + block.dump(-1, ' ', false, kReplace).size();
-}
+size_t CodedSection::bytes() const { return file.bytes.size() + block.dump().size(); }
 
 SectionCodings::SectionCodings(const Section& section, std::optional<float> given, Saving saving)
     : section_(section), given_(given), saving_(saving) {

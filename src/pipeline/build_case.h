@@ -42,9 +42,9 @@ Case build_contents(Volume volume, const Preset& preset, const BuildOptions& opt
                     const FolderLock& work, const CaseWatcher& show = {});
 
 /// The same into a file, which is left alone if it is what was written last of the same. Where it
-/// does not hold a finished case yet,
-/// it is an instant one (make_instant_case()) as soon as may be, then one of the section that the
-/// finished case will have, then what training has come to (method.md §13). Throws Error.
+/// does not hold a finished case yet, it is an instant one (make_instant_case()) as soon as may be,
+/// then one of the section that the finished case will have, then what training has come to
+/// (method.md §13). Throws Error.
 void build_case(Volume volume, const Preset& preset, const BuildOptions& options,
                 const FolderLock& work, const std::filesystem::path& output);
 

@@ -311,9 +311,7 @@ class SurfaceFlow {
         put_back(layer - 1);
       }
     }
-    if (layers_.size() > 1) {
-      put_back(layers_.size() - 2);
-    }
+    put_back(layers_.size() - 2);
   }
 
   void flow(const FlowStep& step, size_t layer) {
