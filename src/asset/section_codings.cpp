@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -44,13 +45,18 @@ size_t CodedSection::bytes() const { return file.bytes.size() + block.dump().siz
 
 SectionCodings::SectionCodings(const Section& section, std::optional<float> given, Saving saving)
     : section_(section), given_(given), saving_(saving) {
-  if (!given_) {
+  if (given_) {
+    coming_ = std::async(std::launch::async, code_section, std::cref(section_), *given_, saving_);
+  } else {
     sample_ = sample_of(section);
   }
 }
 
 const CodedSection& SectionCodings::best(size_t room) {
   if (given_) {
+    if (coming_.valid()) {
+      coded_.emplace(*given_, coming_.get());
+    }
     return by(*given_);
   }
   const auto fits = [&](size_t i) { return by(kQualities[i]).bytes() <= room; };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <future>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,7 +24,8 @@ struct CodedSection {
 /// each is coded once, and what it will take is first read off a part of the slices.
 class SectionCodings {
  public:
-  /// Keeps a reference to `section`. `given`: see CaseCoding::section_quality.
+  /// Keeps a reference to `section`. `given`: see CaseCoding::section_quality; by that it is coded
+  /// at once, beside whatever else is done.
   SectionCodings(const Section& section, std::optional<float> given, Saving saving);
 
   /// The best that takes no more than `room` bytes, or the smallest. What does not fit by one is
@@ -40,6 +42,7 @@ class SectionCodings {
   Section sample_;  ///< of its slices
   std::map<size_t, size_t> estimates_;
   std::map<float, CodedSection> coded_;
+  std::future<CodedSection> coming_;  ///< by `given_`, until it is asked for
 };
 
 }  // namespace clipgs

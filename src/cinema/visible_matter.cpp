@@ -182,7 +182,9 @@ VisibleMatter visible_matter(const Volume& volume, const TransferFunction& trans
     const auto visible = [&](int x, int y, int z) {
       return cells.has_matter(x, y, z) && voxels.contains(volume.offset(x, y, z));
     };
-    for (int z = 0; z < volume.dims.z; ++z) {
+    std::vector<std::vector<Vec3>> slices(static_cast<size_t>(volume.dims.z));
+    parallel_for(slices.size(), 1, [&](size_t slice, size_t) {
+      const int z = static_cast<int>(slice);
       for (int y = 0; y < volume.dims.y; ++y) {
         int first = 0;
         int last = volume.dims.x - 1;
@@ -194,10 +196,15 @@ VisibleMatter visible_matter(const Volume& volume, const TransferFunction& trans
         }
         if (first <= last) {
           for (const int x : {first, last}) {
-            matter.hull.push_back(volume.world_from_index(Vec3(x, y, z)));
-            matter.bounds.add(matter.hull.back());
+            slices[slice].push_back(volume.world_from_index(Vec3(x, y, z)));
           }
         }
+      }
+    });
+    for (const std::vector<Vec3>& points : slices) {
+      for (const Vec3& point : points) {
+        matter.hull.push_back(point);
+        matter.bounds.add(point);
       }
     }
   }

@@ -23,6 +23,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/lock.h"
+#include "core/parallel.h"
 #include "core/progress.h"
 #include "serve/live_work.h"
 #include "volume/load.h"
@@ -228,7 +229,10 @@ void run_view(ViewArguments& arguments) {
   if (!arguments.no_open && !arguments.serving.headset) {
     open_browser(server.url() + query);
   }
-  std::thread work([&] { making.run(); });
+  std::thread work([&] {
+    give_way();  // to the browser, which draws what there is
+    making.run();
+  });
   serve_until(server, [&] {
     const auto deserted = live.deserted();
     return deserted && *deserted > kGoneForGood;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+#include <unistd.h>
 
 namespace clipgs {
 
@@ -24,6 +25,13 @@ void set_thread_count(int threads) {
 int thread_count() {
   return static_cast<int>(
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+void give_way() {
+  constexpr int kNiceness =
+      10;  // as nohup's and batch systems' usual: a tenth of who asks beside it
+  // Of Linux's threads each has its own; one that is nicer already, or may not, stays as it is.
+  (void)!::nice(kNiceness);
 }
 
 }  // namespace clipgs

@@ -16,6 +16,10 @@ namespace clipgs {
 void set_thread_count(int threads);
 int thread_count();
 
+/// Lets other programs, a browser say, have the cores first: this thread from now on, and the
+/// threads that it starts. Call it before the first parallel work.
+void give_way();
+
 /// Calls body(begin, end) over pieces of [0, count) of at most `grain` elements, on all threads.
 /// The pieces are the same at any thread count, so that a body may keep per-piece results.
 template <typename Body>

@@ -15,20 +15,22 @@ void spread(std::vector<std::uint8_t>& distances, const IVec3& dims) {
                                          static_cast<size_t>(dims.x) * dims.y};
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<std::uint8_t> before = distances;
-    for (size_t i = 0; i < distances.size(); ++i) {
-      const int at = static_cast<int>(i / strides[axis]) % dims[axis];
-      int least = before[i];
-      for (int k = 1; k < least; ++k) {
-        const size_t away = static_cast<size_t>(k) * strides[axis];
-        if (at >= k) {
-          least = std::min(least, std::max<int>(k, before[i - away]));
+    parallel_for(distances.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const int at = static_cast<int>(i / strides[axis]) % dims[axis];
+        int least = before[i];
+        for (int k = 1; k < least; ++k) {
+          const size_t away = static_cast<size_t>(k) * strides[axis];
+          if (at >= k) {
+            least = std::min(least, std::max<int>(k, before[i - away]));
+          }
+          if (at + k < dims[axis]) {
+            least = std::min(least, std::max<int>(k, before[i + away]));
+          }
         }
-        if (at + k < dims[axis]) {
-          least = std::min(least, std::max<int>(k, before[i + away]));
-        }
+        distances[i] = static_cast<std::uint8_t>(least);
       }
-      distances[i] = static_cast<std::uint8_t>(least);
-    }
+    });
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
@@ -9,6 +10,7 @@ namespace clipgs {
 namespace {
 
 constexpr size_t kGrain = size_t{1} << 20;
+constexpr int kWhole = 1 << 16;
 constexpr int kSlotBits = 18;  // four slots a value at most: few collisions
 
 VoxelValues::Range together(const std::vector<VoxelValues::Range>& ranges) {
@@ -21,34 +23,35 @@ VoxelValues::Range together(const std::vector<VoxelValues::Range>& ranges) {
 
 }  // namespace
 
-ValuePalette::ValuePalette() : slots_(size_t{1} << kSlotBits, 0) {}
+ValuePalette::ValuePalette() : whole_(2 * size_t{kWhole}, 0), slots_(size_t{1} << kSlotBits, 0) {}
 
-std::optional<std::uint16_t> ValuePalette::code_of(float value) {
+std::uint32_t& ValuePalette::hashed_slot(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   // Fibonacci hashing: the upper bits of the product are well mixed.
   size_t slot = (bits * 0x9e3779b9U) >> (32 - kSlotBits);
-  while (slots_[slot] != 0) {
-    const std::uint32_t code = slots_[slot] - 1;
-    if (std::bit_cast<std::uint32_t>(values_[code]) == bits) {
-      return static_cast<std::uint16_t>(code);
-    }
+  while (slots_[slot] != 0 && std::bit_cast<std::uint32_t>(values_[slots_[slot] - 1]) != bits) {
     slot = (slot + 1) % slots_.size();
   }
-  if (values_.size() == kMost) {
-    return std::nullopt;
-  }
-  values_.push_back(value);
-  slots_[slot] = static_cast<std::uint32_t>(values_.size());
-  return static_cast<std::uint16_t>(values_.size() - 1);
+  return slots_[slot];
 }
 
 bool ValuePalette::encode(std::span<const float> values, std::uint16_t* codes) {
   for (size_t i = 0; i < values.size(); ++i) {
-    const std::optional<std::uint16_t> code = code_of(values[i]);
-    if (!code) {
-      return false;
+    const float value = values[i];
+    const bool small = std::abs(value) < static_cast<float>(kWhole);
+    const int whole = small ? static_cast<int>(value) : 0;
+    const bool is_whole = std::bit_cast<std::uint32_t>(static_cast<float>(whole)) ==
+                          std::bit_cast<std::uint32_t>(value);
+    std::uint32_t& slot =
+        is_whole ? whole_[static_cast<size_t>(whole + kWhole)] : hashed_slot(value);
+    if (slot == 0) {
+      if (values_.size() == kMost) {
+        return false;
+      }
+      values_.push_back(value);
+      slot = static_cast<std::uint32_t>(values_.size());
     }
-    codes[i] = *code;
+    codes[i] = static_cast<std::uint16_t>(slot - 1);
   }
   return true;
 }

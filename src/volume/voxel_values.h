@@ -24,10 +24,12 @@ class ValuePalette {
   const std::vector<float>& values() const { return values_; }
 
  private:
-  std::optional<std::uint16_t> code_of(float value);
+  std::uint32_t& hashed_slot(float value);
 
   std::vector<float> values_;
-  std::vector<std::uint32_t> slots_;  // a hash table: code + 1, or 0
+  // Code + 1, or 0: of whole numbers from −kWhole, as nearly every scan has them (a hash scatters
+  // them over the cache), and a hash table of the others.
+  std::vector<std::uint32_t> whole_, slots_;
 };
 
 /// The values of voxels: 16-bit codes and a table of what they mean if no more than 65536 different

@@ -65,6 +65,20 @@ TEST(VoxelValues, Takes65536DifferentOnesAndNotOneMore) {
   EXPECT_EQ(values, VoxelValues(floats));
 }
 
+TEST(VoxelValues, WholeNumbersAndOthersAreToldApartByTheirBits) {
+  const std::vector<float> floats = {0,      -0.0f,    65535,    65536,  -65535, -65536,
+                                     -65537, 0.5f,     65535.5f, -0.25f, 1e-30f, 3e9f,
+                                     -3e38f, 16777216, 0,        -0.0f};
+  VoxelValues values = floats;
+  values.pack();
+  ASSERT_TRUE(values.packed());
+  EXPECT_EQ(values.meaning().size(), floats.size() - 2);
+  for (size_t i = 0; i < floats.size(); ++i) {
+    EXPECT_EQ(values[i], floats[i]);
+    EXPECT_EQ(std::signbit(values[i]), std::signbit(floats[i]));
+  }
+}
+
 TEST(VoxelValues, ArePackedPieceByPieceUntilThereAreTooMany) {
   for (const size_t different : {size_t{1000}, size_t{90000}}) {
     const std::vector<float> floats = values_of(200000, different);
