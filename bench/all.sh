@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Every table of docs/benchmarks.md anew, made by one program, and put in its place there.
+# Every table of docs/benchmarks.md anew, made by one program, and put in its place there; what tables are made of is
+# kept in docs/figures.
 #
 #   CLIPGS_DATA=... bench/all.sh [FOLDER] [PART...]    FOLDER (default build/all) keeps everything; the parts, if not
 #                                                      all, are those of `parts` below
@@ -30,15 +31,18 @@ if [ ! -f "$all/sources" ]; then
 fi
 export CLIPGS="$all/clipgs" TRUTH="$all/truth"
 readonly volumes="head chest abdomen stent"
+# Of the papers' models: half an hour a volume.
+readonly paper_settings=(env TRAIN_FRAMES=1500 TRAIN_SPP=4 TEST_FRAMES=10 BUDGET=60000 STEPS=3000
+  REFINE_BUDGET=120000 REFINE_STEPS=3000 SECTION_STEPS=2500)
 
 part_instant() { CASES="$volumes" bash bench/instant.sh "$all/instant"; }
 part_draft() { CASES="$volumes mr phantom" QUALITY=draft bash bench/curve.sh "$all/draft"; }
-part_standard() { CASES="$volumes mr phantom" QUALITY=standard bash bench/curve.sh "$all/standard"; }
+part_standard() { CASES="$volumes" QUALITY=standard bash bench/curve.sh "$all/standard"; }
 part_seeds() { CASES="$volumes" BUILT="$all/standard" bash bench/seeds.sh "$all/seeds"; }
 part_operators() { CASES="head abdomen" BUILT="$all/standard" bash bench/operators.sh "$all/operators"; }
 part_cuts() { bash bench/cuts.sh "$all/draft/abdomen/case.sog" "$all/cuts"; }
-part_papers() { CASES="$volumes" bash bench/paper_tables.sh "$all/papers"; }
-part_ablation() { CASES=head STEPS=4000 bash bench/ablation.sh "$all/papers"; }
+part_papers() { CASES="$volumes" "${paper_settings[@]}" bash bench/paper_tables.sh "$all/papers"; }
+part_ablation() { CASES=head "${paper_settings[@]}" bash bench/ablation.sh "$all/papers"; }
 part_samples() { BUDGET=20000 STEPS=1500 bash bench/dataset.sh "$all/samples"; }
 part_tracer() { bash bench/cinema.sh; }
 part_kernels() { bash bench/kernels.sh; }
@@ -47,6 +51,18 @@ part_flicker() {
   bash bench/flicker.sh "$all/draft/abdomen/case.sog" "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "$all/flicker" --steps 8
 }
 part_clone() { bash bench/clone.sh; }
+
+# store PART: what its tables are made of, into docs/figures.
+store() {
+  local from="$all/$1" to="$PWD/docs/figures/$1"
+  [ -d "$from" ] || return 0
+  rm -rf "$to"
+  mkdir -p "$to"
+  (cd "$from" && find . \( -name work -o -name dataset \) -prune -o -type f -regextype posix-extended \
+    -regex '.*(\.(figures|seconds|bytes|picture|settings)|/(settings|kilobytes|bake\.json))' \
+    -not -regex '.*-[0-9]+\.seconds' -print0 |
+    tar --null -T - -cf - | tar -xf - -C "$to")
+}
 
 for part in "$@"; do
   table="$all/tables/$part.md"
@@ -58,6 +74,7 @@ for part in "$@"; do
     } >"$table.part"
     mv "$table.part" "$table"
   fi
+  store "${part/ablation/papers}"
 done
 node bench/tables.cjs docs/benchmarks.md "$all/tables"
 for plot in draft/curve.svg samples/samples.svg; do

@@ -6,6 +6,7 @@ const {kinds, show, mean, line, head} = require("./markdown.cjs");
 
 const [folder, split, size, small, beside, ...cases] = process.argv.slice(2);
 const kSeconds = [5, 10, 30, 60, 120, 300, 600];
+const kLevels = [24, 28, 32, 36, 40, 44]; // dB
 const kColors = ["#1b6ca8", "#c8553d", "#3a7d44", "#8e5ea2", "#b8860b", "#555555"];
 
 /** Of a case, in the order in which they were there: seconds, and dB by kind of picture at a size. */
@@ -38,8 +39,8 @@ line(["", ...cases.map((name) => versions(folder, name, size).map(({seconds}) =>
 
 /** Stairs of what there is to look at, over a logarithmic axis of seconds. */
 function plot() {
-  const [w, h, left, bottom, dB] = [760, 420, 50, 40, [24, 40]];
-  const x = (seconds) => left + ((w - left - 120) * Math.log(seconds / 4)) / Math.log(800 / 4);
+  const [w, h, left, bottom, dB] = [760, 470, 50, 40, [24, 44]];
+  const x = (seconds) => left + ((w - left - 120) * Math.log(seconds / 3)) / Math.log(800 / 3);
   const y = (value) => h - bottom - ((h - bottom - 20) * (value - dB[0])) / (dB[1] - dB[0]);
   const stairs = (from, name, style) => {
     const all = versions(from, name, size);
@@ -50,10 +51,10 @@ function plot() {
   const text = (at, of, anchor) => `<text x="${at[0]}" y="${at[1]}" text-anchor="${anchor}">${of}</text>`;
   const grid = [
     ...kSeconds.map((s) => `<path d="M${x(s)} 20V${h - bottom}"/>`),
-    ...[24, 28, 32, 36, 40].map((v) => `<path d="M${left} ${y(v)}H${x(800)}"/>`)];
+    ...kLevels.map((v) => `<path d="M${left} ${y(v)}H${x(800)}"/>`)];
   const labels = [
     ...kSeconds.map((s) => text([x(s), h - bottom + 18], s, "middle")),
-    ...[24, 28, 32, 36, 40].map((v) => text([left - 6, y(v) + 4], v, "end")),
+    ...kLevels.map((v) => text([left - 6, y(v) + 4], v, "end")),
     text([x(60), h - 6], `seconds from the command; masked PSNR, dB, ${size} px, mean of all pictures`, "middle"),
     ...cases.map((name, i) => `<g fill="${kColors[i % kColors.length]}">${text([x(800) + 8, 40 + 20 * i], name, "start")}</g>`)];
   const curves = cases.flatMap((name, i) => {

@@ -60,9 +60,8 @@ for name in "${cases[@]}"; do
 done
 
 node bench/curve.cjs "$folder" "$split" "$test_size" "$small" "${BESIDE:-}" "${cases[@]}"
-echo "The finished cases:"
-echo
+printf '\nThe finished cases:\n\n'
 node bench/sharpness.cjs "$folder" "$split" "$test_size" "$small" "${cases[@]}"
-echo "| GiB at the peak | $(for name in "${cases[@]}"; do awk '{ printf "%.2f | ", $1 / 1048576 }' "$folder/$name/kilobytes"; done)"
+echo "| GiB at the peak | $(for name in "${cases[@]}"; do LC_ALL=C awk '{ printf "%.2f | ", $1 / 1048576 }' "$folder/$name/kilobytes"; done)"
 echo
 echo "On $(machine)."
