@@ -31,7 +31,7 @@ void give_way() {
   constexpr int kNiceness =
       10;  // as nohup's and batch systems' usual: a tenth of who asks beside it
   // Of Linux's threads each has its own; one that is nicer already, or may not, stays as it is.
-  (void)!::nice(kNiceness);
+  [[maybe_unused]] const int niceness = ::nice(kNiceness);
 }
 
 }  // namespace clipgs
