@@ -5,7 +5,7 @@
 #   CLIPGS_DATA=... bench/all.sh [FOLDER] [PART...]    FOLDER (default build/all) keeps everything; the parts, if not
 #                                                      all, are those of `parts` below
 #
-# Takes ten hours on two cores, which should have nothing else to do: what is timed comes first. Stop it whenever you
+# Takes hours on two cores, which should have nothing else to do: what is timed comes first. Stop it whenever you
 # like; run again, it goes on. It refuses to go on with other sources than it began with. Needs Chromium, the package
 # `time`, and Blender with python3-openvdb for one of the tables.
 set -euo pipefail
