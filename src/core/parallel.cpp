@@ -28,8 +28,7 @@ int thread_count() {
 }
 
 void give_way() {
-  constexpr int kNiceness =
-      10;  // as nohup's and batch systems' usual: a tenth of who asks beside it
+  constexpr int kNiceness = 10;  // what the command nice adds: a tenth of who asks beside it
   // Of Linux's threads each has its own; one that is nicer already, or may not, stays as it is.
   [[maybe_unused]] const int niceness = ::nice(kNiceness);
 }

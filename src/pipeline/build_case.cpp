@@ -27,9 +27,9 @@ namespace fs = std::filesystem;
 // Raised whenever the same model gives another scene with layers.
 constexpr int kBakingRevision = 1;
 // Raised whenever the same volume has another instant case.
-constexpr int kInstantRevision = 1;
+constexpr int kInstantRevision = 2;
 // The same of the one that has the finished case's section.
-constexpr int kPlacedRevision = 1;
+constexpr int kPlacedRevision = 2;
 // The same of a scene's case.
 constexpr int kCaseRevision = 1;
 

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Raised whenever the same volume and pictures give another section.
-constexpr int kRevision = 5;
+constexpr int kRevision = 6;
 
 fs::path section_stem(const Dataset& dataset) { return dataset.folder / "section"; }
 fs::path section_file(const Dataset& dataset) { return dataset.folder / "section.zip"; }
