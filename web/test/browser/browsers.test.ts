@@ -423,7 +423,10 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
       });
 
       it("follows links, and writes them", async () => {
-        await openViewer(page, "#case=solid&view=12,34,1.5&plane=0,0,-1,5&slab=0,1,0,-20,35&clip=hard");
+        await openViewer(
+          page,
+          "#case=solid&view=12,34,1.5&plane=0,0,-1,5&slab=0,1,0,-20,35&clip=hard&size=64x64",
+        );
         const state = () => page.evaluate(() => window.clipgs.state);
         expect(await state()).toMatchObject({
           case: "solid",
@@ -436,8 +439,8 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         });
         await page.evaluate(() => window.clipgs.setPlane({ normal: [1, 0, 0], offset: 3 }));
         await waitFor(page, () => location.hash.includes("plane=1,0,0,3"), undefined);
-        expect(await hashOf(page)).toBe("#case=solid&view=12,34,1.5&plane=1,0,0,3&clip=hard");
-        await page.evaluate(() => void (location.hash = "#case=phantom&state=42"));
+        expect(await hashOf(page)).toBe("#case=solid&view=12,34,1.5&plane=1,0,0,3&clip=hard&size=64x64");
+        await page.evaluate(() => void (location.hash = "#case=phantom&state=42&size=64x64"));
         await waitFor(
           page,
           () => window.clipgs.state.case === "phantom" && window.clipgs.state.state === 42,

@@ -24,6 +24,9 @@ const kMiniBrowser = readdirSync("/usr/lib")
   .map((folder) => join("/usr/lib", folder, "MiniBrowser"))
   .find((path) => existsSync(path));
 
+/** Of a window, CSS px: pixels are what takes time without a GPU. */
+const [kWidth, kHeight] = [900, 600];
+
 /** The programs that each needs (scripts/setup.sh). */
 const kNeeds: Record<BrowserName, string[]> = {
   chromium: [kChromium, "chromedriver"],
@@ -102,6 +105,7 @@ const kStarts: Record<BrowserName, (run: Run, folder: string) => Promise<Browser
       "--disable-component-update",
       "--disable-sync",
       "--enable-unsafe-swiftshader",
+      `--window-size=${kWidth},${kHeight}`,
       `--user-data-dir=${folder}`,
     ];
     return startWebDriver(run("chromedriver", [`--port=${port}`]), port, {
@@ -118,6 +122,7 @@ const kStarts: Record<BrowserName, (run: Run, folder: string) => Promise<Browser
     writeFileSync(join(profile, "user.js"), lines.join(""));
     // Not --headless: it has no WebGL then.
     const args = ["--no-remote", "--profile", profile, "--remote-debugging-port=0"];
+    args.push("--width", String(kWidth), "--height", String(kHeight));
     const firefox = run(kFirefox, args, await startScreen(run));
     const address = await lineOf(firefox, firefox.stderr!, /WebDriver BiDi listening on (ws:\S+)/);
     return startBidi(address);
@@ -128,7 +133,10 @@ const kStarts: Record<BrowserName, (run: Run, folder: string) => Promise<Browser
     const driver = run("WebKitWebDriver", [`--port=${port}`], await startScreen(run));
     return startWebDriver(driver, port, {
       browserName: "MiniBrowser",
-      "webkitgtk:browserOptions": { binary: kMiniBrowser, args: ["--automation"] },
+      "webkitgtk:browserOptions": {
+        binary: kMiniBrowser,
+        args: ["--automation", `--geometry=${kWidth}x${kHeight}`],
+      },
     });
   },
 };

@@ -25,12 +25,19 @@ export async function pagePicture(
   height: number,
   moving = false,
 ): Promise<Picture> {
-  const data = await page.evaluate(
-    async ([w, h, m]: readonly [number, number, boolean]) =>
-      Array.from((await window.clipgs.renderToPixels(w, h, m)).data),
+  const bytes = await page.evaluate(
+    async ([w, h, m]: readonly [number, number, boolean]) => {
+      const { data } = await window.clipgs.renderToPixels(w, h, m);
+      return btoa(Array.from(data, (byte) => String.fromCharCode(byte)).join(""));
+    },
     [width, height, moving] as const,
   );
-  return { width, height, data: Uint8Array.from(data) };
+  return { width, height, data: ofPage(bytes) };
+}
+
+/** Bytes that a page gave in base 64: arrays of numbers are slow to get out of it. */
+export function ofPage(bytes: string): Uint8Array {
+  return Uint8Array.from(Buffer.from(bytes, "base64"));
 }
 
 /** dB over RGB on black, and over alpha. */

@@ -49,7 +49,10 @@ interface Viewport {
 }
 
 /** Layout does not depend on how finely it is drawn, and pixels are what takes time without a GPU. */
-const kUsual: Viewport = { width: 900, height: 600, scale: 0.5 };
+const kUsual: Viewport = { width: 900, height: 600, scale: 0.25 };
+
+/** What an emulated headset's two eyes see, side by side. */
+const kEyes: Viewport = { width: 320, height: 200, scale: 1 };
 
 /** A served folder of cases and Chromium, which looks at it. */
 export class Session extends Server {
@@ -63,8 +66,8 @@ export class Session extends Server {
     this.#browser = await launchBrowser();
   }
 
-  /** Opens the viewer in a browser with an emulated Quest 3, whose eyes see pictures of half that size. */
-  async openInHeadset(hash = "", errors: string[] = []): Promise<Page> {
+  /** Opens the viewer in a browser with an emulated Quest 3, whose two eyes see half of that each. */
+  async openInHeadset(hash = "", errors: string[] = [], viewport = kEyes): Promise<Page> {
     const scripts = [
       { path: resolve("node_modules/iwer/build/iwer.min.js") },
       {
@@ -72,7 +75,7 @@ export class Session extends Server {
           window.headset.installRuntime({ forceInstall: true });`,
       },
     ];
-    return this.open(hash, errors, { width: 320, height: 200, scale: 1 }, scripts);
+    return this.open(hash, errors, viewport, scripts);
   }
 
   /** Opens the viewer; `hash` as in a link. Errors of the page fail the test through `errors`. */

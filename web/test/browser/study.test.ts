@@ -141,7 +141,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
   }
 
   async function openHere(): Promise<Page> {
-    const page = await session.openInHeadset("", errors);
+    const page = await session.openInHeadset("", errors, { width: 240, height: 120, scale: 1 });
     await begun(page);
     return page;
   }

@@ -320,6 +320,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
         join(session.cases, "phantom.sog"),
         "-o",
         join(session.folder, "pin.png"),
+        "--size",
+        "16x16",
         "--pin",
         pin.point.join(),
       );

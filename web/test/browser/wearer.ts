@@ -8,6 +8,22 @@ const kPointingDistance = 0.3;
 
 export type Side = "left" | "right";
 
+type Button = "trigger" | "squeeze" | "a-button" | "x-button";
+
+/** What a hand or its controller does, and how many pictures that takes. */
+interface Act {
+  side?: Side;
+  pose?: {
+    kind: "hands" | "controllers";
+    position: Triple;
+    quaternion: [number, number, number, number];
+  };
+  button?: Button;
+  value?: 0 | 1;
+  pinch?: 0 | 1;
+  frames: number;
+}
+
 /** Somebody with the emulated headset on (session.ts): who moves its controllers and hands, and presses. */
 export class Wearer {
   readonly #page: Page;
@@ -43,76 +59,45 @@ export class Wearer {
 
   /** Waits until the headset has drawn so many pictures. */
   async frames(count: number): Promise<void> {
-    await this.#page.evaluate(async (n) => {
-      for (let i = 0; i < n; ++i) {
-        await new Promise(requestAnimationFrame);
-      }
-    }, count);
+    await this.#act({ frames: count });
   }
 
   /** Of a controller. */
-  async press(
-    side: Side,
-    button: "trigger" | "squeeze" | "a-button" | "x-button",
-    value: 0 | 1,
-  ): Promise<void> {
-    await this.#page.evaluate(
-      ([which, name, pressed]) => window.headset.controllers[which]!.updateButtonValue(name, pressed),
-      [side, button, value] as const,
-    );
-    await this.frames(2);
+  async press(side: Side, button: Button, value: 0 | 1): Promise<void> {
+    await this.#act({ side, button, value, frames: 1 });
   }
 
   /** Points at a text of the panel, which may take a moment to be there, and presses. */
   async pressText(side: Side, text: string): Promise<void> {
-    const page = this.#page;
-    await page.waitForFunction((wanted) => window.clipgs.headset.find(wanted) !== null, text);
-    await this.frames(1); // it is where it stays
-    await this.pressAt(side, await page.evaluate((wanted) => window.clipgs.headset.find(wanted)!, text));
+    const place = await this.#page.evaluate(async (wanted) => {
+      const frame = () => new Promise(requestAnimationFrame);
+      while (window.clipgs.headset.find(wanted) === null) {
+        await frame();
+      }
+      await frame(); // it is where it stays
+      return window.clipgs.headset.find(wanted)!;
+    }, text);
+    await this.pressAt(side, place);
   }
 
   /** Points at a place in the room, m, from before it, and presses and lets go the trigger, or pinches. */
   async pressAt(side: Side, place: Triple): Promise<void> {
-    await this.pointAt(side, place);
-    await this.hold(side, 1);
-    await this.hold(side, 0);
+    await this.#act(await this.#pointing(side, place), this.#holding(side, 1), this.#holding(side, 0));
   }
 
   /** Points at a place in the room, m, from before it. */
   async pointAt(side: Side, place: Triple): Promise<void> {
-    const eye = await this.#page.evaluate(() => {
-      const { x, y, z } = window.headset.position;
-      return [x, y, z] as Triple;
-    });
-    const at = new Vector3(...place);
-    const hand = new Vector3(...eye).sub(at).setLength(kPointingDistance).add(at);
-    const turn = new Matrix4().lookAt(hand, at, new Vector3(0, 1, 0));
-    await this.reach(side, hand, new Quaternion().setFromRotationMatrix(turn));
+    await this.#act(await this.#pointing(side, place));
   }
 
   /** Moves what is in use, a controller or a bare hand. */
   async reach(side: Side, position: Vector3, quaternion = new Quaternion()): Promise<void> {
-    await this.#page.evaluate(
-      ([kind, which, [x, y, z], [qx, qy, qz, qw]]) => {
-        const hand = window.headset[kind][which]!;
-        hand.position.set(x, y, z);
-        hand.quaternion.set(qx, qy, qz, qw);
-      },
-      [this.#bare ? "hands" : "controllers", side, position.toArray(), quaternion.toArray()] as const,
-    );
-    await this.frames(2);
+    await this.#act(this.#reaching(side, position, quaternion));
   }
 
   /** Presses the trigger, or pinches; or lets go. */
   async hold(side: Side, value: 0 | 1): Promise<void> {
-    if (!this.#bare) {
-      return this.press(side, "trigger", value);
-    }
-    await this.#page.evaluate(([which, much]) => window.headset.hands[which]!.updatePinchValue(much), [
-      side,
-      value,
-    ] as const);
-    await this.frames(3);
+    await this.#act(this.#holding(side, value));
   }
 
   /** Bare hands instead of controllers, or controllers again. */
@@ -120,5 +105,53 @@ export class Wearer {
     this.#bare = what === "hand";
     await this.#page.evaluate((mode) => (window.headset.primaryInputMode = mode), what);
     await this.frames(3);
+  }
+
+  async #pointing(side: Side, place: Triple): Promise<Act> {
+    const eye = await this.#page.evaluate(() => {
+      const { x, y, z } = window.headset.position;
+      return [x, y, z] as Triple;
+    });
+    const at = new Vector3(...place);
+    const hand = new Vector3(...eye).sub(at).setLength(kPointingDistance).add(at);
+    const turn = new Matrix4().lookAt(hand, at, new Vector3(0, 1, 0));
+    return this.#reaching(side, hand, new Quaternion().setFromRotationMatrix(turn));
+  }
+
+  #reaching(side: Side, position: Vector3, quaternion: Quaternion): Act {
+    const kind = this.#bare ? "hands" : "controllers";
+    return {
+      side,
+      pose: { kind, position: position.toArray(), quaternion: quaternion.toArray() },
+      frames: 2,
+    };
+  }
+
+  #holding(side: Side, value: 0 | 1): Act {
+    return this.#bare ? { side, pinch: value, frames: 3 } : { side, button: "trigger", value, frames: 1 };
+  }
+
+  /** One after the other, without a word to the page in between: each takes as long as a picture. */
+  async #act(...acts: Act[]): Promise<void> {
+    await this.#page.evaluate(async (all) => {
+      for (const { side = "right", pose, button, value, pinch, frames } of all) {
+        if (pose) {
+          const [x, y, z] = pose.position;
+          const [qx, qy, qz, qw] = pose.quaternion;
+          const hand = window.headset[pose.kind][side]!;
+          hand.position.set(x, y, z);
+          hand.quaternion.set(qx, qy, qz, qw);
+        }
+        if (button) {
+          window.headset.controllers[side]!.updateButtonValue(button, value!);
+        }
+        if (pinch !== undefined) {
+          window.headset.hands[side]!.updatePinchValue(pinch);
+        }
+        for (let i = 0; i < frames; ++i) {
+          await new Promise(requestAnimationFrame);
+        }
+      }
+    }, acts);
   }
 }
