@@ -55,14 +55,16 @@ struct FineGrid {
   size_t coarse_count() const { return coarse_at(0, 0, coarse.z); }
   size_t fine_count() const { return fine_at(0, 0, fine.z); }
 
-  /// Trilinear value of a field of scanned voxels at a fine voxel.
-  float interpolate(const std::vector<float>& field, int x, int y, int z) const {
+  /// Trilinear value of a field of scanned voxels (floats, or VoxelValues) at a fine voxel.
+  template <typename Field>
+  float interpolate(const Field& field, int x, int y, int z) const {
     const auto [x0, x1, tx] = between[0][static_cast<size_t>(x)];
     const auto [y0, y1, ty] = between[1][static_cast<size_t>(y)];
     const auto [z0, z1, tz] = between[2][static_cast<size_t>(z)];
     const auto row = [&, x0 = x0, x1 = x1, tx = tx](int at_y, int at_z) {
-      const float* const values = &field[coarse_at(0, at_y, at_z)];
-      return values[x0] + tx * (values[x1] - values[x0]);
+      const size_t first = coarse_at(0, at_y, at_z);
+      const float low = field[first + static_cast<size_t>(x0)];
+      return low + tx * (field[first + static_cast<size_t>(x1)] - low);
     };
     const float near = row(y0, z0) + ty * (row(y1, z0) - row(y0, z0));
     const float far = row(y0, z1) + ty * (row(y1, z1) - row(y0, z1));
@@ -70,17 +72,18 @@ struct FineGrid {
   }
 
   /// The same by Catmull-Rom splines, whose slopes have no steps.
-  float interpolate_smoothly(const std::vector<float>& field, int x, int y, int z) const {
+  template <typename Field>
+  float interpolate_smoothly(const Field& field, int x, int y, int z) const {
     const Cubic& along_x = cubic[0][static_cast<size_t>(x)];
     const Cubic& along_y = cubic[1][static_cast<size_t>(y)];
     const Cubic& along_z = cubic[2][static_cast<size_t>(z)];
     float sum = 0;
     for (size_t k = 0; k < 4; ++k) {
       for (size_t j = 0; j < 4; ++j) {
-        const float* const row = &field[coarse_at(0, along_y.places[j], along_z.places[k])];
+        const size_t row = coarse_at(0, along_y.places[j], along_z.places[k]);
         float of_row = 0;
         for (size_t i = 0; i < 4; ++i) {
-          of_row += along_x.weights[i] * row[along_x.places[i]];
+          of_row += along_x.weights[i] * field[row + static_cast<size_t>(along_x.places[i])];
         }
         sum += along_y.weights[j] * along_z.weights[k] * of_row;
       }

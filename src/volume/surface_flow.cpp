@@ -72,48 +72,47 @@ Field among_neighbours(Field field, const FineGrid& grids, const Choose& choose)
   return field;
 }
 
-/// Values on the fine grid that flow where the body has surfaces.
+VoxelValues packed(Field field) {
+  VoxelValues values(std::move(field));
+  values.pack();
+  return values;
+}
+
+/// Values on the fine grid that flow where the body has surfaces. This takes the most memory of a
+/// case: fine voxels come when all that goes with scanned ones is in 16 bits or gone.
 class SurfaceFlow {
  public:
   SurfaceFlow(const Volume& volume, const TransferFunction& transfer, const FineGrid& grids)
-      : grids_(grids),
-        scanned_(grids.coarse_count()),
-        values_(grids.fine_count() + kFlowBlock),
-        freedom_(values_.size()) {
+      : grids_(grids), scanned_(volume.values) {
+    Field scanned(grids.coarse_count());  // read faster than values in 16 bits
     for_each_voxel(grids.coarse, [&](int x, int y, int z) {
-      scanned_[grids.coarse_at(x, y, z)] = volume.at(x, y, z);
+      scanned[grids.coarse_at(x, y, z)] = volume.at(x, y, z);
     });
-    least_ = among_neighbours(scanned_, grids, [](float a, float b) { return std::min(a, b); });
-    most_ = among_neighbours(scanned_, grids, [](float a, float b) { return std::max(a, b); });
+    const auto least = [](float a, float b) { return std::min(a, b); };
+    const auto most = [](float a, float b) { return std::max(a, b); };
+    least_ = packed(among_neighbours(scanned, grids, least));
+    most_ = packed(among_neighbours(scanned, grids, most));
     find_surfaces(transfer, noise_level(volume));
+    values_.resize(freedom_.size());
     for_each_voxel(grids.fine, [&](int x, int y, int z) {
       const size_t at = grids.fine_at(x, y, z);
-      const float value = grids.interpolate(scanned_, x, y, z);
+      const float value = grids.interpolate(scanned, x, y, z);
       const float share = static_cast<float>(freedom_[at]) / 255;
-      values_[at] = share == 0
-                        ? value
-                        : glm::mix(value, grids.interpolate_smoothly(scanned_, x, y, z), share);
+      values_[at] =
+          share == 0 ? value : glm::mix(value, grids.interpolate_smoothly(scanned, x, y, z), share);
     });
     find_blocks();
   }
 
   void run() {
-    for (std::vector<float>& next : next_) {
-      next.resize(largest_layer() * kBlockVoxels);
-    }
     Progress progress("finer voxels", kRounds);
     for (size_t round = 0; round < kRounds; ++round) {
       keep_means();
-      for (int step = 0; step < kSteps; ++step) {
-        flow(Along::kLevelSets);
-      }
+      flow(Along::kLevelSets, kSteps);
       progress.update(round + 1);
     }
-    for (int step = 0; step < kSoftening; ++step) {
-      flow(Along::kAll);
-    }
+    flow(Along::kAll, kSoftening);
     keep_thin_things();
-    next_ = {};
   }
 
   std::vector<float> take() {
@@ -136,6 +135,7 @@ class SurfaceFlow {
         at_surface_[i] = surface[i] > 0 ? 1 : 0;
       }
     });
+    freedom_.resize(grids_.fine_count() + kFlowBlock);
     for_each_voxel(grids_.fine, [&](int x, int y, int z) {
       freedom_[grids_.fine_at(x, y, z)] =
           static_cast<std::uint8_t>(std::lround(255 * grids_.interpolate(surface, x, y, z)));
@@ -293,8 +293,11 @@ class SurfaceFlow {
     kAll,        ///< ∂v/∂t = Δv: a surface is as steep wherever it passes between scanned voxels
   };
 
-  /// One explicit step.
-  void flow(Along along) {
+  /// Values of two layers of blocks.
+  using Layers = std::array<std::vector<float>, 2>;
+
+  /// So many explicit steps.
+  void flow(Along along, int steps) {
     const Vec3& spacing = grids_.spacing;
     const float finest = std::min({spacing.x, spacing.y, spacing.z});
     const std::ptrdiff_t across = grids_.fine.x;
@@ -304,18 +307,23 @@ class SurfaceFlow {
                         1.0f / (spacing * spacing),
                         kStep * finest * finest / 255,
                         along == Along::kLevelSets ? 1.0f : 0.0f};
-    // Layer by layer: what a layer has been is needed until the one above has flowed.
-    for (size_t layer = 0; layer + 1 < layers_.size(); ++layer) {
-      flow(step, layer);
-      if (layer > 0) {
-        put_back(layer - 1);
-      }
+    Layers next;
+    for (std::vector<float>& layer : next) {
+      layer.resize(largest_layer() * kBlockVoxels);
     }
-    put_back(layers_.size() - 2);
+    for (int i = 0; i < steps; ++i) {
+      // Layer by layer: what a layer has been is needed until the one above has flowed.
+      for (size_t layer = 0; layer + 1 < layers_.size(); ++layer) {
+        flow(step, layer, next[layer % 2]);
+        if (layer > 0) {
+          put_back(layer - 1, next[(layer - 1) % 2]);
+        }
+      }
+      put_back(layers_.size() - 2, next[layers_.size() % 2]);
+    }
   }
 
-  void flow(const FlowStep& step, size_t layer) {
-    std::vector<float>& next = next_[layer % 2];
+  void flow(const FlowStep& step, size_t layer, std::vector<float>& next) {
     const size_t from = layers_[layer];
     parallel_for(layers_[layer + 1] - from, 8, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
@@ -326,8 +334,7 @@ class SurfaceFlow {
     });
   }
 
-  void put_back(size_t layer) {
-    const std::vector<float>& next = next_[layer % 2];
+  void put_back(size_t layer, const std::vector<float>& next) {
     const size_t from = layers_[layer];
     parallel_for(layers_[layer + 1] - from, 32, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
@@ -349,13 +356,13 @@ class SurfaceFlow {
   }
 
   const FineGrid& grids_;
-  Field scanned_, least_, most_;
+  const VoxelValues& scanned_;
+  VoxelValues least_, most_;
   std::vector<std::uint8_t> at_surface_;  // of scanned voxels: whether anything there may flow
   std::vector<float> values_;          // of fine voxels, and as many as flow_block() reads beyond
   std::vector<std::uint8_t> freedom_;  // of those: 255 may flow, 0 stay
   std::vector<Block> blocks_;
-  std::vector<size_t> layers_;              // where in blocks_ each layer across z begins; the end
-  std::array<std::vector<float>, 2> next_;  // values of two layers
+  std::vector<size_t> layers_;  // where in blocks_ each layer across z begins; the end
 };
 
 }  // namespace

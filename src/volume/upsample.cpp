@@ -172,10 +172,11 @@ std::uint64_t upsampling_memory(const VolumeSize& size) {
   if (fine.dims == size.dims) {
     return 0;
   }
-  // SurfaceFlow's scanned_, least_, most_, at_surface_ and what is missing; values_ and freedom_.
-  // Then the result takes the place of freedom_. Of a part of the volume that is small enough to be
-  // upsampled. And the copy of the volume that becomes the result.
-  constexpr std::uint64_t kScanned = 4 * sizeof(float) + sizeof(std::uint8_t);
+  // SurfaceFlow's least_ and most_ (half as much where they fit in 16 bits), at_surface_ and what
+  // is missing; values_ and freedom_. Then the result takes the place of freedom_. Of a part of the
+  // volume that is small enough to be upsampled. And the copy of the volume that becomes the
+  // result.
+  constexpr std::uint64_t kScanned = 3 * sizeof(float) + sizeof(std::uint8_t);
   constexpr std::uint64_t kFine = sizeof(float) + sizeof(std::uint16_t);
   return std::min(size.voxels(), kMostUpsampled / 2) * kScanned + fine.voxels() * kFine +
          size.loaded();

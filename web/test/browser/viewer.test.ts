@@ -74,7 +74,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("shows while something moves what it shows at rest, though of fewer splats' pixels", async () => {
-    const [width, height] = [255, 191]; // not whole pixels of splats
+    const [width, height] = [127, 95]; // not whole pixels of splats
     for (const { view, plane } of kMovingShots) {
       await show(page, { view, plane, clip: "exact", section: "volume" });
       const still = await pagePicture(page, width, height);
