@@ -51,28 +51,46 @@ float noise_level(const Volume& volume) {
   return *quartile / (kQuartileOfNormal * std::sqrt(6.0f));
 }
 
-/// The least (or largest) of the 27 voxels around each.
+/// Replaces each value by the least (or largest) of the 27 around it, without a second field.
 template <typename Choose>
-Field among_neighbours(Field field, const FineGrid& grids, const Choose& choose) {
-  for (int axis = 0; axis < 3; ++axis) {
-    Field result(field.size());
-    IVec3 step(0);
-    step[axis] = 1;
-    for_each_voxel(grids.coarse, [&](int x, int y, int z) {
-      const IVec3 at(x, y, z);
-      const IVec3 before = glm::max(at - step, IVec3(0));
-      const IVec3 after = glm::min(at + step, grids.coarse - 1);
-      result[grids.coarse_at(x, y, z)] =
-          choose(field[grids.coarse_at(x, y, z)],
-                 choose(field[grids.coarse_at(before.x, before.y, before.z)],
-                        field[grids.coarse_at(after.x, after.y, after.z)]));
+void choose_among_neighbours(Field& field, const IVec3& dims, const Choose& choose) {
+  const auto width = static_cast<size_t>(dims.x);
+  const size_t rows = field.size() / width;
+  parallel_for(rows, 256, [&](size_t begin, size_t end) {
+    for (size_t row = begin; row < end; ++row) {
+      float* const values = &field[row * width];
+      float before = values[0];
+      for (size_t x = 0; x < width; ++x) {
+        const float here = values[x];
+        values[x] = choose(here, choose(before, values[std::min(x + 1, width - 1)]));
+        before = here;
+      }
+    }
+  });
+  for (const int axis : {1, 2}) {
+    const auto count = static_cast<size_t>(dims[axis]);
+    const auto others = static_cast<size_t>(dims[3 - axis]);
+    const size_t step = axis == 1 ? width : width * others;
+    const size_t to_other = axis == 1 ? width * count : width;
+    parallel_for(others, 1, [&](size_t other, size_t) {
+      std::vector<float> before(&field[other * to_other], &field[other * to_other] + width);
+      std::vector<float> here(width);
+      for (size_t i = 0; i < count; ++i) {
+        float* const row = &field[other * to_other + i * step];
+        const float* const after = i + 1 < count ? row + step : row;
+        std::copy_n(row, width, here.begin());
+        for (size_t x = 0; x < width; ++x) {
+          row[x] = choose(here[x], choose(before[x], after[x]));
+        }
+        before.swap(here);
+      }
     });
-    field = std::move(result);
   }
-  return field;
 }
 
-VoxelValues packed(Field field) {
+template <typename Choose>
+VoxelValues chosen_among_neighbours(Field field, const IVec3& dims, const Choose& choose) {
+  choose_among_neighbours(field, dims, choose);
   VoxelValues values(std::move(field));
   values.pack();
   return values;
@@ -88,10 +106,10 @@ class SurfaceFlow {
     for_each_voxel(grids.coarse, [&](int x, int y, int z) {
       scanned[grids.coarse_at(x, y, z)] = volume.at(x, y, z);
     });
-    const auto least = [](float a, float b) { return std::min(a, b); };
-    const auto most = [](float a, float b) { return std::max(a, b); };
-    least_ = packed(among_neighbours(scanned, grids, least));
-    most_ = packed(among_neighbours(scanned, grids, most));
+    least_ = chosen_among_neighbours(scanned, grids.coarse,
+                                     [](float a, float b) { return std::min(a, b); });
+    most_ = chosen_among_neighbours(scanned, grids.coarse,
+                                    [](float a, float b) { return std::max(a, b); });
     find_surfaces(transfer, noise_level(volume));
     values_.resize(freedom_.size());
     for_each_voxel(grids.fine, [&](int x, int y, int z) {
@@ -271,8 +289,7 @@ class SurfaceFlow {
                     ? glm::smoothstep(kFaithful, kFalse, std::abs(lost[i]) / (most_[i] - least_[i]))
                     : 0;
     }
-    lost =
-        among_neighbours(std::move(lost), grids_, [](float a, float b) { return std::max(a, b); });
+    choose_among_neighbours(lost, grids_.coarse, [](float a, float b) { return std::max(a, b); });
     for_each_free([&](int x, int y, int z) {
       const float share = grids_.interpolate(lost, x, y, z);
       if (share > 0) {
