@@ -10,7 +10,7 @@ export type Side = "left" | "right";
 
 type Button = "trigger" | "squeeze" | "a-button" | "x-button";
 
-/** What a hand or its controller does, and how many pictures that takes. */
+/** What a hand or its controller does, and how many pictures are waited for then. */
 interface Act {
   side?: Side;
   pose?: {
@@ -71,7 +71,11 @@ export class Wearer {
   async pressText(side: Side, text: string): Promise<void> {
     const place = await this.#page.evaluate(async (wanted) => {
       const frame = () => new Promise(requestAnimationFrame);
+      const end = performance.now() + 60_000;
       while (window.clipgs.headset.find(wanted) === null) {
+        if (performance.now() > end) {
+          throw new Error(`the panel does not show "${wanted}"`);
+        }
         await frame();
       }
       await frame(); // it is where it stays
