@@ -177,7 +177,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         const angle = ((from + ((to - from) * i) / kSteps) * Math.PI) / 180;
         await wearer.reach(side, at, new Quaternion().setFromAxisAngle(kX, angle));
       }
-      await wearer.frames(10); // until the filtered pose is there
+      await wearer.settle();
     }
 
     for (const what of ["controller", "hand"] as const) {
@@ -194,7 +194,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         const held = new Vector3().applyMatrix4(toRoom);
         await wearer.reach("right", held);
         await wearer.hold("right", 1);
-        await wearer.frames(10); // closing, an emulated hand turns a little
+        await wearer.settle(); // closing, an emulated hand turns a little
         const before = await normal();
         await turn("right", held, 0, 40);
         await wearer.hold("right", 0);
@@ -299,7 +299,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         await wearer.hold(side, 1);
         const target = held.clone().addScaledVector(axis.clone().transformDirection(toRoom), 0.02);
         await wearer.reach(side, target);
-        await wearer.frames(10);
+        await wearer.settle();
         const moved = ((await shown()) - from) * states.spacing;
         expect(Math.abs(moved - 20), `${side}, mm`).toBeLessThan(1 + states.spacing);
         await wearer.reach(side, target, new Quaternion().setFromAxisAngle(kX, 0.5));

@@ -62,6 +62,16 @@ export class Wearer {
     await this.#act({ frames: count });
   }
 
+  /** Waits until what is held has followed the hand: its pose is filtered. */
+  async settle(): Promise<void> {
+    await this.#page.evaluate(async () => {
+      const end = performance.now() + 800;
+      for (let i = 0; i < 10 || performance.now() < end; ++i) {
+        await new Promise(requestAnimationFrame);
+      }
+    });
+  }
+
   /** Of a controller. */
   async press(side: Side, button: Button, value: 0 | 1): Promise<void> {
     await this.#act({ side, button, value, frames: 1 });
