@@ -12,9 +12,9 @@ import { kBrowsers, missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { normalCdf, runNormalCdf } from "./normal_cdf";
 import { coverage, decodePng, pagePicture, type Picture, psnr } from "./picture";
-import { clipgs, missing } from "./program";
+import { missing } from "./program";
 import { Server } from "./server";
-import { choose, facesOf, rendered, type Shot, show } from "./shot";
+import { choose, facesOf, rendered, type Shot, show, valueAt } from "./shot";
 import { type Browser, type Evaluates, type Tab, waitFor } from "./tab";
 
 // dB of pictures that are drawn alike, pixel by pixel; the program has several rays through a pixel at edges alone.
@@ -377,7 +377,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
           const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
           expect(Math.abs(pin.point[0] - point[0])).toBeLessThan(1.5); // the mouse is at a whole pixel
           expect(pin.point[2]).toBeCloseTo(0, 3);
-          expect(pin.text.replace("\u2212", "-")).toBe(await valueAt(pin.point));
+          expect(pin.text.replace("\u2212", "-")).toBe(await valueAt(server, pin.point));
           expect(await textOf(page, "[aria-label='Value under the pointer']")).toContain(pin.text);
         }
         await waitFor(page, () => location.hash.split("pin=").length === 4, undefined);
@@ -418,7 +418,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
             window.clipgs.removePin(window.clipgs.pins.length - 1);
             return said;
           }, point);
-          expect(text?.replace("\u2212", "-")).toBe(await valueAt(point));
+          expect(text?.replace("\u2212", "-")).toBe(await valueAt(server, point));
         }
       });
 
@@ -468,14 +468,6 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
     });
   }
 });
-
-/** Of a point, as `clipgs render` prints it. */
-async function valueAt(point: readonly number[]): Promise<string> {
-  const path = join(server.folder, "pin.png");
-  const case_ = join(server.cases, "phantom.sog");
-  const printed = await clipgs("render", case_, "-o", path, "--size", "16x16", "--pin", point.join());
-  return printed.trim().split("mm: ")[1]!;
-}
 
 function topLeft({ width, data }: Picture, w: number, h: number): Picture {
   const rows = Array.from({ length: h }, (_, y) => data.subarray(4 * width * y, 4 * (width * y + w)));

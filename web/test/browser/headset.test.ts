@@ -9,7 +9,7 @@ import type { EyePicture } from "../../src/api";
 import { coverage, ofPage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
-import { loseGpu, Session } from "./session";
+import { kSmallEyes, loseGpu, Session } from "./session";
 import { type Side, Wearer } from "./wearer";
 
 const kMinPsnr = 36;
@@ -166,7 +166,8 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     // What hands do does not depend on the size of pictures, which take most of the time.
     beforeAll(async () => {
       await page.evaluate(() => window.clipgs.headset.leave());
-      await page.setViewportSize({ width: 240, height: 120 });
+      const { width, height } = kSmallEyes;
+      await page.setViewportSize({ width, height });
       await page.evaluate(() => window.clipgs.setSection("volume"));
     });
 

@@ -5,7 +5,7 @@ import { kChromium } from "./program";
 import { Server } from "./server";
 
 /** Of what waits for the page: long, as pictures are drawn without a GPU. Tests have more time (vite.config.ts). */
-const kPageMs = 120_000;
+export const kPageMs = 120_000;
 
 /** A browser that draws without a GPU. */
 export function launchBrowser(): Promise<Browser> {
@@ -53,6 +53,8 @@ const kUsual: Viewport = { width: 900, height: 600, scale: 0.25 };
 
 /** What an emulated headset's two eyes see, side by side. */
 const kEyes: Viewport = { width: 320, height: 200, scale: 1 };
+/** The same where pictures matter little. Of much smaller pages Chromium draws but one frame a second. */
+export const kSmallEyes: Viewport = { width: 240, height: 120, scale: 1 };
 
 /** A served folder of cases and Chromium, which looks at it. */
 export class Session extends Server {

@@ -117,3 +117,11 @@ export async function renderedAndPrinted(
   );
   return { picture: await readPng(path), printed };
 }
+
+/** The value of the phantom at a point, as `clipgs render` prints it. */
+export async function valueAt(server: Server, point: readonly number[]): Promise<string> {
+  const path = join(server.folder, "pin.png");
+  const case_ = join(server.cases, "phantom.sog");
+  const printed = await clipgs("render", case_, "-o", path, "--size", "16x16", "--pin", point.join());
+  return printed.trim().split("mm: ")[1]!;
+}

@@ -9,7 +9,7 @@ import { kNoAnswer } from "../../src/model/case_list";
 import { missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { kProgram, missing } from "./program";
-import { Session } from "./session";
+import { kSmallEyes, Session } from "./session";
 import { waitFor } from "./tab";
 import { Wearer } from "./wearer";
 
@@ -141,7 +141,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
   }
 
   async function openHere(): Promise<Page> {
-    const page = await session.openInHeadset("", errors, { width: 240, height: 120, scale: 1 });
+    const page = await session.openInHeadset("", errors, kSmallEyes);
     await begun(page);
     return page;
   }

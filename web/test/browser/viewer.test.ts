@@ -8,7 +8,7 @@ import { coverage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
 import { loseGpu, Session } from "./session";
-import { choose, rendered, renderedAndPrinted, type Shot, show } from "./shot";
+import { choose, rendered, renderedAndPrinted, type Shot, show, valueAt } from "./shot";
 
 const kMinPsnr = 35;
 const kMinAlike = 50; // of pictures that are drawn alike, pixel by pixel
@@ -319,17 +319,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
       expect(pin.point[0]).toBeCloseTo(center[0] + r, 0);
       expect(pin.point[2]).toBeCloseTo(0, 3);
-      const printed = await clipgs(
-        "render",
-        join(session.cases, "phantom.sog"),
-        "-o",
-        join(session.folder, "pin.png"),
-        "--size",
-        "16x16",
-        "--pin",
-        pin.point.join(),
-      );
-      const value = printed.trim().split("mm: ")[1]!;
+      const value = await valueAt(session, pin.point);
       expect(value).toMatch(/ HU$/);
       expect(pin.text.replace("\u2212", "-")).toBe(value);
       expect(await reading.textContent()).toContain(pin.text);

@@ -2,6 +2,7 @@ import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
 
 import type { Triple } from "../../src/model/geometry";
+import { kPageMs } from "./session";
 
 /** Of a hand from what it points at, m: too far to reach it. */
 const kPointingDistance = 0.3;
@@ -79,18 +80,21 @@ export class Wearer {
 
   /** Points at a text of the panel, which may take a moment to be there, and presses. */
   async pressText(side: Side, text: string): Promise<void> {
-    const place = await this.#page.evaluate(async (wanted) => {
-      const frame = () => new Promise(requestAnimationFrame);
-      const end = performance.now() + 60_000;
-      while (window.clipgs.headset.find(wanted) === null) {
-        if (performance.now() > end) {
-          throw new Error(`the panel does not show "${wanted}"`);
+    const place = await this.#page.evaluate(
+      async ([wanted, most]) => {
+        const frame = () => new Promise(requestAnimationFrame);
+        const end = performance.now() + most;
+        while (window.clipgs.headset.find(wanted) === null) {
+          if (performance.now() > end) {
+            throw new Error(`the panel does not show "${wanted}"`);
+          }
+          await frame();
         }
-        await frame();
-      }
-      await frame(); // it is where it stays
-      return window.clipgs.headset.find(wanted)!;
-    }, text);
+        await frame(); // it is where it stays
+        return window.clipgs.headset.find(wanted)!;
+      },
+      [text, kPageMs] as const,
+    );
     await this.pressAt(side, place);
   }
 
