@@ -128,7 +128,8 @@ export class Headset {
     this.#version = -1;
     this.#effort = null;
     this.#viewer.yieldTo(this);
-    renderer.setAnimationLoop((time, frame) => this.#frame(time, frame));
+    // That of the renderer would draw in the page's frames as well.
+    renderer.xr.setAnimationLoop((time, frame) => this.#frame(time, frame));
     this.changed();
   }
 
@@ -203,7 +204,7 @@ export class Headset {
     this.#marking.toggle(null);
     this.#lamp.hand = null;
     const { renderer } = this.#viewer;
-    renderer.setAnimationLoop(null);
+    renderer.setAnimationLoop(null); // nor of the page, which the renderer goes on with
     renderer.xr.enabled = false;
     if (this.#shown) {
       this.#shown.mesh.extent = Infinity;
@@ -215,7 +216,7 @@ export class Headset {
     this.changed();
   }
 
-  #frame(time: number, frame: XRFrame | undefined): void {
+  #frame(time: number, frame?: XRFrame): void {
     const viewer = this.#viewer;
     const { renderer } = viewer;
     this.#govern(time, frame);
@@ -269,7 +270,7 @@ export class Headset {
   }
 
   /** No more is drawn than the headset has time for. */
-  #govern(time: number, frame: XRFrame | undefined): void {
+  #govern(time: number, frame?: XRFrame): void {
     const { xr } = this.#viewer.renderer;
     const rate = this.frameRate ?? kFrameRate;
     this.governor.count(time, 1000 / rate);

@@ -610,6 +610,31 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await expectAsRendered("after the GPU was lost", "--plane", "0,0,-1,0");
     });
 
+    it("draws each of its frames once, and none of the page's", async () => {
+      await wearer.wear();
+      const count = 10;
+      const drawn = await page.evaluate(async (frames) => {
+        const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+        const clear = gl.clear.bind(gl);
+        let times = 0;
+        let drawing = false;
+        gl.clear = (mask) => {
+          if (!drawing) {
+            ++times;
+            drawing = true;
+            queueMicrotask(() => (drawing = false)); // once this callback of a frame is through
+          }
+          clear(mask);
+        };
+        for (let i = 0; i < frames; ++i) {
+          await new Promise(requestAnimationFrame);
+        }
+        gl.clear = clear;
+        return times;
+      }, count);
+      expect(Math.abs(drawn - count)).toBeLessThan(2);
+    });
+
     it("draws less where frames come late, and all where it need not be steady", async () => {
       await wearer.wear();
       const drawn = () => page.evaluate(() => window.clipgs.stats.drawn);
