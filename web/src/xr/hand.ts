@@ -43,6 +43,11 @@ function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
   return order(b) - order(a) || a.distance - b.distance;
 }
 
+/** Something that is about to be laid out has no height yet: where it is met from near would be no number. */
+function hasExtent(object: Object3D): boolean {
+  return object.matrixWorld.determinant() !== 0;
+}
+
 /**
  * A hand in the headset, with a controller or bare: what it is near to or, where that is nothing, points at. Its trigger
  * or pinch goes to everything that listens, its grip button to `held` alone, and A or X calls `menu`.
@@ -79,7 +84,7 @@ export class Hand {
     this.#bare = xr.getHand(index);
     const pointers = (): [Pointer, Pointer] => {
       // However long it is pressed: hands are slower than mice.
-      const options = { customSort: firstMet, clickThresholdMs: Infinity };
+      const options = { customSort: firstMet, filter: hasExtent, clickThresholdMs: Infinity };
       return [
         createGrabPointer(() => camera, { current: this.#near }, this, { ...options, radius: kReach }),
         createRayPointer(() => camera, { current: this.#far }, this, options),

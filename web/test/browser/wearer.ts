@@ -82,16 +82,19 @@ export class Wearer {
   async pressText(side: Side, text: string): Promise<void> {
     const place = await this.#page.evaluate(
       async ([wanted, most]) => {
-        const frame = () => new Promise(requestAnimationFrame);
         const end = performance.now() + most;
-        while (window.clipgs.headset.find(wanted) === null) {
+        let before: Triple | null = null;
+        for (;;) {
+          const at = window.clipgs.headset.find(wanted);
+          if (at && before && at.every((v, k) => Math.abs(v - before![k]!) < 1e-4)) {
+            return at; // it stays there
+          }
           if (performance.now() > end) {
             throw new Error(`the panel does not show "${wanted}"`);
           }
-          await frame();
+          before = at;
+          await new Promise(requestAnimationFrame);
         }
-        await frame(); // it is where it stays
-        return window.clipgs.headset.find(wanted)!;
       },
       [text, kPageMs] as const,
     );

@@ -1,7 +1,17 @@
-import { Quaternion, Vector3 } from "three";
+import {
+  Group,
+  Mesh,
+  PerspectiveCamera,
+  PlaneGeometry,
+  Quaternion,
+  Sphere,
+  Vector3,
+  type WebXRManager,
+} from "three";
 import { expect, it } from "vitest";
 
 import { kWorldFromPatient, planeThrough, signedDistance } from "../../src/model/geometry";
+import { Hand } from "../../src/xr/hand";
 import { planeOfPose, poseOfPlane } from "../../src/xr/plane_grip";
 import { PoseFilter } from "../../src/xr/pose_filter";
 
@@ -46,4 +56,30 @@ it("a trembling hand moves a filtered pose little, a moving one takes it along",
   }
   expect(hand.x - filter.position.x).toBeLessThan(0.5 * speed * kFrame);
   expect(filter.quaternion.angleTo(turn)).toBeLessThan(0.5 / 72);
+});
+
+it("has hands that press what they point at, whatever without height lies near them", () => {
+  const parts = { ray: new Group(), grip: new Group(), joints: Object.assign(new Group(), { joints: {} }) };
+  const xr = {
+    getController: () => parts.ray,
+    getControllerGrip: () => parts.grip,
+    getHand: () => parts.joints,
+  };
+  const hand = new Hand(xr as unknown as WebXRManager, 0, new PerspectiveCamera(), new Group(), () => {});
+  parts.ray.dispatchEvent({ type: "connected", data: { hand: null } } as never);
+  const wall = new Mesh(new PlaneGeometry());
+  wall.position.z = -1;
+  const flat = new Mesh(new PlaneGeometry());
+  flat.position.z = -0.02;
+  flat.scale.y = 0;
+  const scene = new Group().add(wall, flat);
+  scene.updateMatrixWorld();
+  const pressed: string[] = [];
+  wall.addEventListener("click" as never, () => pressed.push("wall"));
+  flat.addEventListener("click" as never, () => pressed.push("flat"));
+  hand.update(scene, 0, { parts: new Group(), sphere: new Sphere() });
+  parts.ray.dispatchEvent({ type: "selectstart" } as never);
+  parts.ray.dispatchEvent({ type: "selectend" } as never);
+  expect(pressed).toEqual(["wall"]);
+  hand.dispose();
 });
