@@ -88,14 +88,14 @@ count_tests "tests release"
 step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
 # Statistics over many samples, finite differences, whole scans and the same again at other thread counts take minutes
 # there, through code that other tests go through as well.
-step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits'
+step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits|OnBoundaries|EndsWhereTheSection|ManySmallSteps|NoSplitComesNear|LeavesLessThanHalf'
 count_tests "tests asan ubsan"
 # Every reader of files and requests, with some thousand inputs each; scripts/fuzz.sh goes on for hours.
 step "tests fuzz targets" run_tests asan -L fuzz
 count_tests "tests fuzz targets"
 # The rooms that work on several threads; training goes through those of splats as well.
 step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serve}_test
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients|NoSplitComesNear|ManySmallSteps|HaveABoundarysLook|OnBoundaries|MakesUpForTheLight'
 count_tests "tests tsan"
 # The other rooms are for scripts/tidy.sh by hand: together they take twice as long.
 step "tidy" bash scripts/tidy.sh core light splat section train bake measure
