@@ -216,7 +216,7 @@ export class Headset {
     this.changed();
   }
 
-  #frame(time: number, frame?: XRFrame): void {
+  #frame(time: number, frame: XRFrame): void {
     const viewer = this.#viewer;
     const { renderer } = viewer;
     this.#govern(time, frame);
@@ -270,7 +270,7 @@ export class Headset {
   }
 
   /** No more is drawn than the headset has time for. */
-  #govern(time: number, frame?: XRFrame): void {
+  #govern(time: number, frame: XRFrame): void {
     const { xr } = this.#viewer.renderer;
     const rate = this.frameRate ?? kFrameRate;
     this.governor.count(time, 1000 / rate);
@@ -280,7 +280,7 @@ export class Headset {
     }
     this.panel?.refresh();
     const space = xr.getReferenceSpace();
-    const pose = space && frame?.getViewerPose(space);
+    const pose = space && frame.getViewerPose(space);
     if (pose) {
       this.#effort = effort; // a view keeps what was asked for
       pose.views.forEach((view) => view.requestViewportScale?.(effort.scale));
