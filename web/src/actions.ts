@@ -64,7 +64,7 @@ export class Actions {
   }
 
   toggleMode(): void {
-    this.#viewer.setMode(this.isUniaxial ? "arbitrary" : "uniaxial");
+    this.#viewer.store.setMode(this.isUniaxial ? "arbitrary" : "uniaxial");
   }
 
   orient(name: Orientation): void {
@@ -78,7 +78,7 @@ export class Actions {
     if (cut) {
       // What a slab keeps stays.
       const plane = flipped(cut);
-      this.#viewer.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
+      this.#viewer.store.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
     }
   }
 
@@ -87,9 +87,9 @@ export class Actions {
     const { cuts } = this.#viewer.state;
     if (cuts.length > 0) {
       this.#lastCuts = cuts;
-      this.#viewer.setCuts([]);
+      this.#viewer.store.setCuts([]);
     } else if (this.#lastCuts.length > 0) {
-      this.#viewer.setCuts(this.#lastCuts);
+      this.#viewer.store.setCuts(this.#lastCuts);
     } else {
       this.#cutAcross(kAxes.axial);
     }
@@ -105,14 +105,14 @@ export class Actions {
     const { cuts } = this.#viewer.state;
     const plane = this.#planeAcross(freeAxis(cuts));
     if (plane && !this.isUniaxial) {
-      this.#viewer.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
+      this.#viewer.store.setCuts([...cuts, { ...plane, thickness: null }], cuts.length);
     }
   }
 
   /** Without the active plane. */
   remove(): void {
     const { cuts, active } = this.#viewer.state;
-    this.#viewer.setCuts(
+    this.#viewer.store.setCuts(
       cuts.filter((_, i) => i !== active),
       active - 1,
     );
@@ -122,7 +122,7 @@ export class Actions {
   activate(index = this.#viewer.state.active + 1): void {
     const { cuts } = this.#viewer.state;
     if (cuts.length > 0) {
-      this.#viewer.setCuts(cuts, index % cuts.length);
+      this.#viewer.store.setCuts(cuts, index % cuts.length);
     }
   }
 
@@ -137,7 +137,7 @@ export class Actions {
   setThickness(mm: number | null): void {
     const { cuts, active } = this.#viewer.state;
     const thickness = mm && Math.max(kLeastThickness, mm);
-    this.#viewer.setCuts(
+    this.#viewer.store.setCuts(
       cuts.map((cut, i) => (i === active ? { ...cut, thickness } : cut)),
       active,
     );
@@ -145,7 +145,7 @@ export class Actions {
 
   /** Null where nothing is cut. Towards the end less is removed, or states go along the axis. */
   get position(): Position | null {
-    const { info, cut, planeState } = this.#viewer;
+    const { info, cut, planeState } = this.#viewer.store;
     if (!info || !cut) {
       return null;
     }
@@ -158,7 +158,7 @@ export class Actions {
 
   /** Where the plane is: "12.3 mm" from where all is cut away, or which state; empty where nothing is cut. */
   get positionText(): string {
-    const { info, planeState } = this.#viewer;
+    const { info, planeState } = this.#viewer.store;
     const { position } = this;
     if (!info || !position) {
       return "";
@@ -175,9 +175,9 @@ export class Actions {
     if (cut && position) {
       const bounded = Math.min(position.max, Math.max(position.min, value));
       if (this.isUniaxial) {
-        this.#viewer.setPlaneState(bounded);
+        this.#viewer.store.setPlaneState(bounded);
       } else {
-        this.#viewer.movePlane({ normal: cut.normal, offset: -bounded });
+        this.#viewer.store.movePlane({ normal: cut.normal, offset: -bounded });
       }
     }
   }
@@ -198,7 +198,7 @@ export class Actions {
   reset(): void {
     const { info } = this.#viewer;
     if (info) {
-      this.#viewer.setView(viewFrom(28, 24));
+      this.#viewer.store.setView(viewFrom(28, 24));
       this.resetPlane();
     }
   }
@@ -206,21 +206,21 @@ export class Actions {
   resetPlane(): void {
     const { info } = this.#viewer;
     if (info) {
-      this.#viewer.setCuts([]);
+      this.#viewer.store.setCuts([]);
       this.#cutAcross(info.states.axis);
     }
   }
 
   /** Faces cinematic or grey, wholly. */
   toggleGrey(): void {
-    this.#viewer.setGrey(this.#viewer.state.grey > 0 ? 0 : 1);
+    this.#viewer.store.setGrey(this.#viewer.state.grey > 0 ? 0 : 1);
   }
 
   /** The next of the windows that the case's values are usually seen through. */
   nextWindow(): void {
     const windows = [...this.#viewer.windows.values()];
     const at = windows.findIndex((one) => isSameWindow(one, this.#viewer.window));
-    this.#viewer.setWindow(windows[(at + 1) % windows.length] ?? null);
+    this.#viewer.store.setWindow(windows[(at + 1) % windows.length] ?? null);
   }
 
   get canUndo(): boolean {
@@ -276,17 +276,17 @@ export class Actions {
     const { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window } = moment;
     const viewer = this.#viewer;
     this.#restoring = true;
-    viewer.setMode(mode);
-    viewer.setCuts(cuts, active);
-    viewer.setClip(clip);
-    viewer.setSection(section);
-    viewer.setGrey(grey);
-    viewer.setOpenings(openings);
-    viewer.setRig(rig);
-    viewer.setTurn(turn);
-    viewer.setLamp(lamp);
+    viewer.store.setMode(mode);
+    viewer.store.setCuts(cuts, active);
+    viewer.store.setClip(clip);
+    viewer.store.setSection(section);
+    viewer.store.setGrey(grey);
+    viewer.store.setOpenings(openings);
+    viewer.store.setRig(rig);
+    viewer.store.setTurn(turn);
+    viewer.store.setLamp(lamp);
     this.#latest = moment;
-    viewer.setWindow(window);
+    viewer.store.setWindow(window);
     this.#restoring = false;
   }
 
@@ -299,9 +299,9 @@ export class Actions {
   #cutAcross(axis: Vector3): void {
     const plane = this.#planeAcross(axis);
     if (plane && this.#viewer.cut) {
-      this.#viewer.movePlane(plane);
+      this.#viewer.store.movePlane(plane);
     } else if (plane) {
-      this.#viewer.setCuts([{ ...plane, thickness: null }]);
+      this.#viewer.store.setCuts([{ ...plane, thickness: null }]);
     }
   }
 }

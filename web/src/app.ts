@@ -1,3 +1,5 @@
+import { effect, untracked } from "@preact/signals-core";
+
 import { Actions } from "./actions";
 import type { Surroundings } from "./api";
 import { kBackdrops } from "./model/backdrop";
@@ -106,6 +108,7 @@ export class App {
   #again = (): void => {}; // opens the case that was asked for last
   #statsTimer = 0;
   #pictureOnly = false;
+  readonly #unfollow: () => void;
   #study: Study | null = null;
   #card: StudyCard | null = null;
 
@@ -134,7 +137,9 @@ export class App {
     this.#backdropPanel = new BackdropPanel(this.viewer);
     const aboutFaces = [this.#facePanel.element, this.#backdropPanel.element, this.#layers.element];
     this.#panel = new PlanePanel(this.viewer, this.actions, aboutFaces);
-    this.#cube = new OrientationCube((azimuth, elevation) => this.viewer.setView({ azimuth, elevation }));
+    this.#cube = new OrientationCube((azimuth, elevation) =>
+      this.viewer.store.setView({ azimuth, elevation }),
+    );
     this.#announcer = new Announcer(this.viewer, this.actions);
     this.#theme = new ViewerTheme(() => this.#showTheme(), signal);
     this.#fullScreen = new FullScreen(root);
@@ -155,11 +160,6 @@ export class App {
       (mm) => this.actions.step(mm),
       () => host.takesWheel(),
     );
-    this.viewer.changed = () => {
-      this.actions.observe();
-      this.#study?.observe();
-      this.#update();
-    };
     this.viewer.failed = (error) => {
       this.#title.textContent = kNoCase;
       this.offerLooks();
@@ -176,7 +176,10 @@ export class App {
     navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset(), { signal });
     void this.#offerHeadset();
     this.#showTheme();
-    this.#update();
+    this.#unfollow = effect(() => {
+      void this.viewer.version;
+      untracked(() => this.#follow());
+    });
   }
 
   /** Ends everything that would go on without the page's elements, and removes these. */
@@ -187,7 +190,8 @@ export class App {
     this.#resized.disconnect();
     clearTimeout(this.#statsTimer);
     this.#announcer.dispose();
-    this.viewer.changed = this.viewer.drawnFrame = this.viewer.failed = this.headset.changed = () => {};
+    this.#unfollow();
+    this.viewer.drawnFrame = this.viewer.failed = this.headset.changed = () => {};
     this.headset.dispose();
     this.viewer.dispose();
     this.#root.replaceChildren();
@@ -308,33 +312,33 @@ export class App {
   /** Takes over what a link says of the case that is open. */
   follow(link: Link): void {
     if (link.view) {
-      this.viewer.setView(link.view);
+      this.viewer.store.setView(link.view);
     }
     if (link.state !== undefined) {
-      this.viewer.setMode("uniaxial");
+      this.viewer.store.setMode("uniaxial");
       if (link.state === null) {
-        this.viewer.setCuts([]);
+        this.viewer.store.setCuts([]);
       } else {
-        this.viewer.setPlaneState(Math.min(link.state, this.viewer.states!.count - 1));
+        this.viewer.store.setPlaneState(Math.min(link.state, this.viewer.store.states!.count - 1));
       }
     } else if (link.cuts) {
-      this.viewer.setMode("arbitrary");
-      this.viewer.setCuts(link.cuts);
+      this.viewer.store.setMode("arbitrary");
+      this.viewer.store.setCuts(link.cuts);
     }
     if (link.clip) {
-      this.viewer.setClip(link.clip);
+      this.viewer.store.setClip(link.clip);
     }
-    this.viewer.setSection(link.section ?? "volume");
-    this.viewer.setGrey(link.grey ?? 0);
-    this.viewer.setOpenings(link.openings ?? "cinematic");
-    this.viewer.setRig(link.rig ?? null);
-    this.viewer.setTurn(link.turn ?? 0);
-    this.viewer.setLamp(link.lamp ?? null);
+    this.viewer.store.setSection(link.section ?? "volume");
+    this.viewer.store.setGrey(link.grey ?? 0);
+    this.viewer.store.setOpenings(link.openings ?? "cinematic");
+    this.viewer.store.setRig(link.rig ?? null);
+    this.viewer.store.setTurn(link.turn ?? 0);
+    this.viewer.store.setLamp(link.lamp ?? null);
     this.viewer.setPins(link.pins ?? []);
-    this.viewer.setBackdrop(link.background ?? null);
-    this.viewer.setDepthCue(link.depthCue ?? 0);
+    this.viewer.store.setBackdrop(link.background ?? null);
+    this.viewer.store.setDepthCue(link.depthCue ?? 0);
     if (link.window) {
-      this.viewer.setWindow(link.window);
+      this.viewer.store.setWindow(link.window);
     }
     this.actions.forget();
     this.#update();
@@ -346,7 +350,7 @@ export class App {
       this.viewer.state;
     const { backdrop, depthCue } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
-    const cut = mode === "uniaxial" ? { state: this.viewer.planeState } : { cuts };
+    const cut = mode === "uniaxial" ? { state: this.viewer.store.planeState } : { cuts };
     const style = {
       ...(grey > 0 ? { grey, window: window ?? undefined } : {}),
       ...(grey > 0 && openings !== "cinematic" ? { openings } : {}),
@@ -539,6 +543,13 @@ export class App {
     );
   }
 
+  /** The viewer shows something else, or can. */
+  #follow(): void {
+    this.actions.observe();
+    this.#study?.observe();
+    this.#update();
+  }
+
   /** Nobody looks at the page while a headset is worn. */
   #update(): void {
     if (this.headset.worn) {
@@ -616,8 +627,8 @@ export class App {
       i: () => this.#overlay.mark("pin"),
       l: () => this.#overlay.mark("length"),
       escape: () => this.marking.toggle(null),
-      h: () => this.viewer.setHandle(!this.viewer.state.handle),
-      o: () => this.viewer.setLayers({ body: !this.viewer.state.layers.body }),
+      h: () => this.viewer.store.setHandle(!this.viewer.state.handle),
+      o: () => this.viewer.store.setLayers({ body: !this.viewer.state.layers.body }),
       r: () => this.actions.reset(),
       m: () => this.host.choose?.(),
       k: () => !this.#lookButton.hidden && this.#lookButton.click(),
@@ -626,10 +637,10 @@ export class App {
       z: () => this.#fullScreen.toggle(),
       v: () => this.#headsetButtons.querySelector("button")?.click(),
       "?": () => this.#help.showModal(),
-      "1": () => this.viewer.setClip("hard"),
-      "2": () => this.viewer.setClip("soft"),
-      "3": () => this.viewer.setClip("exact"),
-      "4": () => this.viewer.hasLayers && this.viewer.setClip("layers"),
+      "1": () => this.viewer.store.setClip("hard"),
+      "2": () => this.viewer.store.setClip("soft"),
+      "3": () => this.viewer.store.setClip("exact"),
+      "4": () => this.viewer.hasLayers && this.viewer.store.setClip("layers"),
       ...(input ? {} : { arrowup: () => this.actions.step(step), arrowdown: () => this.actions.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];

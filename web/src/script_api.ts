@@ -31,28 +31,28 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     },
     open: (name) => app.host.open(name),
     setView: ({ azimuth, elevation, zoom = 1 }) =>
-      viewer.setView({ azimuth, elevation, zoom, pan: new Vector3(), back: 0 }),
+      viewer.store.setView({ azimuth, elevation, zoom, pan: new Vector3(), back: 0 }),
     setPlane: (plane) => {
-      viewer.setCuts(plane ? [unitCut(plane)] : []);
+      viewer.store.setCuts(plane ? [unitCut(plane)] : []);
     },
-    setCuts: (cuts, active) => viewer.setCuts(cuts.map(unitCut), active),
-    setMode: (mode) => viewer.setMode(mode),
-    setState: (state) => viewer.setPlaneState(state),
+    setCuts: (cuts, active) => viewer.store.setCuts(cuts.map(unitCut), active),
+    setMode: (mode) => viewer.store.setMode(mode),
+    setState: (state) => viewer.store.setPlaneState(state),
     get states() {
-      const { states } = viewer;
+      const { states } = viewer.store;
       return states && { ...states, axis: states.axis.toArray() };
     },
-    setClip: (clip) => viewer.setClip(clip),
-    setSection: (section) => viewer.setSection(section),
-    setGrey: (grey) => viewer.setGrey(Math.min(1, Math.max(0, grey))),
-    setOpenings: (openings) => viewer.setOpenings(openings),
-    setRig: (rig) => viewer.setRig(rig),
-    setTurn: (degrees) => viewer.setTurn(degrees),
-    setLamp: (from) => viewer.setLamp(from),
-    setBackground: (background) => viewer.setBackdrop(background),
-    setDepthCue: (strength) => viewer.setDepthCue(strength),
-    setWindow: (window) => viewer.setWindow(window && { ...window }),
-    setLayers: (layers) => viewer.setLayers(layers),
+    setClip: (clip) => viewer.store.setClip(clip),
+    setSection: (section) => viewer.store.setSection(section),
+    setGrey: (grey) => viewer.store.setGrey(Math.min(1, Math.max(0, grey))),
+    setOpenings: (openings) => viewer.store.setOpenings(openings),
+    setRig: (rig) => viewer.store.setRig(rig),
+    setTurn: (degrees) => viewer.store.setTurn(degrees),
+    setLamp: (from) => viewer.store.setLamp(from),
+    setBackground: (background) => viewer.store.setBackdrop(background),
+    setDepthCue: (strength) => viewer.store.setDepthCue(strength),
+    setWindow: (window) => viewer.store.setWindow(window && { ...window }),
+    setLayers: (layers) => viewer.store.setLayers(layers),
     addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
     removePin: (index) => viewer.removePin(index),
     get bounds() {
@@ -87,7 +87,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
           ...(cut.thickness === null ? {} : { thickness: cut.thickness }),
         })),
         mode,
-        state: viewer.planeState,
+        state: viewer.store.planeState,
         clip,
         section,
         grey,
@@ -127,7 +127,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       find: (text) => headset.panel?.find(text)?.toArray() ?? null,
     },
     project: (point) => {
-      const at = viewer.project(new Vector3(...point));
+      const at = viewer.camera.project(new Vector3(...point));
       const box = viewer.canvas.getBoundingClientRect();
       return at && { x: at.x + box.left, y: at.y + box.top };
     },

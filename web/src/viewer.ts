@@ -1,57 +1,35 @@
+import { effect, signal } from "@preact/signals-core";
 import {
   ColorManagement,
   LinearSRGBColorSpace,
-  PerspectiveCamera,
-  Ray,
+  type PerspectiveCamera,
   Scene,
-  Vector3,
+  type Vector3,
   WebGLRenderer,
 } from "three";
 
 import type { Picture, ViewerStats } from "./api";
-import { kBackdrops } from "./model/backdrop";
-import { type CaseInfo, isSameVolume } from "./model/case_info";
-import { canDraw, type Cut, planesOf } from "./model/cut";
+import type { CaseInfo } from "./model/case_info";
+import { type Cut, planesOf } from "./model/cut";
 import type { FaceEffort } from "./model/face_style";
-import { type FaceSource, faceUnder, gridMiddle, isOnFace } from "./model/faces";
-import { kWorldFromPatient, type Plane, projectOnto, type Triple } from "./model/geometry";
-import type { GreyOpenings } from "./model/face_style";
-import type { Window } from "./model/grey";
-import { kAllLayers, type Layers } from "./model/layers";
-import type { LinkPin } from "./model/link";
-import { type Pin, withoutPin, withPin } from "./model/pins";
 import type { Grip } from "./model/plane_drag";
-import { kRigs } from "./model/rigs";
-import { type Mode, nearestState, type PlaneStates, stateCut } from "./model/states";
-import { type Reading, readSection } from "./model/values";
-import { applyView, focalLength, type Inset, reframed, type View, viewFrom } from "./model/view";
-import { makeBackdrop } from "./render/depth_cue";
+import type { Window } from "./model/grey";
+import type { LinkPin } from "./model/link";
+import { withoutPin, withPin } from "./model/pins";
+import { readSection } from "./model/values";
+import type { Inset } from "./model/view";
+import { type ViewerState, ViewerStore } from "./model/viewer_state";
+import { Background } from "./render/background";
+import { CanvasCamera, type Frame } from "./render/canvas_camera";
 import { FrameRate } from "./render/frame_rate";
-import { FullScreenPass } from "./render/full_screen";
-import { kAtRest, kMoving, OpenCase, type SortResult, type Style } from "./render/open_case";
+import { kAtRest, kMoving, OpenCase, type SortResult } from "./render/open_case";
+import { Picking } from "./render/picking";
 import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import type { CaseClient, DecodedSection } from "./worker/case_client";
-import { type ClipOperator, kSuperseded, type LoadedCase } from "./worker/protocol";
-
-export interface ViewerState extends Style {
-  view: View;
-  mode: Mode; // uniaxial: no more than one plane, which is that of a state
-  active: number; // the cut that is moved, by its index
-  window: Window | null; // of grey values; null: the case's own
-  handle: boolean; // whether the plane is drawn
-  pins: readonly Pin[]; // points that are marked, the oldest first
-  backdrop: string | null; // what lies behind the case, one of kBackdrops; null: as the page is
-}
-
-/** A picture's size and what panels cover of it, px. */
-interface Frame {
-  width: number;
-  height: number;
-  inset: Inset;
-}
+import { kSuperseded, type LoadedCase } from "./worker/protocol";
 
 /** What splats are sorted for: without those that reach no farther than `leastPixels`. */
 interface SortFrame {
@@ -60,20 +38,6 @@ interface SortFrame {
   height: number;
   leastPixels: number;
 }
-
-/** Behind the case where none is chosen, display sRGB: a quiet glow, from its middle outwards. */
-const kGlows = {
-  dark: {
-    inner: new Vector3(0.14, 0.175, 0.222),
-    middle: new Vector3(0.078, 0.1, 0.131),
-    outer: new Vector3(0.043, 0.055, 0.075),
-  },
-  light: {
-    inner: new Vector3(0.965, 0.975, 0.985),
-    middle: new Vector3(0.9, 0.918, 0.937),
-    outer: new Vector3(0.82, 0.843, 0.87),
-  },
-};
 
 /** Why there is no picture, to whoever waited for it. */
 const kNotPictured = "the case was closed, or a headset put on, before its picture was drawn; try again";
@@ -85,36 +49,24 @@ const kSettleMs = 160;
 const kFrameMs = 30;
 const kMinScale = 0.35;
 const kMaxPixelRatio = 2;
-/** A pin belongs to a face this near to it, mm. */
-const kPinReach = 1;
-const kMmFromWorld = kWorldFromPatient.clone().invert();
+
+/** Whether what differs lies over the picture, which stays as it is. */
+function isSamePicture(a: ViewerState, b: ViewerState): boolean {
+  return (Object.keys(a) as (keyof ViewerState)[]).every((key) => key === "pins" || a[key] === b[key]);
+}
 
 /**
- * A case in a canvas: decoding, sorting and drawing, without any panels. Everything is said in patient space (RAS mm).
- * `changed` is called after every change of the state, `drawnFrame` after every frame, `failed` where a case that was
- * shown cannot be shown any more.
+ * A case in a canvas: decoding, sorting and drawing what the store says, without any panels. `drawnFrame` is called after
+ * every frame, `failed` where a case that was shown cannot be shown any more.
  */
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
-  readonly state: ViewerState = {
-    view: viewFrom(0, 0),
-    mode: "arbitrary",
-    cuts: [],
-    active: 0,
-    clip: "exact",
-    section: "volume",
-    grey: 0,
-    openings: "cinematic",
-    rig: null,
-    turn: 0,
-    lamp: null,
-    window: null,
-    handle: true,
-    layers: kAllLayers,
-    depthCue: 0,
-    pins: [],
-    backdrop: null,
-  };
+  readonly store = new ViewerStore();
+  /** Where things are on the canvas. */
+  readonly camera: CanvasCamera;
+  /** What is met there. */
+  readonly picking: Picking;
+  readonly background = new Background();
   readonly stats: ViewerStats = {
     frameMs: 0,
     sortMs: 0,
@@ -125,24 +77,19 @@ export class Viewer {
     sectionBytes: 0,
     sectionMs: 0,
   };
-  /** Counts what changes the picture. */
-  version = 0;
-  changed: () => void = () => {};
   drawnFrame: () => void = () => {};
   failed: (error: CaseError) => void = () => {};
 
+  readonly #version = signal(0);
   readonly #renderer: WebGLRenderer;
-  readonly #camera = new PerspectiveCamera();
   readonly #scene = new Scene();
   readonly #layer: SplatLayer;
   readonly #widget = new PlaneWidget();
-  readonly #backdrop = makeBackdrop(); // of the canvas
-  readonly #gradient = new FullScreenPass("background.frag.glsl", { uBackdrop: { value: this.#backdrop } });
-  #glow: keyof typeof kGlows | null = "dark";
   readonly #client: CaseClient;
   #case: OpenCase | null = null;
-  #width = 1; // CSS px
-  #height = 1;
+  #seen: ViewerState; // that the picture is drawn of, or will be
+  #asOf: ViewerState | null = null; // while a picture is drawn of what was
+  readonly #unfollow: () => void;
 
   #orderStale = false; // something moved since the last sort began
   #splatsStale = false;
@@ -152,7 +99,6 @@ export class Viewer {
   #lastChange = 0; // ms, and as an animation frame
   #changeTick = 0;
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
-  #inset: Inset = { right: 0, bottom: 0 };
   #ticks = 0; // animation frames
   #sortedFor: SortFrame | null = null; // last, by who draws
   #ordered = false; // whether the case's splats have an order
@@ -189,8 +135,27 @@ export class Viewer {
       void this.#case?.faces?.giveValues(this.#renderer).then(() => this.#touch());
       this.#touch();
     });
-    this.resize(this.#inset);
+    this.camera = new CanvasCamera(() => ({ view: this.state.view, sphere: this.info?.sphere ?? null }));
+    this.picking = new Picking(this, this.camera, this.#widget);
+    this.#seen = this.store.state;
+    this.#unfollow = effect(() => this.#follow(this.store.state));
+    this.resize(this.camera.frame.inset);
     requestAnimationFrame(this.#frame);
+  }
+
+  /** What is shown: that of the store, but for pictures that are drawn of what was. */
+  get state(): ViewerState {
+    return this.#asOf ?? this.store.state;
+  }
+
+  /** The cut that is moved; null: nothing is cut. */
+  get cut(): Cut | null {
+    return this.state.cuts[this.state.active] ?? null;
+  }
+
+  /** Counts what changes the picture, or what can be done with it. */
+  get version(): number {
+    return this.#version.value;
   }
 
   get renderer(): WebGLRenderer {
@@ -211,7 +176,7 @@ export class Viewer {
   }
 
   get info(): CaseInfo | null {
-    return this.#case?.info ?? null;
+    return this.store.info;
   }
 
   /** Why faces are not drawn from a volume, whatever the state asks for; null: they are. */
@@ -315,7 +280,7 @@ export class Viewer {
   /** Shows another version of a case, in the order that it has for the picture of now. */
   async #swap(fresh: OpenCase, total: number): Promise<boolean> {
     if (!this.#worn) {
-      this.#placeCamera();
+      this.camera.place();
     }
     const { camera, width, height, leastPixels } = this.#sortedFor ?? this.#sortOfCanvas;
     const sorted = await fresh.sort(camera, width, height, this.state, leastPixels);
@@ -329,7 +294,8 @@ export class Viewer {
   }
 
   get #sortOfCanvas(): SortFrame {
-    return { camera: this.#camera, width: this.#width, height: this.#height, leastPixels: 0 };
+    const { camera, frame } = this.camera;
+    return { camera, width: frame.width, height: frame.height, leastPixels: 0 };
   }
 
   /** The worker sorts for a case from when it is loaded: one that cannot be shown leaves none. */
@@ -345,13 +311,6 @@ export class Viewer {
   }
 
   #replaceCase(opened: OpenCase): void {
-    const { info, state } = this;
-    if (info && isSameVolume(info, opened.info)) {
-      Object.assign(state.view, reframed(state.view, info.sphere, opened.info.sphere));
-    } else {
-      state.window = null;
-      state.pins = [];
-    }
     this.#free(this.#case);
     this.#case = opened;
     this.#ordered = false;
@@ -360,7 +319,8 @@ export class Viewer {
     this.stats.sectionMs = 0;
     this.#rate.restart();
     this.#widget.setSphere(opened.info.sphere);
-    this.setCuts(state.cuts, state.active);
+    this.store.setCase(opened.info);
+    this.#touch();
   }
 
   /** Until the case has been drawn as it is, or is shown no more. */
@@ -412,6 +372,7 @@ export class Viewer {
       refused.refusal = why;
       this.#free(refused);
       this.#case = null;
+      this.store.setCase(null);
       this.#ordered = false;
       this.stats.total = 0;
       this.#touch();
@@ -432,29 +393,13 @@ export class Viewer {
     this.#client.prefetch(url);
   }
 
-  /** What lies behind the case where none of kBackdrops is chosen: a quiet glow; null: black. */
-  setGlow(glow: keyof typeof kGlows | null): void {
-    if (this.#glow !== glow) {
-      this.#glow = glow;
+  /** What lies behind the case where none is chosen: a quiet glow; null: black. */
+  setGlow(glow: Background["glow"]): void {
+    if (this.background.glow !== glow) {
+      this.background.glow = glow;
       this.#splatsStale = true; // they may fade towards it
       this.#canvasStale = true;
     }
-  }
-
-  /** What lies behind the case: one of kBackdrops; null: as the page is. Returns whether there is such a one. */
-  setBackdrop(backdrop: string | null): boolean {
-    const possible = backdrop === null || kBackdrops.has(backdrop);
-    if (possible) {
-      this.state.backdrop = backdrop;
-      this.#touch();
-    }
-    return possible;
-  }
-
-  /** How much what is far away fades towards what lies behind the case, 0 … 1. */
-  setDepthCue(strength: number): void {
-    this.state.depthCue = Math.min(1, Math.max(0, strength));
-    this.#touch();
   }
 
   /** While something moves, the surface and resolution are given up where frames would come late. */
@@ -462,35 +407,12 @@ export class Viewer {
 
   /** Fits the drawing buffer to the canvas's size on the page; `inset` (CSS px) is covered by panels. */
   resize(inset: Inset): void {
-    this.#inset = inset;
     const { clientWidth, clientHeight } = this.canvas;
-    this.#width = Math.max(1, clientWidth);
-    this.#height = Math.max(1, clientHeight);
+    const [width, height] = [Math.max(1, clientWidth), Math.max(1, clientHeight)];
+    this.camera.frame = { width, height, inset };
     this.#renderer.setPixelRatio(Math.min(kMaxPixelRatio, devicePixelRatio));
-    this.#renderer.setSize(this.#width, this.#height, false);
+    this.#renderer.setSize(width, height, false);
     this.#touch();
-  }
-
-  setView(view: Partial<View>): void {
-    Object.assign(this.state.view, view);
-    this.#touch();
-  }
-
-  /** The cut that is moved; null: nothing is cut. */
-  get cut(): Cut | null {
-    return this.state.cuts[this.state.active] ?? null;
-  }
-
-  /** The states of the uniaxial mode. */
-  get states(): PlaneStates | null {
-    return this.info?.states ?? null;
-  }
-
-  /** The state that is shown; null in the arbitrary mode and where nothing is cut. */
-  get planeState(): number | null {
-    const { info, cut } = this;
-    const isState = this.state.mode === "uniaxial" && info && cut;
-    return isState ? nearestState(info.states, cut, info.sphere.center) : null;
   }
 
   /** Whether the case has layers to clip by. */
@@ -504,105 +426,9 @@ export class Viewer {
     return cuts.length > 0 && clip === "layers" && this.#case?.layersAt(planesOf(cuts)) === null;
   }
 
-  setMode(mode: Mode): void {
-    this.state.mode = mode;
-    this.setCuts(this.state.cuts, this.state.active);
-  }
-
-  /** Shows a state in the uniaxial mode; returns whether the case has it, nothing changes otherwise. */
-  setPlaneState(state: number): boolean {
-    const { states } = this;
-    const possible = states !== null && Number.isInteger(state) && state >= 0 && state < states.count;
-    if (possible) {
-      this.state.mode = "uniaxial";
-      this.setCuts([stateCut(states, state)]);
-    }
-    return possible;
-  }
-
-  /** Returns whether there are no more planes than can be drawn; nothing changes otherwise. */
-  setCuts(cuts: readonly Cut[], active = 0): boolean {
-    const possible = canDraw(cuts);
-    if (possible) {
-      this.state.cuts = cuts;
-      this.state.active = Math.max(0, Math.min(active, cuts.length - 1));
-      this.#keepToStates();
-      this.#touch();
-    }
-    return possible;
-  }
-
-  /** Moves the active cut; a slab keeps its thickness. */
-  movePlane({ normal, offset }: Plane): void {
-    const { cuts, active } = this.state;
-    this.setCuts(
-      cuts.map((cut, i) => (i === active ? { ...cut, normal, offset } : cut)),
-      active,
-    );
-  }
-
-  setClip(clip: ClipOperator): void {
-    this.state.clip = clip;
-    this.#touch();
-  }
-
-  setSection(section: FaceSource): void {
-    this.state.section = section;
-    this.#touch();
-  }
-
-  setGrey(grey: number): void {
-    this.state.grey = grey;
-    this.#touch();
-  }
-
-  /** What grey shows in gaps of a face that the window has black. */
-  setOpenings(openings: GreyOpenings): void {
-    this.state.openings = openings;
-    this.#touch();
-  }
-
   /** Whether the case can be seen in other lights than its own: null until that is known. */
   get canChangeRig(): boolean | null {
     return this.#case?.canChangeRig ?? null;
-  }
-
-  /** Lights by one of kRigs; null: by those that the case was made in. Returns whether there is such a rig. */
-  setRig(rig: string | null): boolean {
-    const possible = rig === null || kRigs.has(rig);
-    if (possible) {
-      this.state.rig = rig;
-      this.#touch();
-    }
-    return possible;
-  }
-
-  /** Turns the lights about the patient's long axis by degrees, counterclockwise seen from the head. */
-  setTurn(turn: number): void {
-    this.state.turn = turn;
-    this.#touch();
-  }
-
-  /** A lamp instead of the rig's, that shines from a direction (RAS); null: none. */
-  setLamp(from: Triple | null): void {
-    this.state.lamp = from && new Vector3(...from).normalize().toArray();
-    this.#touch();
-  }
-
-  /** null: the window that the case's values suggest. */
-  setWindow(window: Window | null): void {
-    this.state.window = window;
-    this.#touch();
-  }
-
-  setHandle(visible: boolean): void {
-    this.state.handle = visible;
-    this.#touch();
-  }
-
-  setLayers(layers: Partial<Layers>): void {
-    this.state.layers = { ...this.state.layers, ...layers };
-    this.#touch();
   }
 
   /**
@@ -612,103 +438,25 @@ export class Viewer {
   addPin(point: Vector3, joined = false): boolean {
     const reading = this.section && readSection(this.section, point);
     if (reading) {
-      this.state.layers = { ...this.state.layers, marks: true };
-      this.#setPins(withPin(this.state.pins, { ...reading, joined }));
+      this.store.setLayers({ marks: true });
+      this.store.setPins(withPin(this.state.pins, { ...reading, joined }));
     }
     return reading !== null;
   }
 
   /** Marks these points alone, without those that have no value. */
   setPins(pins: readonly LinkPin[]): void {
-    this.#setPins([]);
+    this.store.setPins([]);
     pins.forEach(({ point, joined }) => this.addPin(point, joined));
   }
 
   removePin(index: number): void {
-    this.#setPins(withoutPin(this.state.pins, index));
-  }
-
-  /** Whether a pin lies on a face that is seen, from `eye` (RAS mm). */
-  showsPin({ point }: Reading, eye = this.#eye): boolean {
-    const { section } = this;
-    return section !== null && isOnFace(section, this.#facePlanes, eye, point, kPinReach);
+    this.store.setPins(withoutPin(this.state.pins, index));
   }
 
   setHover(grip: Grip | null): void {
     this.#widget.setHover(grip);
     this.#canvasStale = true;
-  }
-
-  /** The handle's centre and radius, RAS mm. */
-  get handle(): { center: Vector3; radius: number } {
-    this.#placeWidget();
-    return { center: this.#widget.center, radius: this.#widget.radius };
-  }
-
-  /** In the uniaxial mode all of the handle slides the plane. */
-  gripAt(x: number, y: number): Grip | null {
-    this.#placeWidget();
-    const grip = this.state.handle ? this.#widget.gripAt(x, y, (point) => this.project(point)) : null;
-    return grip && this.state.mode === "uniaxial" ? "arrow" : grip;
-  }
-
-  /** What panels leave of the canvas, from its top left, CSS px. */
-  get freeSize(): { width: number; height: number } {
-    return { width: this.#width - this.#inset.right, height: this.#height - this.#inset.bottom };
-  }
-
-  /** CSS px. */
-  get focalLength(): number {
-    const { width, height } = this.freeSize;
-    return focalLength(this.state.view.zoom, width, height);
-  }
-
-  /** Of lengths across the view at a point (RAS mm), CSS px; null behind the camera. */
-  pixelsPerMm(point: Vector3): number | null {
-    this.#placeCamera();
-    const depth =
-      -1000 * point.clone().applyMatrix4(kWorldFromPatient).applyMatrix4(this.#camera.matrixWorldInverse).z;
-    return depth > 0 ? this.focalLength / depth : null;
-  }
-
-  /** The middle of the cut face, or of the volume where nothing is cut, RAS mm. */
-  get faceMiddle(): Vector3 | null {
-    const { section } = this;
-    const middle = section && gridMiddle(section);
-    return middle && this.cut ? projectOnto(this.cut, middle) : middle;
-  }
-
-  /** Where a point (RAS mm) appears, CSS px from the canvas's top left; null behind the camera. */
-  project(point: Vector3): { x: number; y: number } | null {
-    this.#placeCamera();
-    const p = point.clone().applyMatrix4(kWorldFromPatient);
-    if (p.clone().applyMatrix4(this.#camera.matrixWorldInverse).z >= 0) {
-      return null;
-    }
-    p.project(this.#camera);
-    return { x: 0.5 * (p.x + 1) * this.#width, y: 0.5 * (1 - p.y) * this.#height };
-  }
-
-  /** The ray (RAS mm) through a place on the canvas, CSS px. */
-  ray(x: number, y: number): Ray {
-    this.#placeCamera();
-    const through = new Vector3((2 * x) / this.#width - 1, 1 - (2 * y) / this.#height, 0.5).unproject(
-      this.#camera,
-    );
-    const origin = this.#eye;
-    return new Ray(origin, through.applyMatrix4(kMmFromWorld).sub(origin).normalize());
-  }
-
-  /** What the face under a place on the canvas (CSS px) shows there; null where there is no face or only air. */
-  readingAt(x: number, y: number): Reading | null {
-    return this.readingAlong(this.ray(x, y));
-  }
-
-  /** The same of the face that a ray (RAS mm) meets. */
-  readingAlong(ray: Ray): Reading | null {
-    const { section } = this;
-    const point = section && faceUnder(section, this.#facePlanes, ray);
-    return point && readSection(section, point);
   }
 
   /**
@@ -727,7 +475,7 @@ export class Viewer {
       () => frame,
       () =>
         this.#layer.read(this.#subject(current, effort, height), {
-          camera: this.#camera,
+          camera: this.camera.camera,
           width,
           height,
           moving,
@@ -752,7 +500,7 @@ export class Viewer {
     }
     return this.#capture(
       current,
-      () => this.#frameOfCanvas,
+      () => this.camera.frame,
       () => {
         this.#drawSplats(current, false);
         return copy();
@@ -765,7 +513,7 @@ export class Viewer {
     this.#worn = headset !== null;
     if (!this.#worn) {
       this.#case?.mesh.invalidateColors();
-      this.resize(this.#inset);
+      this.resize(this.camera.frame.inset);
     }
   }
 
@@ -790,59 +538,49 @@ export class Viewer {
   /** Ends the worker and gives back what the GPU holds. Nothing can be done with it then. */
   dispose(): void {
     this.#disposed = true;
+    this.#unfollow();
     this.#client.dispose();
     this.#case?.free();
     this.#case = null;
     this.#widget.dispose();
     this.#layer.dispose();
-    this.#gradient.dispose();
+    this.background.dispose();
     this.#renderer.dispose();
     this.#renderer.forceContextLoss(); // browsers keep few contexts, and collect them late
   }
 
-  /** Of the camera as it was placed last, RAS mm. */
-  get #eye(): Vector3 {
-    return this.#camera.position.clone().applyMatrix4(kMmFromWorld);
-  }
-
-  /** Of what is cut, the uniaxial mode keeps the active plane, at the nearest state. */
-  #keepToStates(): void {
-    const { planeState, states } = this;
-    if (states && planeState !== null) {
-      this.state.cuts = [stateCut(states, planeState)];
-      this.state.active = 0;
+  /** The picture is to be that of a state. */
+  #follow(state: ViewerState): void {
+    const before = this.#seen;
+    this.#seen = state;
+    if (before !== state && isSamePicture(before, state)) {
+      this.#canvasStale = true;
+      this.#tellOfChange();
+    } else {
+      this.#touch();
     }
   }
 
-  /** Pins lie over the picture, which stays as it is. */
-  #setPins(pins: readonly Pin[]): void {
-    this.state.pins = pins;
-    this.#canvasStale = true;
-    this.changed();
+  /** Whoever follows the version is told at once. */
+  #tellOfChange(): void {
+    this.#version.value = this.#version.peek() + 1;
   }
 
   #touch(): void {
-    ++this.version;
     this.#orderStale = true;
     this.#splatsStale = true;
     this.#canvasStale = true;
     this.#lastChange = performance.now();
     this.#changeTick = this.#ticks;
     this.stats.settled = false;
-    this.changed();
+    this.#tellOfChange();
   }
 
   /** What cuts open looks otherwise. */
   #relit(): void {
-    ++this.version;
     this.#splatsStale = true;
     this.stats.settled = false;
-    this.changed(); // whether lights can be chosen is known by now
-  }
-
-  #placeCamera(width = this.#width, height = this.#height, inset = this.#inset): void {
-    const sphere = this.#case?.info.sphere ?? { center: new Vector3(), radius: 100 };
-    applyView(this.#camera, this.state.view, sphere, width, height, inset);
+    this.#tellOfChange(); // whether lights can be chosen is known by now
   }
 
   /**
@@ -871,10 +609,10 @@ export class Viewer {
    * looks at of the state, it looks at in the turn that it is called in.
    */
   async #capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
-    const state = { ...this.state, view: { ...this.state.view } };
+    const { state } = this;
     return this.#alone(async () => {
       await this.#inState(state, current, frame, ({ width, height }) =>
-        this.#sort(current, this.#camera, width, height),
+        this.#sort(current, this.camera.camera, width, height),
       );
       await current.light(state);
       return this.#inState(state, current, frame, draw);
@@ -886,25 +624,20 @@ export class Viewer {
     if (this.#case !== current || this.#worn) {
       throw new CaseError(kNotPictured);
     }
-    const newest = { ...this.state };
-    Object.assign(this.state, state);
+    this.#asOf = state;
     try {
-      const { width, height, inset } = frame();
-      this.#placeCamera(width, height, inset);
-      return work({ width, height, inset });
+      const wanted = frame();
+      this.camera.place(wanted);
+      return work(wanted);
     } finally {
-      Object.assign(this.state, newest);
+      this.#asOf = null;
     }
-  }
-
-  get #frameOfCanvas(): Frame {
-    return { width: this.#width, height: this.#height, inset: this.#inset };
   }
 
   /** Without what panels cover of it. */
   #copyCanvas(): HTMLCanvasElement {
     const ratio = this.#renderer.getPixelRatio();
-    const { width, height } = this.freeSize;
+    const { width, height } = this.camera.freeSize;
     const copy = document.createElement("canvas");
     copy.width = Math.round(ratio * width);
     copy.height = Math.round(ratio * height);
@@ -949,10 +682,11 @@ export class Viewer {
       this.tick();
     }
     if (current) {
-      this.#placeCamera();
+      this.camera.place();
       if (this.#orderStale && !this.#client.sorting) {
         this.#orderStale = false;
-        void this.#sort(current, this.#camera, this.#width, this.#height);
+        const { camera, width, height } = this.#sortOfCanvas;
+        void this.#sort(current, camera, width, height);
       }
       // Where a frame takes long, so do the pauses within a movement.
       const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
@@ -990,54 +724,30 @@ export class Viewer {
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
     this.#coarse = moving;
     const detail = this.steady && this.#rate.lean ? "outline" : kMoving.detail;
-    const subject = this.#subject(current, moving ? { ...kMoving, detail } : kAtRest, this.#height);
-    this.#placeBackdrop();
-    subject.cue.setBackdrop(this.#backdrop, this.stats.scale);
-    this.#layer.draw(subject, this.#camera, this.stats.scale, moving);
+    const { camera, frame } = this.camera;
+    const subject = this.#subject(current, moving ? { ...kMoving, detail } : kAtRest, frame.height);
+    this.#placeBackground();
+    subject.cue.setBackdrop(this.background.shown, this.stats.scale);
+    this.#layer.draw(subject, camera, this.stats.scale, moving);
   }
 
   /** What is drawn of a case, as the state says, with `effort`, in a picture of `height` px. */
   #subject(current: OpenCase, effort: FaceEffort, height: number): Subject {
-    return current.subject(this.#camera, height, this.state, this.window, effort);
+    return current.subject(this.camera.camera, height, this.state, this.window, effort);
   }
 
-  /** What exposes faces: the cut and, with the body, the ends of the volume. */
-  get #facePlanes(): Plane[] {
-    const ends = this.#case?.mesh.visible ? this.#case.faces?.ends : undefined;
-    return [...planesOf(this.state.cuts), ...(ends ?? [])];
-  }
-
-  /** Where the glow is follows the canvas and its panels. */
-  #placeBackdrop(): void {
-    const { size, center, inner, middle, outer } = this.#backdrop;
-    const chosen = kBackdrops.get(this.state.backdrop ?? (this.#glow === null ? "black" : ""));
-    this.#backdrop.isGlow = !chosen;
-    if (chosen) {
-      inner.set(...chosen.top);
-      outer.set(...chosen.bottom);
-    } else {
-      const glow = kGlows[this.#glow!];
-      inner.copy(glow.inner);
-      middle.copy(glow.middle);
-      outer.copy(glow.outer);
-    }
-    this.#renderer.getDrawingBufferSize(size);
-    const ratio = this.#renderer.getPixelRatio();
-    const { right, bottom } = this.#inset;
-    center.set(size.x - ratio * right, size.y + ratio * bottom).multiplyScalar(0.5);
-  }
-
-  #placeWidget(): void {
-    this.#widget.setPlane(this.state.handle && this.#case ? this.cut : null);
+  #placeBackground(): void {
+    this.background.place(this.#renderer, this.state.backdrop, this.camera.frame.inset);
   }
 
   #drawCanvas(): void {
-    this.#placeWidget();
-    this.#widget.update(this.#eye, (2 * Math.tan((this.#camera.fov * Math.PI) / 360)) / this.#height);
+    const { camera, eye, frame } = this.camera;
+    this.picking.placeHandle();
+    this.#widget.update(eye, (2 * Math.tan((camera.fov * Math.PI) / 360)) / frame.height);
     this.#renderer.clear();
-    this.#placeBackdrop();
-    this.#gradient.render(this.#renderer, null);
+    this.#placeBackground();
+    this.background.draw(this.#renderer);
     this.#layer.object.visible = this.#case !== null; // its last picture is of a case that may have been refused
-    this.#renderer.render(this.#scene, this.#camera);
+    this.#renderer.render(this.#scene, camera);
   }
 }

@@ -3,13 +3,11 @@ import type { PerspectiveCamera, WebGLRenderer } from "three";
 import { type CaseInfo, parseCaseInfo } from "../model/case_info";
 import { type Cut, planesOf } from "../model/cut";
 import type { FaceEffort } from "../model/face_style";
-import type { FaceSource } from "../model/faces";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import type { GreyOpenings } from "../model/face_style";
 import { type Window, windowPresets } from "../model/grey";
-import type { Layers } from "../model/layers";
 import { isOwn, type Lighting, lightsOf } from "../model/rigs";
 import { type LayerSwitch, switchLayers } from "../model/states";
+import type { Style } from "../model/viewer_state";
 import type { LightRig, Section } from "../sog/section";
 import type { CaseError } from "../sog/zip";
 import type { CaseClient, DecodedSection } from "../worker/case_client";
@@ -31,17 +29,6 @@ export const kMoving: FaceEffort = {
   detail: "surface",
   surfacePixel: 2,
 };
-
-/** How a case is cut, and how its faces look. */
-export interface Style extends Lighting {
-  cuts: readonly Cut[];
-  clip: ClipOperator;
-  section: FaceSource;
-  grey: number; // 0 cinematic … 1 grey
-  openings: GreyOpenings; // in grey faces
-  layers: Layers;
-  depthCue: number; // how much what is far away fades, 0 … 1
-}
 
 /** What culling and sorting said last. */
 export interface SortResult {

@@ -407,15 +407,15 @@ export class Study {
   /** The plane, the view and the marks that a task begins with. */
   #prepare(mode: "uniaxial" | "arbitrary", task: Task | null): void {
     const { viewer, actions } = this.#around;
-    viewer.setMode("arbitrary");
+    viewer.store.setMode("arbitrary");
     actions.reset();
-    viewer.setMode(mode);
-    viewer.setHandle(true);
+    viewer.store.setMode(mode);
+    viewer.store.setHandle(true);
     viewer.setPins(
       task?.marked ? task.target.points.map((point) => ({ point: point.clone(), joined: false })) : [],
     );
     if (task?.view) {
-      viewer.setView({ ...task.view, pan: new Vector3(), back: 0 });
+      viewer.store.setView({ ...task.view, pan: new Vector3(), back: 0 });
     }
     actions.forget();
   }

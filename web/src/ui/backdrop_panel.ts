@@ -16,7 +16,7 @@ export class BackdropPanel {
       {
         title: "What lies behind the case",
         "aria-label": "Background",
-        onchange: () => viewer.setBackdrop(this.#backdrop.value || null),
+        onchange: () => viewer.store.setBackdrop(this.#backdrop.value || null),
       },
       h("option", { value: "" }, "Background"),
       ...[...kBackdrops].map(([name, { title }]) => h("option", { value: name }, title)),
@@ -28,7 +28,7 @@ export class BackdropPanel {
       step: "0.05",
       title: "What is farther away fades towards the background",
       "aria-label": "Depth: how much what is far away fades",
-      oninput: () => viewer.setDepthCue(this.#depth.valueAsNumber),
+      oninput: () => viewer.store.setDepthCue(this.#depth.valueAsNumber),
     });
     this.element = h("div", { class: "blend backdrop" }, this.#backdrop, h("span", {}, "Depth"), this.#depth);
   }

@@ -29,14 +29,14 @@ export interface FaceMarks {
 /** Null where no face is grey. */
 export function faceMarks(viewer: Viewer): FaceMarks | null {
   const { grey, section, view } = viewer.state;
-  const middle = grey > 0 && section === "volume" ? viewer.faceMiddle : null;
-  const scale = middle && viewer.pixelsPerMm(middle);
+  const middle = grey > 0 && section === "volume" ? viewer.picking.faceMiddle : null;
+  const scale = middle && viewer.camera.pixelsPerMm(middle);
   if (!scale) {
     return null;
   }
   const { right, down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
   const [left, up] = [right.clone().negate(), down.clone().negate()];
-  const barMm = barLength((kBarShare * viewer.freeSize.width) / scale);
+  const barMm = barLength((kBarShare * viewer.camera.freeSize.width) / scale);
   const { window } = viewer;
   return {
     letters: [directionLetters(left), directionLetters(right), directionLetters(up), directionLetters(down)],
@@ -153,7 +153,7 @@ export class FaceOverlay {
 
   /** Whether there was something to mark. */
   #markAt({ x, y }: Place, mark: Mark): boolean {
-    const reading = this.#viewer.readingAt(x, y);
+    const reading = this.#viewer.picking.readingAt(x, y);
     return reading !== null && this.#marking.put(reading.point, mark);
   }
 
@@ -164,7 +164,7 @@ export class FaceOverlay {
       return;
     }
     const { letters, barMm, barWidth, window } = marks;
-    const { width, height } = this.#viewer.freeSize;
+    const { width, height } = this.#viewer.camera.freeSize;
     this.#marks.style.width = `${width}px`;
     this.#marks.style.height = `${height}px`;
     letters.forEach((text, i) => (this.#letters[i]!.textContent = text));
@@ -194,11 +194,11 @@ export class FaceOverlay {
     }
     pins.forEach((pin, i) => {
       const mark = this.#pins.children[i] as HTMLElement;
-      const at = viewer.project(pin.point);
+      const at = viewer.camera.project(pin.point);
       mark.hidden = !at;
-      mark.classList.toggle("faded", !viewer.showsPin(pin));
+      mark.classList.toggle("faded", !viewer.picking.isSeen(pin.point));
       if (at) {
-        mark.classList.toggle("left", at.x > viewer.freeSize.width - kPinWidth);
+        mark.classList.toggle("left", at.x > viewer.camera.freeSize.width - kPinWidth);
         place(mark, at);
       }
     });
@@ -206,7 +206,7 @@ export class FaceOverlay {
 
   #updateLengths(): void {
     this.#shownLengths.forEach(({ from, to }, i) => {
-      const [a, b] = [this.#viewer.project(from), this.#viewer.project(to)];
+      const [a, b] = [this.#viewer.camera.project(from), this.#viewer.camera.project(to)];
       const [line, text] = [this.#lines.children[i]!, this.#lengths.children[i] as HTMLElement];
       text.hidden = !a || !b;
       line.toggleAttribute("hidden", text.hidden);
@@ -242,12 +242,12 @@ export class FaceOverlay {
   #updateReadout(): void {
     const viewer = this.#viewer;
     const at = this.#pointer;
-    const reading = at && viewer.readingAt(at.x, at.y);
+    const reading = at && viewer.picking.readingAt(at.x, at.y);
     this.#readout.hidden = !reading;
     if (reading) {
       this.#value.textContent = valueText(reading);
       this.#point.textContent = pointText(reading.point);
-      this.#readout.classList.toggle("left", at.x > viewer.freeSize.width - kReadoutWidth);
+      this.#readout.classList.toggle("left", at.x > viewer.camera.freeSize.width - kReadoutWidth);
       place(this.#readout, at);
     }
   }

@@ -51,7 +51,10 @@ export class FacePanel {
     this.#viewer = viewer;
     for (const [name, hint] of Object.entries(kSources) as [FaceSource, string][]) {
       const label = name === "volume" ? "Volume" : "Splats";
-      this.#sources.set(name, h("button", { title: hint, onclick: () => viewer.setSection(name) }, label));
+      this.#sources.set(
+        name,
+        h("button", { title: hint, onclick: () => viewer.store.setSection(name) }, label),
+      );
     }
     this.#rig = h(
       "select",
@@ -66,13 +69,13 @@ export class FacePanel {
       max: "180",
       step: "5",
       "aria-label": "Turn the light, degrees",
-      oninput: () => viewer.setTurn(this.#turn.valueAsNumber),
+      oninput: () => viewer.store.setTurn(this.#turn.valueAsNumber),
     });
     this.#turned = h("div", { class: "blend two" }, h("span", {}, "Turned"), this.#turn);
     this.#lamp = new LampPad(viewer);
     for (const name of kGreyOpenings) {
       const [label, title] = kOpenings[name];
-      this.#openings.set(name, h("button", { title, onclick: () => viewer.setOpenings(name) }, label));
+      this.#openings.set(name, h("button", { title, onclick: () => viewer.store.setOpenings(name) }, label));
     }
     this.#gaps = h(
       "div",
@@ -87,7 +90,7 @@ export class FacePanel {
       max: "1",
       step: "0.01",
       "aria-label": "From cinematic to grey",
-      oninput: () => viewer.setGrey(Number(this.#grey.value)),
+      oninput: () => viewer.store.setGrey(Number(this.#grey.value)),
     });
     this.#blend = h("div", { class: "blend" }, h("span", {}, "Cinematic"), this.#grey, h("span", {}, "Grey"));
     this.#window = h(
@@ -154,7 +157,7 @@ export class FacePanel {
       this.#windows = windows;
       this.#presets.replaceChildren(
         ...[...windows].map(([name, one]) =>
-          h("button", { onclick: () => this.#viewer.setWindow(one) }, name),
+          h("button", { onclick: () => this.#viewer.store.setWindow(one) }, name),
         ),
       );
     }
@@ -169,8 +172,8 @@ export class FacePanel {
     if (name === kLamp) {
       this.#lamp.begin();
     } else {
-      this.#viewer.setLamp(null);
-      this.#viewer.setRig(name || null);
+      this.#viewer.store.setLamp(null);
+      this.#viewer.store.setRig(name || null);
     }
   }
 
@@ -182,7 +185,7 @@ export class FacePanel {
   #typed(): void {
     const [center, width] = [this.#center.valueAsNumber, this.#width.valueAsNumber];
     if (Number.isFinite(center) && width > 0) {
-      this.#viewer.setWindow({ center, width });
+      this.#viewer.store.setWindow({ center, width });
     }
     this.#shown = "";
     this.update();

@@ -87,7 +87,7 @@ export class LampPad {
     const across = radius > 0 ? Math.sin(angle) / radius : 0;
     const from = back.multiplyScalar(Math.cos(angle));
     from.addScaledVector(right, across * x).addScaledVector(up, across * y);
-    this.#viewer.setLamp(from.toArray());
+    this.#viewer.store.setLamp(from.toArray());
   }
 
   #grab(event: PointerEvent): void {

@@ -22,7 +22,7 @@ export class LayerButtons {
         layer,
         h(
           "button",
-          { title, onclick: () => viewer.setLayers({ [layer]: !viewer.state.layers[layer] }) },
+          { title, onclick: () => viewer.store.setLayers({ [layer]: !viewer.state.layers[layer] }) },
           label,
         ),
       ]),

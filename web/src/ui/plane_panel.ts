@@ -53,7 +53,7 @@ export class PlanePanel {
     for (const mode of kModes) {
       const button = h(
         "button",
-        { title: kModeHints[mode], onclick: () => viewer.setMode(mode) },
+        { title: kModeHints[mode], onclick: () => viewer.store.setMode(mode) },
         capital(mode),
       );
       this.#modes.set(mode, button);
@@ -68,7 +68,7 @@ export class PlanePanel {
       this.#orientations.set(name, button);
     }
     for (const [name, hint] of Object.entries(kOperators) as [ClipOperator, string][]) {
-      const button = h("button", { title: hint, onclick: () => viewer.setClip(name) }, capital(name));
+      const button = h("button", { title: hint, onclick: () => viewer.store.setClip(name) }, capital(name));
       this.#operators.set(name, button);
     }
     this.#slider = h("input", {
@@ -124,7 +124,7 @@ export class PlanePanel {
     );
     this.#handle = h(
       "button",
-      { title: "Show or hide the handle (H)", onclick: () => viewer.setHandle(!viewer.state.handle) },
+      { title: "Show or hide the handle (H)", onclick: () => viewer.store.setHandle(!viewer.state.handle) },
       icon(kIcons.eye),
       "Handle",
     );
@@ -226,7 +226,7 @@ export class PlanePanel {
 
   /** Where the plane is: in words, and on the slider; to the right less is removed, or states go along the axis. */
   #updatePosition(): void {
-    const { info, cut, planeState } = this.#viewer;
+    const { info, cut, planeState } = this.#viewer.store;
     this.#statesHint.hidden = planeState === null;
     this.#side.hidden = planeState !== null;
     this.#slider.setAttribute(

@@ -55,12 +55,19 @@ export class PointerControls {
     viewer.canvas.setPointerCapture(event.pointerId);
     viewer.canvas.focus({ preventScroll: true });
     this.#pointers.set(event.pointerId, at);
-    const grip = this.#pointers.size === 1 && event.button === 0 ? viewer.gripAt(at.x, at.y) : null;
+    const grip = this.#pointers.size === 1 && event.button === 0 ? viewer.picking.gripAt(at.x, at.y) : null;
     if (grip && viewer.cut) {
-      const { center, radius } = viewer.handle;
+      const { center, radius } = viewer.picking.handle;
       const { view } = viewer.state;
       const { down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
-      const drag = new PlaneDrag(grip, viewer.cut, center, radius, down.negate(), viewer.ray(at.x, at.y));
+      const drag = new PlaneDrag(
+        grip,
+        viewer.cut,
+        center,
+        radius,
+        down.negate(),
+        viewer.camera.ray(at.x, at.y),
+      );
       this.#gesture = { kind: "plane", drag };
       this.#setHover(grip);
     } else if (event.button === 2 && !event.shiftKey && this.#showsGreyAt(at)) {
@@ -76,16 +83,18 @@ export class PointerControls {
     const at = this.#at(event);
     const before = this.#pointers.get(event.pointerId);
     if (!before || !this.#gesture) {
-      this.#setHover(this.#viewer.gripAt(at.x, at.y));
+      this.#setHover(this.#viewer.picking.gripAt(at.x, at.y));
       return;
     }
     const spread = this.#spread();
     this.#pointers.set(event.pointerId, at);
     const { view } = this.#viewer.state;
     if (this.#gesture.kind === "plane") {
-      this.#viewer.movePlane(this.#gesture.drag.move(this.#viewer.ray(at.x, at.y), event.shiftKey));
+      this.#viewer.store.movePlane(
+        this.#gesture.drag.move(this.#viewer.camera.ray(at.x, at.y), event.shiftKey),
+      );
     } else if (this.#gesture.kind === "orbit") {
-      this.#viewer.setView({
+      this.#viewer.store.setView({
         azimuth: wrapped(view.azimuth - kDegreesPerPixel * (at.x - before.x)),
         elevation: clamp(
           view.elevation + kDegreesPerPixel * (at.y - before.y),
@@ -96,7 +105,7 @@ export class PointerControls {
     } else if (this.#gesture.kind === "window") {
       const { window, section } = this.#viewer;
       if (window && section) {
-        this.#viewer.setWindow(draggedWindow(window, at.x - before.x, at.y - before.y, section.curve));
+        this.#viewer.store.setWindow(draggedWindow(window, at.x - before.x, at.y - before.y, section.curve));
       }
     } else {
       this.#pan((at.x - before.x) / this.#pointers.size, (at.y - before.y) / this.#pointers.size);
@@ -110,7 +119,7 @@ export class PointerControls {
   #showsGreyAt({ x, y }: { x: number; y: number }): boolean {
     const { state, window } = this.#viewer;
     const grey = state.section === "volume" && state.grey > 0 && window !== null;
-    return grey && this.#viewer.readingAt(x, y) !== null;
+    return grey && this.#viewer.picking.readingAt(x, y) !== null;
   }
 
   #up(event: PointerEvent): void {
@@ -141,15 +150,15 @@ export class PointerControls {
       return;
     }
     const { right, down } = cameraAxes(viewDirection(state.view.azimuth, state.view.elevation).negate());
-    const mmPerPixel = cameraDistance(state.view, info.sphere) / this.#viewer.focalLength;
+    const mmPerPixel = cameraDistance(state.view, info.sphere) / this.#viewer.camera.focalLength;
     const pan = new Vector3().copy(state.view.pan);
     pan.addScaledVector(right, -dx * mmPerPixel).addScaledVector(down, -dy * mmPerPixel);
     pan.clampLength(0, Math.max(2 * info.sphere.radius, state.view.pan.length()));
-    this.#viewer.setView({ pan });
+    this.#viewer.store.setView({ pan });
   }
 
   #zoom(factor: number): void {
-    this.#viewer.setView({ zoom: clamp(this.#viewer.state.view.zoom * factor, ...kZoom) });
+    this.#viewer.store.setView({ zoom: clamp(this.#viewer.state.view.zoom * factor, ...kZoom) });
   }
 }
 

@@ -63,13 +63,13 @@ class Caption {
     this.#viewer = viewer;
     this.#colors = colors;
     this.#font = font;
-    const { width, height } = viewer.freeSize;
+    const { width, height } = viewer.camera.freeSize;
     this.#context.scale(picture.width / width, picture.height / height);
     this.#context.textBaseline = "middle";
   }
 
   draw(title: string): void {
-    const { height } = this.#viewer.freeSize;
+    const { height } = this.#viewer.camera.freeSize;
     this.#drawLengths();
     this.#drawPins();
     const marks = faceMarks(this.#viewer);
@@ -88,9 +88,9 @@ class Caption {
     const context = this.#context;
     this.#setFont(400);
     for (const pin of viewer.state.pins) {
-      const at = viewer.project(pin.point);
+      const at = viewer.camera.project(pin.point);
       if (at) {
-        context.globalAlpha = viewer.showsPin(pin) ? 1 : 0.35;
+        context.globalAlpha = viewer.picking.isSeen(pin.point) ? 1 : 0.35;
         this.#outlined(() => context.arc(at.x, at.y, kPinRadius, 0, 2 * Math.PI));
         this.#box(valueText(pin), { x: at.x + kPinRadius + 6, y: at.y });
         context.globalAlpha = 1;
@@ -102,7 +102,7 @@ class Caption {
     const context = this.#context;
     this.#setFont(400);
     for (const length of lengthsOf(this.#viewer.state.pins)) {
-      const [a, b] = [length.from, length.to].map((point) => this.#viewer.project(point));
+      const [a, b] = [length.from, length.to].map((point) => this.#viewer.camera.project(point));
       if (a && b) {
         this.#outlined(() => {
           context.moveTo(a.x, a.y);
@@ -117,7 +117,7 @@ class Caption {
 
   /** Letters at the edges, the window and the scale bar, where the overlay has them. */
   #drawMarks({ letters: [left, right, top, bottom], barMm, barWidth, window }: FaceMarks): void {
-    const { width, height } = this.#viewer.freeSize;
+    const { width, height } = this.#viewer.camera.freeSize;
     const [x, y] = [0.5 * width, 0.5 * height];
     this.#setFont(600);
     this.#label(left, { x: kMargin, y }, "left");

@@ -38,7 +38,9 @@ export class FaceTarget extends Object3D {
   }
 
   override raycast({ ray }: Raycaster, intersects: Intersection[]): void {
-    const reading = this.#viewer.readingAlong(this.#ray.copy(ray).applyMatrix4(this.#patientFromRoom));
+    const reading = this.#viewer.picking.readingAlong(
+      this.#ray.copy(ray).applyMatrix4(this.#patientFromRoom),
+    );
     if (reading) {
       const point = reading.point.applyMatrix4(this.#roomFromPatient);
       intersects.push({ object: this, point, distance: point.distanceTo(ray.origin) });

@@ -260,9 +260,9 @@ export class Headset {
     for (const hand of this.#hands) {
       const { stick } = hand;
       if (stick !== 0 && !grip.holding && !grip.locked) {
-        const before = this.#viewer.planeState;
+        const before = this.#viewer.store.planeState;
         this.#actions.step(stick * Math.abs(stick) * kStickSpeed * seconds);
-        if (this.#viewer.planeState !== before) {
+        if (this.#viewer.store.planeState !== before) {
           hand.pulse(0.2, 8);
         }
       }

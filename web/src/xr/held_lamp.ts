@@ -37,7 +37,7 @@ export class HeldLamp {
       const from = this.#stage.toPatient(this.object.position).sub(center).normalize();
       const lamp = this.#viewer.state.lamp;
       if (!lamp || this.#before.set(...lamp).angleTo(from) > kLeastTurn) {
-        this.#viewer.setLamp(from.toArray());
+        this.#viewer.store.setLamp(from.toArray());
       }
     }
   }

@@ -173,10 +173,10 @@ export class PlaneGrip {
     const { radius, center } = this.#sphere;
     const distance = plane.normal.dot(center) - plane.offset;
     const bounded = Math.max(-radius, Math.min(radius, distance));
-    const before = this.#viewer.planeState;
-    this.#viewer.movePlane({ normal: plane.normal, offset: plane.offset + distance - bounded });
+    const before = this.#viewer.store.planeState;
+    this.#viewer.store.movePlane({ normal: plane.normal, offset: plane.offset + distance - bounded });
     const atEnd = bounded !== distance;
-    if (this.#viewer.planeState !== before || (atEnd && !this.#atEnd)) {
+    if (this.#viewer.store.planeState !== before || (atEnd && !this.#atEnd)) {
       this.#holding?.pulse(0.2, 8);
     }
     this.#atEnd = atEnd;

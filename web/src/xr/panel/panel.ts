@@ -403,7 +403,7 @@ export class Panel {
         choice<Mode>(
           { arbitrary: "Any angle", uniaxial: "One axis" },
           this.#live(() => viewer.state.mode),
-          (mode) => viewer.setMode(mode),
+          (mode) => viewer.store.setMode(mode),
         ),
       ),
       tab(
@@ -461,14 +461,14 @@ export class Panel {
         () => !actions.isUniaxial,
       ),
       tab(
-        choice<ClipOperator>({ ...kOperators, layers: "Layers" }, clip, (one) => viewer.setClip(one)),
+        choice<ClipOperator>({ ...kOperators, layers: "Layers" }, clip, (one) => viewer.store.setClip(one)),
         () => viewer.hasLayers,
       ),
       tab(
         choice<keyof typeof kOperators>(
           kOperators,
           computed(() => (clip.value === "layers" ? "exact" : clip.value)),
-          (one) => viewer.setClip(one),
+          (one) => viewer.store.setClip(one),
         ),
         () => !viewer.hasLayers,
       ),
@@ -479,7 +479,7 @@ export class Panel {
   #holdLamp(hand: LampHand): void {
     this.#host.lamp.hand = hand === "none" ? null : hand;
     if (hand === "none") {
-      this.#viewer.setLamp(null);
+      this.#viewer.store.setLamp(null);
     }
   }
 
@@ -491,7 +491,7 @@ export class Panel {
     const isGrey = () => byVolume() && viewer.state.grey > 0 && viewer.window !== null;
     const change = (part: Partial<Window>) => {
       const { window } = viewer;
-      viewer.setWindow(window && { ...window, ...part });
+      viewer.store.setWindow(window && { ...window, ...part });
     };
     const curve = () => viewer.section?.curve ?? [0, 1];
     const [low, high] = [() => curve()[0]!, () => curve().at(-1)!];
@@ -500,7 +500,7 @@ export class Panel {
         choice<FaceSource>(
           { volume: "From the volume", splats: "By the splats" },
           this.#live(() => (byVolume() ? "volume" : "splats")),
-          (source) => viewer.setSection(source),
+          (source) => viewer.store.setSection(source),
           this.#live(() => !viewer.noSection),
         ),
       ),
@@ -517,7 +517,7 @@ export class Panel {
           choice<string>(
             Object.fromEntries(names.map((name) => [name, name ? capital(name) : "As made"])),
             this.#live(() => viewer.state.rig ?? kOwnLight),
-            (name) => viewer.setRig(name === kOwnLight ? null : name),
+            (name) => viewer.store.setRig(name === kOwnLight ? null : name),
           ),
           canChangeRig,
         ),
@@ -541,7 +541,7 @@ export class Panel {
       tab(
         slider(
           this.#live(() => ({ min: -180, max: 180, value: viewer.state.turn })),
-          (turn) => viewer.setTurn(Math.round(turn)),
+          (turn) => viewer.store.setTurn(Math.round(turn)),
         ),
         () => canChangeRig() && !viewer.state.lamp,
       ),
@@ -549,7 +549,7 @@ export class Panel {
       tab(
         slider(
           this.#live(() => ({ min: 0, max: 1, value: viewer.state.grey })),
-          (grey) => viewer.setGrey(grey),
+          (grey) => viewer.store.setGrey(grey),
         ),
         byVolume,
       ),
@@ -557,7 +557,7 @@ export class Panel {
         choice<GreyOpenings>(
           { cinematic: "Lit openings", neutral: "Clay", values: "Values" },
           this.#live(() => viewer.state.openings),
-          (openings) => viewer.setOpenings(openings),
+          (openings) => viewer.store.setOpenings(openings),
         ),
         () => isGrey() && canChangeRig(),
       ),
@@ -598,7 +598,7 @@ export class Panel {
     const viewer = this.#viewer;
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("layers", element, where);
     const layer = (text: string, name: keyof Layers, enabled: () => boolean) =>
-      button(text, () => viewer.setLayers({ [name]: !viewer.state.layers[name] }), {
+      button(text, () => viewer.store.setLayers({ [name]: !viewer.state.layers[name] }), {
         enabled: this.#live(enabled),
         pressed: this.#live(() => viewer.state.layers[name]),
       });
@@ -611,7 +611,7 @@ export class Panel {
       ),
       tab(
         row(
-          button("Handle", () => viewer.setHandle(!viewer.state.handle), {
+          button("Handle", () => viewer.store.setHandle(!viewer.state.handle), {
             pressed: this.#live(() => viewer.state.handle),
           }),
           layer("Marks", "marks", () => true),
@@ -624,7 +624,7 @@ export class Panel {
       tab(
         slider(
           this.#live(() => ({ min: 0, max: 1, value: viewer.state.depthCue })),
-          (strength) => viewer.setDepthCue(strength),
+          (strength) => viewer.store.setDepthCue(strength),
         ),
       ),
       tab(label("Without the body, the cut faces stand in the room alone.", { quiet: true, size: 15 })),
@@ -690,7 +690,7 @@ export class Panel {
   }
 
   get #readout(): string {
-    const { cut, planeState } = this.#viewer;
+    const { cut, planeState } = this.#viewer.store;
     const { positionText } = this.#actions;
     return cut
       ? planeState === null
@@ -717,7 +717,7 @@ export class Panel {
       replaceChildren(
         this.#windows,
         [...windows].map(([name, one]) =>
-          button(name, () => this.#viewer.setWindow(one), {
+          button(name, () => this.#viewer.store.setWindow(one), {
             pressed: this.#live(() => isSameWindow(one, this.#viewer.window)),
           }),
         ),

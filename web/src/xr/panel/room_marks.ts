@@ -71,7 +71,7 @@ export class RoomMarks {
       const dot = this.#dots[i]!;
       inRoom(pin.point, dot.position);
       dot.scale.setScalar(dot.position.distanceTo(eye));
-      const seen = this.#viewer.showsPin(pin, patientEye);
+      const seen = this.#viewer.picking.isSeen(pin.point, patientEye);
       dot.material = pin === pointed ? this.#pointed : seen ? this.#seen : this.#faded;
       this.#tags[i]!.object.visible = seen;
       this.#tags[i]!.place(dot.position, eye, delta);
