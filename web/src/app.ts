@@ -1,4 +1,4 @@
-import { effect, untracked } from "@preact/signals-core";
+import { computed, effect, untracked } from "@preact/signals-core";
 
 import { Actions } from "./actions";
 import type { Surroundings } from "./api";
@@ -7,22 +7,20 @@ import { isSameVolume } from "./model/case_info";
 import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
 import type { Link } from "./model/link";
 import type { Look } from "./model/looks";
+import { Follower } from "./model/follower";
 import { Marking } from "./model/pins";
 import { CaseError } from "./sog/zip";
 import type { Study } from "./study/study";
 import { Announcer } from "./ui/announcer";
-import { BackdropPanel } from "./ui/backdrop_panel";
-import { h, icon, kIcons } from "./ui/dom";
+import { follow, h, icon, kIcons, owned } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
-import { FacePanel } from "./ui/face_panel";
 import { FullScreen } from "./ui/full_screen";
 import { helpDialog } from "./ui/help";
-import { LayerButtons } from "./ui/layer_buttons";
 import { OrientationCube } from "./ui/orientation_cube";
-import { PlanePanel } from "./ui/plane_panel";
 import { PointerControls } from "./ui/pointer";
 import type { StudyCard } from "./ui/study_card";
 import { savePicture } from "./ui/save_picture";
+import { level, sidePanel } from "./ui/side_panel";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { Viewer } from "./viewer";
 import { CaseClient } from "./worker/case_client";
@@ -73,11 +71,9 @@ export class App {
   readonly actions: Actions;
   readonly marking = new Marking((point, joined) => this.viewer.addPin(point, joined));
   readonly #root: HTMLElement;
-  readonly #panel: PlanePanel;
+  readonly #panel: HTMLElement;
   readonly #overlay: FaceOverlay;
-  readonly #facePanel: FacePanel;
-  readonly #backdropPanel: BackdropPanel;
-  readonly #layers: LayerButtons;
+  readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
@@ -99,9 +95,8 @@ export class App {
   readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
   readonly #headsetButtons = h("span", { class: "group" });
-  readonly #themeButton: HTMLButtonElement;
   readonly #fullScreen: FullScreen;
-  readonly #theme: ViewerTheme;
+  readonly #theme = new ViewerTheme();
   readonly #ended = new AbortController();
   readonly #resized = new ResizeObserver(() => this.#resize());
   #opening = 0;
@@ -109,6 +104,7 @@ export class App {
   #statsTimer = 0;
   #pictureOnly = false;
   readonly #unfollow: () => void;
+  readonly #endParts: () => void;
   #study: Study | null = null;
   #card: StudyCard | null = null;
 
@@ -132,22 +128,32 @@ export class App {
       this.#update();
     };
     this.#overlay = new FaceOverlay(this.viewer, this.marking);
-    this.#facePanel = new FacePanel(this.viewer, this.#overlay.buttons);
-    this.#layers = new LayerButtons(this.viewer);
-    this.#backdropPanel = new BackdropPanel(this.viewer);
-    const aboutFaces = [this.#facePanel.element, this.#backdropPanel.element, this.#layers.element];
-    this.#panel = new PlanePanel(this.viewer, this.actions, aboutFaces);
+    const { live } = this.#follower;
+    const [parts, endParts] = owned(() => {
+      follow(() => root.classList.toggle("expert", level.value === "expert"));
+      follow(() => this.#showTheme());
+      return {
+        panel: sidePanel(this.viewer, this.actions, live, this.#overlay.buttons),
+        theme: this.#themeChoice(),
+      };
+    });
+    this.#panel = parts.panel;
+    this.#endParts = endParts;
     this.#cube = new OrientationCube((azimuth, elevation) =>
       this.viewer.store.setView({ azimuth, elevation }),
     );
     this.#announcer = new Announcer(this.viewer, this.actions);
-    this.#theme = new ViewerTheme(() => this.#showTheme(), signal);
     this.#fullScreen = new FullScreen(root);
-    this.#themeButton = h("button", { class: "plain", onclick: () => this.#theme.next() });
     root.append(
       this.#overlay.element,
-      h("header", { class: "bar", part: "bar" }, this.#caseTitle(), this.#lookButton, this.#buttons()),
-      this.#panel.element,
+      h(
+        "header",
+        { class: "bar", part: "bar" },
+        this.#caseTitle(),
+        this.#lookButton,
+        this.#buttons(parts.theme),
+      ),
+      this.#panel,
       this.#cube.element,
       h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#news, this.#stats),
       this.#progress,
@@ -171,11 +177,10 @@ export class App {
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
     };
     this.#resized.observe(canvas);
-    this.#resized.observe(this.#panel.element);
+    this.#resized.observe(this.#panel);
     host.keys.addEventListener("keydown", (event) => this.#key(event as KeyboardEvent), { signal });
     navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset(), { signal });
     void this.#offerHeadset();
-    this.#showTheme();
     this.#unfollow = effect(() => {
       void this.viewer.version;
       untracked(() => this.#follow());
@@ -191,6 +196,7 @@ export class App {
     clearTimeout(this.#statsTimer);
     this.#announcer.dispose();
     this.#unfollow();
+    this.#endParts();
     this.viewer.drawnFrame = this.viewer.failed = this.headset.changed = () => {};
     this.headset.dispose();
     this.viewer.dispose();
@@ -445,7 +451,7 @@ export class App {
       : h("span", { class: "case-title" }, brand, this.#title);
   }
 
-  #buttons(): HTMLElement {
+  #buttons(theme: HTMLElement): HTMLElement {
     const { host } = this;
     const link = h(
       "button",
@@ -463,7 +469,7 @@ export class App {
         icon(kIcons.camera),
       ),
       host.address ? link : null,
-      this.#themeButton,
+      theme,
       h(
         "button",
         { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() },
@@ -477,7 +483,7 @@ export class App {
     const { canvas } = this.viewer;
     const { clientWidth } = canvas;
     const stage = canvas.getBoundingClientRect();
-    const box = this.#panel.element.getBoundingClientRect();
+    const box = this.#panel.getBoundingClientRect();
     const shown = box.width > 0;
     const below = box.width >= clientWidth;
     const card = this.#card?.isAside ? this.#card.element.getBoundingClientRect() : null;
@@ -487,19 +493,28 @@ export class App {
     });
   }
 
+  /** A button that goes from theme to theme. */
+  #themeChoice(): HTMLElement {
+    const { isFixed, theme, shown } = this.#theme;
+    const button = h("button", {
+      class: "plain",
+      hidden: isFixed,
+      title: computed(() => kThemeTitles[theme.value]),
+      onclick: () => this.#theme.next(),
+    });
+    follow(() => button.replaceChildren(icon(kIcons[shown.value])));
+    return button;
+  }
+
   #showTheme(): void {
-    const { shown, theme, isFixed } = this.#theme;
-    this.viewer.setGlow(this.#pictureOnly ? null : shown);
+    this.viewer.setGlow(this.#pictureOnly ? null : this.#theme.shown.value);
     this.#showInk();
-    this.#themeButton.hidden = isFixed;
-    this.#themeButton.title = kThemeTitles[theme];
-    this.#themeButton.replaceChildren(icon(kIcons[shown]));
   }
 
   /** Text and panels are those that are read on what lies behind the case. */
   #showInk(): void {
     const backdrop = kBackdrops.get(this.viewer.state.backdrop ?? "");
-    this.#root.classList.toggle("light", backdrop?.isBright ?? this.#theme.shown === "light");
+    this.#root.classList.toggle("light", backdrop?.isBright ?? this.#theme.shown.value === "light");
   }
 
   /** The case is framed in what the card leaves free. */
@@ -556,11 +571,7 @@ export class App {
       this.headset.refresh();
       return;
     }
-    this.#showInk();
-    this.#panel.update();
-    this.#facePanel.update();
-    this.#backdropPanel.update();
-    this.#layers.update();
+    this.#follower.refresh();
     this.#cube.update(this.viewer.state.view);
     this.#announcer.update();
     this.host.changed();

@@ -1,22 +1,99 @@
-type Child = Node | string | null;
-type Attributes = Record<string, string | boolean | ((event: Event) => void)>;
+import { effect, type ReadonlySignal, Signal, untracked } from "@preact/signals-core";
 
-/** An element: attributes by name, listeners as onclick and the like, false leaves an attribute out. */
+/** A value, or one that follows what is shown. */
+export type Live<T> = T | ReadonlySignal<T>;
+type Attribute = Live<string | boolean | null> | ((event: Event) => void);
+type Child = Node | null | Live<string>;
+
+let owner: (() => void)[] | null = null;
+
+/** What `make` makes, and what ends its following of signals. */
+export function owned<T>(make: () => T): [made: T, end: () => void] {
+  const before = owner;
+  const ends: (() => void)[] = [];
+  owner = ends;
+  try {
+    return [make(), () => ends.splice(0).forEach((end) => end())];
+  } finally {
+    owner = before;
+  }
+}
+
+/** Does `work` now, and again whenever what it reads is another, until its owner ends. */
+export function follow(work: () => void): void {
+  if (!owner) {
+    throw new Error("what follows signals belongs to somebody who ends it: see owned()");
+  }
+  owner.push(effect(work));
+}
+
+/** Attributes of ARIA say "false"; others are left out for it, and all for null. What a field holds is its property. */
+function set(element: Element, name: string, value: string | boolean | null): void {
+  if (name === "value") {
+    const field = element as HTMLInputElement;
+    if (field.value !== value) {
+      field.value = String(value ?? "");
+    }
+  } else if (value === null || (value === false && !name.startsWith("aria-"))) {
+    element.removeAttribute(name);
+  } else {
+    element.setAttribute(name, value === true && !name.startsWith("aria-") ? "" : String(value));
+  }
+}
+
+function isSignal<T>(value: Live<T> | ((event: Event) => void)): value is ReadonlySignal<T> {
+  return value instanceof Signal;
+}
+
+function node(child: Exclude<Child, null>): Node | string {
+  if (child instanceof Node || !isSignal(child)) {
+    return child;
+  }
+  const text = document.createTextNode("");
+  follow(() => (text.data = child.value));
+  return text;
+}
+
+/** An element: attributes by name, listeners as onclick and the like; attributes and texts follow signals. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
-  attributes: Attributes = {},
+  attributes: Record<string, Attribute> = {},
   ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
+  element.append(...children.filter((child) => child !== null).map(node));
   for (const [name, value] of Object.entries(attributes)) {
     if (typeof value === "function") {
       element.addEventListener(name.slice(2), value);
-    } else if (value !== false) {
-      element.setAttribute(name, value === true ? "" : value);
+    } else if (isSignal(value)) {
+      follow(() => set(element, name, value.value));
+    } else {
+      set(element, name, value);
     }
   }
-  element.append(...children.filter((child) => child !== null));
   return element;
+}
+
+/** Shows a child for each item, in their order; it is made anew only for another item. */
+export function each<T>(
+  parent: Element,
+  items: ReadonlySignal<readonly T[]>,
+  make: (item: T) => Element,
+): void {
+  let shown = new Map<T, [element: Element, end: () => void]>();
+  follow(() => {
+    const before = shown;
+    shown = new Map(
+      items.value.map((item) => [item, before.get(item) ?? owned(() => untracked(() => make(item)))]),
+    );
+    for (const [item, [, end]] of before) {
+      if (!shown.has(item)) {
+        end();
+      }
+    }
+    parent.replaceChildren(...[...shown.values()].map(([element]) => element));
+  });
+  owner!.push(() => shown.forEach(([, end]) => end()));
 }
 
 /** An element of a drawing. */
@@ -61,6 +138,7 @@ export const kIcons = {
     "M3.500 8.500h17a1 1 0 0 1 1 1v6a2 2 0 0 1-2 2h-3.500l-2.500-3h-3l-2.500 3h-3.500a2 2 0 0 1-2-2v-6a1 1 0 0 1 1-1z|M7 8.500c.800-2 2.600-3 5-3s4.200 1 5 3",
   passthrough:
     "M4 10.500l8-6.500 8 6.500v9h-16z|M8.500 13h7a1 1 0 0 1 1 1v1.500a1.500 1.500 0 0 1-1.500 1.500h-1l-1.200-1.500h-1.600l-1.200 1.500h-1a1.500 1.500 0 0 1-1.500-1.500v-1.500a1 1 0 0 1 1-1z",
+  expert: "M4 7h9|M17 7h3|M15 4.500v5|M4 17h3|M11 17h9|M9 14.500v5",
   camera:
     "M4 8h3.500l1.500-2.500h6l1.500 2.500h3.500v11h-16z|M12 10.300a3.200 3.200 0 1 0 0 6.400 3.200 3.200 0 0 0 0-6.400z",
   fullScreen: "M4.500 9v-4.500h4.500|M15 4.500h4.500v4.500|M19.500 15v4.500h-4.500|M9 19.500h-4.500v-4.500",

@@ -1,193 +1,148 @@
-import type { FaceSource } from "../model/faces";
-import { type GreyOpenings, kGreyOpenings } from "../model/face_style";
-import { isSameWindow, type Window } from "../model/grey";
-import { kRigs } from "../model/rigs";
+import { computed } from "@preact/signals-core";
+
+import type { Follow } from "../model/follower";
+import { isSameWindow } from "../model/grey";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
-import { h } from "./dom";
-import { LampPad } from "./lamp_pad";
-
-const kSources: Record<FaceSource, string> = {
-  volume: "Cut faces are drawn from the section volume",
-  splats: "Cut faces are what the cut leaves of the splats",
-};
-
-/** The choice of a lamp among the rigs. */
-const kLamp = "lamp";
-
-const kOpenings: Record<GreyOpenings, [label: string, hint: string]> = {
-  cinematic: ["Lit", "Behind what the window has black, walls are seen in their colours and light"],
-  neutral: [
-    "Clay",
-    "Behind what the window has black, walls are seen as blue clay, which no value looks like",
-  ],
-  values: ["Values", "Values alone: what the window has black is black"],
-};
+import { each, h } from "./dom";
+import { range } from "./range";
+import { choices, segment } from "./segments";
 
 /** How cut faces look: from the volume or by splats, cinematic or grey, and through which window. */
 export class FacePanel {
-  readonly element: HTMLElement;
   readonly #viewer: Viewer;
-  readonly #sources = new Map<FaceSource, HTMLButtonElement>();
-  readonly #noSection = h("p", { class: "hint" });
-  readonly #rig: HTMLSelectElement;
-  readonly #light: HTMLElement;
-  readonly #turn: HTMLInputElement;
-  readonly #turned: HTMLElement;
-  readonly #lamp: LampPad;
-  readonly #openings = new Map<GreyOpenings, HTMLButtonElement>();
-  readonly #gaps: HTMLElement;
-  readonly #grey: HTMLInputElement;
-  readonly #blend: HTMLElement;
-  readonly #window: HTMLElement;
-  readonly #marks: HTMLElement;
-  readonly #presets = h("div", { class: "segments fit", role: "group", "aria-label": "Window" });
-  readonly #center = this.#number("Centre of the window");
-  readonly #width = this.#number("Width of the window");
-  #windows: ReadonlyMap<string, Window> = new Map();
-  #shown = "";
+  readonly #live: Follow;
 
-  /** `marks` are the buttons that mark points of faces. */
-  constructor(viewer: Viewer, marks: HTMLElement) {
+  constructor(viewer: Viewer, live: Follow) {
     this.#viewer = viewer;
-    for (const [name, hint] of Object.entries(kSources) as [FaceSource, string][]) {
-      const label = name === "volume" ? "Volume" : "Splats";
-      this.#sources.set(
-        name,
-        h("button", { title: hint, onclick: () => viewer.store.setSection(name) }, label),
-      );
-    }
-    this.#rig = h(
-      "select",
-      { onchange: () => this.#chooseLight(this.#rig.value) },
-      h("option", { value: "" }, "As the case was made"),
-      ...[...kRigs].map(([name, { title }]) => h("option", { value: name }, title)),
-      h("option", { value: kLamp }, "Lamp in hand"),
-    );
-    this.#turn = h("input", {
-      type: "range",
-      min: "-180",
-      max: "180",
-      step: "5",
-      "aria-label": "Turn the light, degrees",
-      oninput: () => viewer.store.setTurn(this.#turn.valueAsNumber),
-    });
-    this.#turned = h("div", { class: "blend two" }, h("span", {}, "Turned"), this.#turn);
-    this.#lamp = new LampPad(viewer);
-    for (const name of kGreyOpenings) {
-      const [label, title] = kOpenings[name];
-      this.#openings.set(name, h("button", { title, onclick: () => viewer.store.setOpenings(name) }, label));
-    }
-    this.#gaps = h(
-      "div",
-      { class: "gaps" },
-      h("span", {}, "Openings"),
-      h("div", { class: "segments", role: "group", "aria-label": "Openings" }, ...this.#openings.values()),
-    );
-    this.#light = h("label", { class: "light" }, "Light", this.#rig);
-    this.#grey = h("input", {
-      type: "range",
-      min: "0",
-      max: "1",
-      step: "0.01",
-      "aria-label": "From cinematic to grey",
-      oninput: () => viewer.store.setGrey(Number(this.#grey.value)),
-    });
-    this.#blend = h("div", { class: "blend" }, h("span", {}, "Cinematic"), this.#grey, h("span", {}, "Grey"));
-    this.#window = h(
+    this.#live = live;
+  }
+
+  get sources(): HTMLElement {
+    const t = texts().face;
+    const viewer = this.#viewer;
+    const { store } = viewer;
+    return h(
       "div",
       {},
-      this.#presets,
+      choices(
+        t.title,
+        t.sources,
+        (source) => this.#live(() => (viewer.noSection ? "splats" : store.state.section) === source),
+        (source) => store.setSection(source),
+        (source) => ({
+          hint: t.sourceHints[source],
+          disabled: this.#live(() => viewer.noSection !== null),
+        }),
+      ),
+    );
+  }
+
+  /** Why faces are by splats, where that is not chosen. */
+  get noSection(): HTMLElement {
+    const viewer = this.#viewer;
+    return h(
+      "p",
+      { class: "hint", hidden: this.#live(() => viewer.noSection === null) },
+      this.#live(() => viewer.noSection ?? ""),
+    );
+  }
+
+  get grey(): HTMLElement {
+    const t = texts().face;
+    const { store } = this.#viewer;
+    const slider = range(
+      { "aria-label": t.blend },
+      this.#live(() => ({ min: 0, max: 1, step: 0.01, value: store.state.grey })),
+      (grey) => store.setGrey(grey),
+    );
+    return h(
+      "div",
+      {},
+      h(
+        "div",
+        { class: "blend", hidden: this.#live(() => !this.#byVolume) },
+        h("span", {}, t.cinematic),
+        slider,
+        h("span", {}, t.grey),
+      ),
+      this.#openings(),
+      this.#window(),
+    );
+  }
+
+  #openings(): HTMLElement {
+    const t = texts().face;
+    const viewer = this.#viewer;
+    const { store } = viewer;
+    return h(
+      "div",
+      { class: "gaps", hidden: this.#live(() => !this.#isGrey || viewer.canChangeRig !== true) },
+      h("span", {}, t.openings),
+      choices(
+        t.openings,
+        t.openingNames,
+        (one) => this.#live(() => store.state.openings === one),
+        (one) => store.setOpenings(one),
+        (one) => ({ hint: t.openingHints[one] }),
+      ),
+    );
+  }
+
+  #window(): HTMLElement {
+    const t = texts().face;
+    const viewer = this.#viewer;
+    const presets = h("div", { class: "segments fit", role: "group", "aria-label": t.window });
+    const windows = this.#live(() => viewer.windows);
+    each(
+      presets,
+      computed(() => [...windows.value]),
+      ([text, one]) =>
+        segment({
+          text,
+          pressed: this.#live(() => isSameWindow(one, viewer.window)),
+          press: () => viewer.store.setWindow(one),
+        }),
+    );
+    return h(
+      "div",
+      { hidden: this.#live(() => !this.#isGrey || viewer.window === null) },
+      presets,
       h(
         "div",
         { class: "row window" },
-        h("label", {}, "Centre", this.#center),
-        h("label", {}, "Width", this.#width),
+        h("label", {}, t.center, this.#number("center", t.centerHint)),
+        h("label", {}, t.width, this.#number("width", t.widthHint)),
       ),
     );
-    this.#marks = marks;
-    this.element = h(
-      "div",
-      {},
-      h("div", { class: "titled" }, h("h3", {}, "Cut face"), marks),
-      h("div", { class: "segments", role: "group", "aria-label": "Cut face" }, ...this.#sources.values()),
-      this.#noSection,
-      this.#light,
-      this.#turned,
-      this.#lamp.element,
-      this.#blend,
-      this.#gaps,
-      this.#window,
-    );
   }
 
-  update(): void {
-    const { state, noSection, windows, window, canChangeRig } = this.#viewer;
-    const { section, grey, openings, rig, turn, lamp } = state;
-    if (lamp) {
-      this.#lamp.update();
-    }
-    // Touching the page costs a layout, which turning the case need not.
-    const light = [rig, turn, lamp !== null, canChangeRig];
-    const shown = JSON.stringify([section, noSection, grey, openings, light, window, [...windows.keys()]]);
-    if (shown === this.#shown) {
-      return;
-    }
-    this.#shown = shown;
-    const source = noSection ? "splats" : section;
-    for (const [name, button] of this.#sources) {
-      button.setAttribute("aria-pressed", String(name === source));
-      button.disabled = noSection !== null;
-    }
-    this.#noSection.textContent = noSection ?? "";
-    this.#noSection.hidden = !noSection;
-    this.#marks.hidden = noSection !== null;
-    this.#light.hidden = canChangeRig !== true;
-    this.#rig.value = lamp ? kLamp : (rig ?? "");
-    this.#turned.hidden = canChangeRig !== true || lamp !== null;
-    this.#turn.value = String(turn);
-    this.#lamp.element.hidden = canChangeRig !== true || lamp === null;
-    this.#gaps.hidden = source === "splats" || grey === 0 || canChangeRig !== true;
-    for (const [name, button] of this.#openings) {
-      button.setAttribute("aria-pressed", String(name === openings));
-    }
-    this.#blend.hidden = source === "splats";
-    this.#grey.value = String(grey);
-    this.#window.hidden = source === "splats" || grey === 0 || !window;
-    if (this.#windows !== windows) {
-      this.#windows = windows;
-      this.#presets.replaceChildren(
-        ...[...windows].map(([name, one]) =>
-          h("button", { onclick: () => this.#viewer.store.setWindow(one) }, name),
-        ),
-      );
-    }
-    [...windows.values()].forEach((one, i) =>
-      this.#presets.children[i]!.setAttribute("aria-pressed", String(isSameWindow(one, window))),
-    );
-    this.#center.value = window ? String(Math.round(window.center)) : "";
-    this.#width.value = window ? String(Math.round(window.width)) : "";
+  /** What is typed is taken over if it is a window. */
+  #number(part: "center" | "width", hint: string): HTMLInputElement {
+    const viewer = this.#viewer;
+    const shown = () => (viewer.window ? String(Math.round(viewer.window[part])) : "");
+    const field = h("input", {
+      type: "number",
+      step: "10",
+      "aria-label": hint,
+      value: this.#live(shown),
+      onchange: () => {
+        const { window } = viewer;
+        const typed = field.valueAsNumber;
+        if (window && Number.isFinite(typed) && (part === "center" || typed > 0)) {
+          viewer.store.setWindow({ ...window, [part]: typed });
+        }
+        field.value = shown();
+      },
+    });
+    return field;
   }
 
-  #chooseLight(name: string): void {
-    if (name === kLamp) {
-      this.#lamp.begin();
-    } else {
-      this.#viewer.store.setLamp(null);
-      this.#viewer.store.setRig(name || null);
-    }
+  get #byVolume(): boolean {
+    return !this.#viewer.noSection && this.#viewer.state.section === "volume";
   }
 
-  #number(label: string): HTMLInputElement {
-    return h("input", { type: "number", step: "10", "aria-label": label, onchange: () => this.#typed() });
-  }
-
-  /** Takes over the window that was typed, if it is one. */
-  #typed(): void {
-    const [center, width] = [this.#center.valueAsNumber, this.#width.valueAsNumber];
-    if (Number.isFinite(center) && width > 0) {
-      this.#viewer.store.setWindow({ center, width });
-    }
-    this.#shown = "";
-    this.update();
+  get #isGrey(): boolean {
+    return this.#byVolume && this.#viewer.state.grey > 0;
   }
 }

@@ -1,9 +1,11 @@
 import { Vector3 } from "three";
 
+import type { Follow } from "../model/follower";
 import type { Triple } from "../model/geometry";
 import { cameraAxes, viewDirection } from "../model/view";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
-import { h, svg } from "./dom";
+import { follow, h, svg } from "./dom";
 
 /** At the pad's rim, degrees from the camera: the lamp shines nearly from behind the case. */
 const kRim = 150;
@@ -24,8 +26,10 @@ export class LampPad {
   readonly #viewer: Viewer;
   readonly #knob = svg("circle", { r: "7", class: "knob" });
 
-  constructor(viewer: Viewer) {
+  constructor(viewer: Viewer, live: Follow) {
+    const t = texts().light;
     this.#viewer = viewer;
+    const place = live(() => this.#place);
     const size = String(2 * kRadius + 4);
     const box = `${-kRadius - 2} ${-kRadius - 2} ${size} ${size}`;
     const rim = svg("circle", { r: String(kRadius), class: "rim" });
@@ -36,32 +40,28 @@ export class LampPad {
         class: "lamp-pad",
         role: "slider",
         tabindex: "0",
-        "aria-label": "Where the lamp shines from",
-        title: "Drag the lamp: the middle is where you look from, the rim behind the case",
+        "aria-label": t.pad,
+        title: t.padHint,
+        "aria-valuemin": "0",
+        "aria-valuemax": String(kRim),
+        "aria-valuenow": live(() => String(angleOf(place.value))),
+        "aria-valuetext": live(() => placeText(place.value)),
         onpointerdown: (event) => this.#grab(event as PointerEvent),
         onpointermove: (event) => this.#drag(event as PointerEvent),
         onkeydown: (event) => this.#key(event as KeyboardEvent),
       },
       svg("svg", { viewBox: box, width: size, height: size, "aria-hidden": "true" }, rim, front, this.#knob),
     );
+    follow(() => {
+      const { x, y } = place.value;
+      this.#knob.setAttribute("cx", (kRadius * x).toFixed(1));
+      this.#knob.setAttribute("cy", (-kRadius * y).toFixed(1));
+    });
   }
 
   /** Lights a lamp. */
   begin(): void {
     this.#put(kFirst);
-  }
-
-  update(): void {
-    const { x, y } = this.#place;
-    this.#knob.setAttribute("cx", (kRadius * x).toFixed(1));
-    this.#knob.setAttribute("cy", (-kRadius * y).toFixed(1));
-    const angle = Math.round(kRim * Math.hypot(x, y));
-    const side = Math.abs(x) < 0.05 ? "" : x < 0 ? ", left" : ", right";
-    const height = Math.abs(y) < 0.05 ? "" : y < 0 ? ", below" : ", above";
-    this.element.setAttribute("aria-valuenow", String(angle));
-    this.element.setAttribute("aria-valuemin", "0");
-    this.element.setAttribute("aria-valuemax", String(kRim));
-    this.element.setAttribute("aria-valuetext", `${angle} degrees from the camera${side}${height}`);
   }
 
   /** Right, up and towards the camera, RAS. */
@@ -121,4 +121,16 @@ export class LampPad {
       this.#put({ x: x + (step[0] * kStep) / kRim, y: y + (step[1] * kStep) / kRim });
     }
   }
+}
+
+/** From the camera, degrees. */
+function angleOf({ x, y }: Place): number {
+  return Math.round(kRim * Math.hypot(x, y));
+}
+
+function placeText(place: Place): string {
+  const { x, y } = place;
+  const across = Math.abs(x) < 0.05 ? "" : x < 0 ? "left" : "right";
+  const along = Math.abs(y) < 0.05 ? "" : y < 0 ? "below" : "above";
+  return texts().light.place(angleOf(place), across, along);
 }

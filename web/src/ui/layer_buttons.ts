@@ -1,48 +1,23 @@
-import type { Layers } from "../model/layers";
+import type { Follow } from "../model/follower";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
-
-const kLayers: Record<keyof Layers, [label: string, hint: string]> = {
-  body: ["Body", "The splats (O); without them cut faces from the volume stand alone"],
-  faces: ["Cut faces", "From the volume; without them splats draw the faces"],
-  marks: ["Marks", "Pins and lengths"],
-};
+import { choices } from "./segments";
 
 /** What of a case is shown. */
-export class LayerButtons {
-  readonly element: HTMLElement;
-  readonly #viewer: Viewer;
-  readonly #buttons: Map<keyof Layers, HTMLButtonElement>;
-
-  constructor(viewer: Viewer) {
-    this.#viewer = viewer;
-    const layers = Object.entries(kLayers) as [keyof Layers, [string, string]][];
-    this.#buttons = new Map(
-      layers.map(([layer, [label, title]]) => [
-        layer,
-        h(
-          "button",
-          { title, onclick: () => viewer.store.setLayers({ [layer]: !viewer.state.layers[layer] }) },
-          label,
-        ),
-      ]),
-    );
-    this.element = h(
-      "div",
-      {},
-      h("h3", {}, "Layers"),
-      h("div", { class: "segments", role: "group", "aria-label": "Layers" }, ...this.#buttons.values()),
-    );
-  }
-
-  update(): void {
-    const { noSection, state } = this.#viewer;
-    this.element.hidden = noSection !== null;
-    for (const [layer, button] of this.#buttons) {
-      const pressed = String(state.layers[layer]);
-      if (button.getAttribute("aria-pressed") !== pressed) {
-        button.setAttribute("aria-pressed", pressed);
-      }
-    }
-  }
+export function layerButtons(viewer: Viewer, live: Follow): HTMLElement {
+  const t = texts().layers;
+  const { store } = viewer;
+  return h(
+    "div",
+    { hidden: live(() => viewer.noSection !== null) },
+    h("h3", {}, t.title),
+    choices(
+      t.title,
+      t.names,
+      (layer) => live(() => store.state.layers[layer]),
+      (layer) => store.setLayers({ [layer]: !store.state.layers[layer] }),
+      (layer) => ({ hint: t.hints[layer] }),
+    ),
+  );
 }

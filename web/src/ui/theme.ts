@@ -1,87 +1,42 @@
+import { computed, signal } from "@preact/signals-core";
+
+import { Preference } from "./preference";
+
 /** How the page's colours are chosen: as the system says, or always one of both. */
 export const kThemes = ["auto", "dark", "light"] as const;
 export type Theme = (typeof kThemes)[number];
-
-const kKey = "clipgs.theme";
-const kChosen = "chosen";
 
 /** A theme by its name; auto where there is none of that name. */
 export function themeFrom(name: string | null): Theme {
   return kThemes.find((theme) => theme === name) ?? "auto";
 }
 
-/** What this browser's user chose, for all viewers of a page; remembered where the browser lets it be. */
-class ThemeChoice extends EventTarget {
-  #theme: Theme;
-
-  constructor() {
-    super();
-    this.#theme = themeFrom(stored());
-  }
-
-  get theme(): Theme {
-    return this.#theme;
-  }
-
-  /** Chooses the next one. */
-  next(): void {
-    this.#theme = kThemes[(kThemes.indexOf(this.#theme) + 1) % kThemes.length]!;
-    try {
-      localStorage.setItem(kKey, this.#theme);
-    } catch {
-      // Storage is barred: the choice holds for this page.
-    }
-    this.dispatchEvent(new Event(kChosen));
-  }
-}
-
-function stored(): string | null {
-  try {
-    return localStorage.getItem(kKey);
-  } catch {
-    return null;
-  }
-}
-
-const choice = new ThemeChoice();
-const light = matchMedia("(prefers-color-scheme: light)");
+const choice = new Preference("clipgs.theme", kThemes);
+const bright = matchMedia("(prefers-color-scheme: light)");
+const isBright = signal(bright.matches);
+bright.addEventListener("change", () => (isBright.value = bright.matches));
 
 /** The theme of one viewer: the user's choice, or what whoever embeds it says. */
 export class ViewerTheme {
-  readonly #changed: () => void;
-  #fixed: Theme = "auto";
-
-  /** `changed` is called for every change until `signal` ends it. */
-  constructor(changed: () => void, signal: AbortSignal) {
-    this.#changed = changed;
-    choice.addEventListener(kChosen, changed, { signal });
-    light.addEventListener("change", changed, { signal });
-  }
+  readonly #fixed = signal<Theme>("auto");
+  /** Whether it is not the user's to choose. */
+  readonly isFixed = computed(() => this.#fixed.value !== "auto");
+  readonly theme = computed(() => (this.isFixed.value ? this.#fixed.value : choice.value));
+  /** What the viewer looks like now. */
+  readonly shown = computed(() => {
+    const theme = this.theme.value;
+    return theme === "auto" ? (isBright.value ? "light" : "dark") : theme;
+  });
 
   /** "auto": the user's choice. */
   fix(theme: Theme): void {
-    this.#fixed = theme;
-    this.#changed();
-  }
-
-  get isFixed(): boolean {
-    return this.#fixed !== "auto";
-  }
-
-  get theme(): Theme {
-    return this.isFixed ? this.#fixed : choice.theme;
-  }
-
-  /** What the viewer looks like now. */
-  get shown(): "dark" | "light" {
-    const { theme } = this;
-    return theme === "auto" ? (light.matches ? "light" : "dark") : theme;
+    this.#fixed.value = theme;
   }
 
   /** The user's next choice, unless it is not theirs. */
   next(): void {
-    if (!this.isFixed) {
-      choice.next();
+    if (!this.isFixed.value) {
+      choice.value = kThemes[(kThemes.indexOf(choice.value) + 1) % kThemes.length]!;
     }
   }
 }
