@@ -89,6 +89,7 @@ void add_serve_command(CLI::App& app) {
   command->footer(
       "Example: clipgs serve cases --port 8080\n"
       "         clipgs serve cases --headset\n"
+      "         clipgs serve cases --keep-marks\n"
       "         clipgs serve cases --headset --study recorded");
   command->add_option("FOLDER", arguments->serving.server.folder, "Folder with the *.sog cases")
       ->required();
@@ -96,6 +97,9 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--study", arguments->serving.server.study,
                       "Folder where a user study is recorded; its first plan, *.json, or else the "
                       "papers' leads through it");
+  command->add_flag("--keep-marks", arguments->serving.server.keep_marks,
+                    "Let everyone who can open the cases change their marks, which are kept beside "
+                    "each case as NAME.marks.json");
   command->add_flag("--json", arguments->json, "Print the address as one line of JSON");
   command->callback([command, arguments] {
     settle_serving(*command, arguments->serving);

@@ -168,10 +168,12 @@ std::string head_text(const HttpHead& head) {
 Site::Site(SiteOptions options)
     : options_(std::move(options)),
       index_(options_.folder, options_.only),
+      marks_(options_.folder, options_.keep_marks),
       study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)) {}
 
 bool Site::wants_body(const HttpRequest& request) const {
-  return study_ != nullptr && StudyDesk::brings_records(request);
+  return (study_ != nullptr && StudyDesk::brings_records(request)) ||
+         (marks_.keeps() && MarksDesk::brings_marks(request));
 }
 
 Answer Site::answer(const HttpRequest& request, const std::string& client) {
@@ -314,6 +316,7 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
 
 void Site::give_cases(std::string_view query, Answer& answer) {
   nlohmann::json json = case_index_json(index_.list());
+  json["keeps_marks"] = marks_.keeps();
   if (options_.live != nullptr) {
     json["making"] = options_.live->json();
     if (query.starts_with(kPage)) {
@@ -332,6 +335,14 @@ void Site::give_cases(std::string_view query, Answer& answer) {
 
 void Site::give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
                         Answer& answer) {
+  if (const std::string marked(MarksDesk::case_of(rest)); !marked.empty()) {
+    if (index_.find(marked) == nullptr) {
+      fail(answer, status::not_found, "there is no such case; choose another from the menu");
+    } else {
+      marks_.answer(request, marked, answer);
+    }
+    return;
+  }
   const bool thumbnail = rest.ends_with(kThumbnailSuffix);
   const std::string_view suffix = thumbnail ? kThumbnailSuffix : kCaseSuffix;
   const std::string name(rest.substr(0, rest.size() - std::min(suffix.size(), rest.size())));
