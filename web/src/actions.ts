@@ -1,35 +1,42 @@
 import type { Vector3 } from "three";
 
 import { canDraw, type Cut } from "./model/cut";
-import type { FaceSource } from "./model/faces";
 import { flipped, type Plane, projectBox } from "./model/geometry";
-import type { GreyOpenings } from "./model/face_style";
-import { isSameWindow, type Window } from "./model/grey";
-import type { Lighting } from "./model/rigs";
+import { isSameWindow } from "./model/grey";
 import { History } from "./model/history";
-import { freeAxis, kAxes, type Orientation, planeAcross } from "./model/planes";
-import { type Mode, stateText } from "./model/states";
-import { viewDirection, viewFrom } from "./model/view";
+import { freeAxis, kAxes, type Orientation, planeAcross, planePosition } from "./model/planes";
+import { stateText } from "./model/states";
+import { anglesOf, viewDirection, viewFrom } from "./model/view";
+import type { ViewerState } from "./model/viewer_state";
 import type { Viewer } from "./viewer";
-import type { ClipOperator } from "./worker/protocol";
 
 /** Of a slab when it is made, and the least there is: mm. */
 export const kThickness = 20;
 export const kLeastThickness = 1;
+/** Cosine: a plane that is seen along itself has no far side. */
+const kEdgeOn = 0.05;
 
-/** What is undone, and done again. */
-interface Moment extends Lighting {
-  mode: Mode;
-  cuts: readonly Cut[];
-  active: number;
-  clip: ClipOperator;
-  section: FaceSource;
-  grey: number;
-  openings: GreyOpenings;
-  window: Window | null;
-}
+/** Of what is shown, what is undone and done again. */
+const kUndone = [
+  "mode",
+  "cuts",
+  "active",
+  "clip",
+  "section",
+  "grey",
+  "openings",
+  "rig",
+  "turn",
+  "lamp",
+  "window",
+  "marks",
+] as const satisfies readonly (keyof ViewerState)[];
+type Moment = Pick<ViewerState, (typeof kUndone)[number]>;
 
-/** A movement is one step of the history: the next one begins where nothing has changed for so long. */
+/**
+ * A movement is one step of the history, from the press that begins it to its end. Of keys and wheels, the next step begins
+ * where nothing has changed for so long.
+ */
 const kStepMs = 400;
 
 /** Where the active plane is: on a scale in mm, or of states in the uniaxial mode. */
@@ -51,6 +58,7 @@ export class Actions {
   #latest: Moment;
   #changed = 0; // when, ms
   #restoring = false;
+  readonly #holders = new Set<unknown>(); // hands and pointers that hold something
 
   constructor(viewer: Viewer) {
     this.#viewer = viewer;
@@ -79,6 +87,20 @@ export class Actions {
       // What a slab keeps stays.
       const plane = flipped(cut);
       this.#viewer.store.movePlane({ ...plane, offset: plane.offset - (cut.thickness ?? 0) });
+    }
+  }
+
+  /** Whether the active cut's face is on the far side of what it keeps. */
+  get isFaceAway(): boolean {
+    const { cut } = this.#viewer;
+    return cut !== null && cut.thickness === null && cut.normal.dot(this.lookingFrom()) > kEdgeOn;
+  }
+
+  /** Looks at the active cut's face, from where the view is mirrored by the plane. */
+  turnToFace(): void {
+    const { cut } = this.#viewer;
+    if (cut) {
+      this.#viewer.store.setView(anglesOf(this.lookingFrom().reflect(cut.normal)));
     }
   }
 
@@ -156,16 +178,13 @@ export class Actions {
     return { min, max, step: 0.1, value: -cut.offset };
   }
 
-  /** Where the plane is: "12.3 mm" from where all is cut away, or which state; empty where nothing is cut. */
+  /** Where the plane is in the patient, or which state; empty where nothing is cut. */
   get positionText(): string {
-    const { info, planeState } = this.#viewer.store;
-    const { position } = this;
-    if (!info || !position) {
+    const { info, cut, planeState } = this.#viewer.store;
+    if (!info || !cut) {
       return "";
     }
-    return planeState === null
-      ? `${(position.value - position.min).toFixed(1)} mm`
-      : stateText(info.states, planeState);
+    return planeState === null ? planePosition(cut) : stateText(info.states, planeState);
   }
 
   /** To a value of `position`'s scale, or its end. */
@@ -248,11 +267,30 @@ export class Actions {
       return;
     }
     const now = performance.now();
-    if (now - this.#changed > kStepMs) {
+    if (this.#holders.size === 0 && now - this.#changed > kStepMs) {
       this.#record();
     }
     this.#latest = moment;
     this.#changed = now;
+  }
+
+  /** A pointer or a hand takes hold of something: what changes until it lets go is one step, however long it takes. */
+  takeHold(holder: unknown): void {
+    if (this.#holders.size === 0) {
+      this.#record();
+    }
+    this.#holders.add(holder);
+  }
+
+  letGo(holder: unknown): void {
+    if (this.#holders.delete(holder)) {
+      this.#changed = -Infinity;
+    }
+  }
+
+  /** Nothing is held any more. */
+  letAllGo(): void {
+    this.#holders.clear();
   }
 
   /** What was done with another case cannot be undone in this one. */
@@ -262,8 +300,8 @@ export class Actions {
   }
 
   get #moment(): Moment {
-    const { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window } = this.#viewer.state;
-    return { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window };
+    const { state } = this.#viewer.store;
+    return Object.fromEntries(kUndone.map((key) => [key, state[key]])) as unknown as Moment;
   }
 
   #record(): void {
@@ -273,20 +311,9 @@ export class Actions {
   }
 
   #restore(moment: Moment): void {
-    const { mode, cuts, active, clip, section, grey, openings, rig, turn, lamp, window } = moment;
-    const viewer = this.#viewer;
     this.#restoring = true;
-    viewer.store.setMode(mode);
-    viewer.store.setCuts(cuts, active);
-    viewer.store.setClip(clip);
-    viewer.store.setSection(section);
-    viewer.store.setGrey(grey);
-    viewer.store.setOpenings(openings);
-    viewer.store.setRig(rig);
-    viewer.store.setTurn(turn);
-    viewer.store.setLamp(lamp);
     this.#latest = moment;
-    viewer.store.setWindow(window);
+    this.#viewer.store.restore(moment);
     this.#restoring = false;
   }
 
@@ -306,6 +333,9 @@ export class Actions {
   }
 }
 
+/** Marks are the same where nobody touched them, and many. */
 function isSame(a: Moment, b: Moment): boolean {
-  return JSON.stringify(a) === JSON.stringify(b);
+  return (
+    a.marks === b.marks && JSON.stringify({ ...a, marks: null }) === JSON.stringify({ ...b, marks: null })
+  );
 }

@@ -71,6 +71,29 @@ export interface ApiCut {
   thickness?: number;
 }
 
+export type MarkKind = "point" | "length" | "angle" | "region" | "outline";
+
+/** A point; both ends; an end, the vertex, the other end; the centre and a point of the rim; the corners. RAS mm. */
+export interface ApiMark {
+  kind: MarkKind;
+  points: Triple[];
+  normal?: Triple;
+  name?: string;
+  note?: string;
+}
+
+/** What a mark measures: of its kind, as far as the case has values; `text` as the page shows it. */
+export interface ApiMeasure {
+  text: string;
+  value: number | null; // at a point, with its rms error
+  error: number | null;
+  mm: number | null;
+  degrees: number | null;
+  area: number | null; // mm²
+  mean: number | null; // within a region or an outline
+  deviation: number | null; // standard
+}
+
 /** The viewer for scripts: `window.clipgs` of its own page, `clipgs` of an element. Patient space (RAS mm) throughout. */
 export interface ClipgsApi {
   /** Resolves when the case that the address or the element names has been drawn; rejects with a line for a person. */
@@ -119,15 +142,17 @@ export interface ClipgsApi {
   setWindow(window: GreyWindow | null): void;
   /** What of the case is shown. The body is left out only where faces of a cut are drawn from the volume. */
   setLayers(layers: Partial<Layers>): void;
-  /** Marks a point with its value, 20 of them at most, and measures from the pin before it where it is `joined`; false
-   * where there is no value: outside and in air. */
-  addPin(point: Triple, joined?: boolean): boolean;
-  /** By its index in `pins`. */
-  removePin(index: number): void;
-  /** What is marked, the oldest first, with `text` as the page shows it. */
-  readonly pins: { point: Triple; value: number; error: number; text: string; joined: boolean }[];
-  /** What is measured between pins, mm. */
-  readonly lengths: { from: Triple; to: Triple; mm: number }[];
+  /**
+   * Marks points: as many as the kind wants, in the order in which a person would press them. A region or an outline lies
+   * in the face with that normal. Returns the mark's id; null where there is no value (outside and in air), where that is
+   * marked already, and beyond 500 marks.
+   */
+  addMark(mark: ApiMark): string | null;
+  removeMark(id: string): void;
+  /** Names a mark, or notes something about it. */
+  describeMark(id: string, words: { name?: string; note?: string }): void;
+  /** What is marked, the oldest first, with what it measures. */
+  readonly marks: (Required<Omit<ApiMark, "normal">> & { id: string; normal: Triple | null } & ApiMeasure)[];
   /** Of the case, RAS mm. */
   readonly bounds: { min: Triple; max: Triple } | null;
   /** What is shown. */

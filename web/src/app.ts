@@ -5,17 +5,24 @@ import type { Surroundings } from "./api";
 import { kBackdrops } from "./model/backdrop";
 import { isSameVolume } from "./model/case_info";
 import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
-import type { Link } from "./model/link";
+import type { Hidden, Link } from "./model/link";
 import type { Look } from "./model/looks";
 import { Follower } from "./model/follower";
-import { Marking } from "./model/pins";
+import { Marking } from "./model/marking";
+import { makeMark } from "./model/marks";
+import { formatMarks, mergedMarks, parseMarks } from "./model/marks_file";
+import { BrowserMarks, MarksKeeper, type MarksPlace } from "./model/marks_keeper";
 import { CaseError } from "./sog/zip";
+import { texts } from "./text/text";
 import type { Study } from "./study/study";
 import { Announcer } from "./ui/announcer";
 import { follow, h, icon, kIcons, owned } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FullScreen } from "./ui/full_screen";
 import { helpDialog } from "./ui/help";
+import { download } from "./ui/download";
+import { MarksOverlay } from "./ui/marks_overlay";
+import { markCard, marksPanel } from "./ui/marks_panel";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PointerControls } from "./ui/pointer";
 import type { StudyCard } from "./ui/study_card";
@@ -26,20 +33,9 @@ import { Viewer } from "./viewer";
 import { CaseClient } from "./worker/case_client";
 import { Headset, offeredSurroundings } from "./xr/headset";
 
+/** Fields that keys are typed into. */
+const kTypedInto: readonly string[] = ["number", "text", "search"];
 const kStatsIntervalMs = 250;
-const kNoCase = "No case";
-
-const kHeadsetTitles: Record<Surroundings, string> = {
-  "immersive-vr": "Show it in the headset (V)",
-  "immersive-ar": "Show it in the headset, in the room where one is",
-};
-
-const kThemeTitles: Record<Theme, string> = {
-  auto: "Colours: as the system (T)",
-  dark: "Colours: dark (T)",
-  light: "Colours: light (T)",
-};
-
 /** What a viewer stands in: the page of `clipgs serve`, or an element of another page. */
 export interface Host {
   /** Whose keys are the viewer's. */
@@ -59,6 +55,8 @@ export interface Host {
   chooseLook?(): void;
   /** What the case is where it is not finished, and when there will be a better one; "": it is. */
   news?(): string;
+  /** Where marks of a case are kept, of a volume or, where that is not known, ""; absent: in the browser. */
+  marksPlace?(name: string, volume: string): Promise<MarksPlace>;
   /** A link to what is shown; absent where no address says it. */
   address?(): string;
 }
@@ -69,30 +67,42 @@ export class App {
   readonly viewer: Viewer;
   readonly headset: Headset;
   readonly actions: Actions;
-  readonly marking = new Marking((point, joined) => this.viewer.addPin(point, joined));
+  readonly marking = new Marking(
+    (shape) => this.viewer.hasValues(shape) && this.viewer.store.addMark(makeMark(shape)),
+  );
   readonly #root: HTMLElement;
   readonly #panel: HTMLElement;
   readonly #overlay: FaceOverlay;
+  readonly #marks: MarksOverlay;
+  readonly #keeper = new MarksKeeper();
   readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
-  readonly #title = h("span", { class: "title" }, kNoCase);
+  readonly #title = h("span", { class: "title" }, texts().page.noCase);
   readonly #lookName = h("span", { class: "look-name" });
   readonly #lookButton = h(
     "button",
     {
       class: "look-button",
-      title: "Looks of this volume (K)",
+      title: texts().page.looks,
       hidden: true,
       onclick: () => this.host.chooseLook?.(),
     },
     icon(kIcons.looks),
     this.#lookName,
   );
-  readonly #stats = h("output", { class: "stats", "aria-label": "Statistics", "aria-live": "off" });
-  readonly #news = h("output", { class: "news", "aria-label": "Quality", hidden: true });
-  readonly #progress = h("div", { class: "progress", role: "progressbar", "aria-label": "Loading" });
+  readonly #stats = h("output", {
+    class: "stats",
+    "aria-label": texts().page.statistics,
+    "aria-live": "off",
+  });
+  readonly #news = h("output", { class: "news", "aria-label": texts().page.quality, hidden: true });
+  readonly #progress = h("div", {
+    class: "progress",
+    role: "progressbar",
+    "aria-label": texts().page.loading,
+  });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
   readonly #headsetButtons = h("span", { class: "group" });
   readonly #fullScreen: FullScreen;
@@ -116,7 +126,7 @@ export class App {
     const canvas = h("canvas", {
       class: "stage",
       tabindex: "0",
-      "aria-label": "The case in three dimensions",
+      "aria-label": texts().page.canvas,
     });
     root.classList.add("viewer");
     root.append(canvas);
@@ -127,17 +137,24 @@ export class App {
       this.#study?.observe();
       this.#update();
     };
-    this.#overlay = new FaceOverlay(this.viewer, this.marking);
+    this.#overlay = new FaceOverlay(this.viewer);
     const { live } = this.#follower;
     const [parts, endParts] = owned(() => {
       follow(() => root.classList.toggle("expert", level.value === "expert"));
       follow(() => this.#showTheme());
+      const marks = new MarksOverlay(this.viewer, this.marking, live);
+      const { chosen, texts: said } = marks;
+      const files = { save: () => this.#saveMarks(), open: (file: File) => void this.#openMarks(file) };
+      const listed = marksPanel(this.viewer, this.marking, live, chosen, said, files, this.#keeper.trouble);
       return {
-        panel: sidePanel(this.viewer, this.actions, live, this.#overlay.buttons),
+        marks,
+        panel: sidePanel(this.viewer, this.actions, live, listed),
+        card: markCard(this.viewer, live, chosen, said),
         theme: this.#themeChoice(),
       };
     });
     this.#panel = parts.panel;
+    this.#marks = parts.marks;
     this.#endParts = endParts;
     this.#cube = new OrientationCube((azimuth, elevation) =>
       this.viewer.store.setView({ azimuth, elevation }),
@@ -146,6 +163,8 @@ export class App {
     this.#fullScreen = new FullScreen(root);
     root.append(
       this.#overlay.element,
+      this.#marks.element,
+      parts.card,
       h(
         "header",
         { class: "bar", part: "bar" },
@@ -155,7 +174,7 @@ export class App {
       ),
       this.#panel,
       this.#cube.element,
-      h("footer", {}, h("strong", { class: "warning" }, "Not for diagnosis"), this.#news, this.#stats),
+      h("footer", {}, h("strong", { class: "warning" }, texts().notForDiagnosis), this.#news, this.#stats),
       this.#progress,
       this.#message,
       this.#help,
@@ -167,15 +186,22 @@ export class App {
       () => host.takesWheel(),
     );
     this.viewer.failed = (error) => {
-      this.#title.textContent = kNoCase;
+      this.#title.textContent = texts().page.noCase;
       this.offerLooks();
       this.fail(error.message, this.#again);
       this.headset.panel?.tell(error.message);
     };
     this.viewer.drawnFrame = () => {
       this.#overlay.update();
+      this.#marks.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
     };
+    const captured = { capture: true, signal };
+    root.addEventListener("pointerdown", ({ pointerId }) => this.actions.takeHold(pointerId), captured);
+    for (const type of ["pointerup", "pointercancel"] as const) {
+      window.addEventListener(type, ({ pointerId }) => this.actions.letGo(pointerId), captured);
+    }
+    addEventListener("pagehide", () => this.#keeper.flush(), { signal });
     this.#resized.observe(canvas);
     this.#resized.observe(this.#panel);
     host.keys.addEventListener("keydown", (event) => this.#key(event as KeyboardEvent), { signal });
@@ -191,6 +217,7 @@ export class App {
   dispose(): void {
     ++this.#opening;
     this.#ended.abort();
+    this.#keeper.flush();
     this.#study?.dispose();
     this.#resized.disconnect();
     clearTimeout(this.#statsTimer);
@@ -237,11 +264,12 @@ export class App {
         () => before === null && this.#begin(link),
       );
       if (!isSameVolume(before, this.viewer.info!)) {
+        await this.#bringMarks(name);
         this.actions.forget();
       }
     } catch (error) {
       if (opening === this.#opening) {
-        this.#title.textContent = this.title || kNoCase;
+        this.#title.textContent = this.title || texts().page.noCase;
         this.offerLooks();
         this.#update();
         this.fail(failureText(name, error), again);
@@ -298,7 +326,7 @@ export class App {
     const shown = this.host.looks().find((look) => look.case.name === this.viewer.caseName);
     this.#lookButton.hidden = !shown;
     this.#lookName.textContent = shown?.name ?? "";
-    this.#lookButton.ariaLabel = `Look: ${this.#lookName.textContent}`;
+    this.#lookButton.ariaLabel = texts().page.look(this.#lookName.textContent);
     this.headset.refresh();
   }
 
@@ -329,7 +357,7 @@ export class App {
       }
     } else if (link.cuts) {
       this.viewer.store.setMode("arbitrary");
-      this.viewer.store.setCuts(link.cuts);
+      this.viewer.store.setCuts(link.cuts, link.active);
     }
     if (link.clip) {
       this.viewer.store.setClip(link.clip);
@@ -340,7 +368,13 @@ export class App {
     this.viewer.store.setRig(link.rig ?? null);
     this.viewer.store.setTurn(link.turn ?? 0);
     this.viewer.store.setLamp(link.lamp ?? null);
-    this.viewer.setPins(link.pins ?? []);
+    if (link.marks) {
+      this.#keeper.adopt(link.marks);
+      this.viewer.store.setMarks(link.marks);
+    }
+    const hidden = (one: Hidden) => link.hidden?.includes(one) ?? false;
+    this.viewer.store.setLayers({ body: !hidden("body"), faces: !hidden("faces"), marks: !hidden("marks") });
+    this.viewer.store.setHandle(!hidden("handle"));
     this.viewer.store.setBackdrop(link.background ?? null);
     this.viewer.store.setDepthCue(link.depthCue ?? 0);
     if (link.window) {
@@ -350,13 +384,30 @@ export class App {
     this.#update();
   }
 
+  /** What was marked of it before, unless a link says what is. */
+  async #bringMarks(name: string): Promise<void> {
+    const { store } = this.viewer;
+    const { volume } = this.viewer.info!;
+    const inBrowser = () => Promise.resolve(new BrowserMarks(volume, name));
+    const place = this.host.marksPlace?.(name, volume) ?? inBrowser();
+    const kept = await this.#keeper.open(place, this.#marksOf);
+    const marks = store.state.marks.length > 0 ? store.state.marks : kept;
+    this.#keeper.adopt(marks);
+    store.setMarks(marks);
+  }
+
+  /** Whose marks are shown. */
+  get #marksOf(): string {
+    return this.viewer.info?.volume || `/${this.viewer.caseName}`;
+  }
+
   /** What is shown. */
   get link(): Link {
-    const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, pins } =
+    const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, marks } =
       this.viewer.state;
-    const { backdrop, depthCue } = this.viewer.state;
+    const { active, backdrop, depthCue, handle, layers } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
-    const cut = mode === "uniaxial" ? { state: this.viewer.store.planeState } : { cuts };
+    const cut = mode === "uniaxial" ? { state: this.viewer.store.planeState } : { cuts, active };
     const style = {
       ...(grey > 0 ? { grey, window: window ?? undefined } : {}),
       ...(grey > 0 && openings !== "cinematic" ? { openings } : {}),
@@ -366,7 +417,10 @@ export class App {
       ...(backdrop ? { background: backdrop } : {}),
       ...(depthCue ? { depthCue } : {}),
     };
-    return { case: name, view, ...cut, clip, section, ...style, pins };
+    const hidden = Object.entries({ ...layers, handle }).flatMap(([one, shown]) =>
+      shown ? [] : [one as Hidden],
+    );
+    return { case: name, view, ...cut, clip, section, ...style, hidden, marks };
   }
 
   /** A fixed size leaves the picture alone, on black. */
@@ -391,7 +445,7 @@ export class App {
     this.#card = card;
     study.changed = () => (this.headset.worn ? this.headset.refresh() : this.#showCard(study, card));
     this.#root.classList.add("in-study");
-    for (const part of this.#root.querySelectorAll<HTMLElement>(".bar, .overlay")) {
+    for (const part of this.#root.querySelectorAll<HTMLElement>(".bar, .mark-layer")) {
       part.inert = true; // neither the case nor a mark is to be changed
     }
     this.#root.append(card.element);
@@ -419,7 +473,9 @@ export class App {
       h(
         "div",
         { class: "row" },
-        host.choose ? h("button", { class: "solid", onclick: () => host.choose?.() }, "Choose a case") : null,
+        host.choose
+          ? h("button", { class: "solid", onclick: () => host.choose?.() }, texts().page.chooseCase)
+          : null,
         h(
           "button",
           {
@@ -429,7 +485,7 @@ export class App {
               again();
             },
           },
-          "Try again",
+          texts().page.again,
         ),
       ),
     );
@@ -443,7 +499,7 @@ export class App {
     return host.choose
       ? h(
           "button",
-          { class: "case-button", title: "Cases (M)", onclick: () => host.choose?.() },
+          { class: "case-button", title: texts().page.cases, onclick: () => host.choose?.() },
           brand,
           this.#title,
           icon(kIcons.chevron),
@@ -455,7 +511,7 @@ export class App {
     const { host } = this;
     const link = h(
       "button",
-      { class: "plain", title: "Copy a link to this view", onclick: () => void this.#copyLink(link) },
+      { class: "plain", title: texts().page.link, onclick: () => void this.#copyLink(link) },
       icon(kIcons.link),
     );
     return h(
@@ -465,14 +521,14 @@ export class App {
       this.#fullScreen.button,
       h(
         "button",
-        { class: "plain", title: "Save a picture (D)", onclick: () => void this.#savePicture() },
+        { class: "plain", title: texts().page.picture, onclick: () => void this.#savePicture() },
         icon(kIcons.camera),
       ),
       host.address ? link : null,
       theme,
       h(
         "button",
-        { class: "plain", title: "Help (?)", onclick: () => this.#help.showModal() },
+        { class: "plain", title: texts().page.help, onclick: () => this.#help.showModal() },
         icon(kIcons.help),
       ),
     );
@@ -499,7 +555,7 @@ export class App {
     const button = h("button", {
       class: "plain",
       hidden: isFixed,
-      title: computed(() => kThemeTitles[theme.value]),
+      title: computed(() => texts().page.themes[theme.value]),
       onclick: () => this.#theme.next(),
     });
     follow(() => button.replaceChildren(icon(kIcons[shown.value])));
@@ -539,9 +595,34 @@ export class App {
 
   async #savePicture(): Promise<void> {
     try {
-      await savePicture(this.viewer, this.title, this.#root);
+      await savePicture(this.viewer, this.title, this.#root, this.#marks.texts);
     } catch (error) {
       this.fail((error as CaseError).message, () => void this.#savePicture());
+    }
+  }
+
+  #removeChosen(): void {
+    const { chosen } = this.#marks;
+    if (chosen.value) {
+      this.viewer.store.removeMark(chosen.value);
+      chosen.value = null;
+    }
+  }
+
+  #saveMarks(): void {
+    const { viewer } = this;
+    const text = formatMarks(viewer.state.marks, viewer.info?.volume ?? "");
+    download(new Blob([text], { type: "application/json" }), `${viewer.caseName ?? "case"}.marks.json`);
+  }
+
+  /** Marks of a file come to those that are there. */
+  async #openMarks(file: File): Promise<void> {
+    const { viewer } = this;
+    try {
+      const marks = parseMarks(await file.text(), file.name, viewer.info?.volume ?? "");
+      viewer.store.setMarks(mergedMarks(viewer.state.marks, marks));
+    } catch (error) {
+      this.fail((error as Error).message, () => void this.#openMarks(file));
     }
   }
 
@@ -551,7 +632,11 @@ export class App {
       ...offered.map((one) =>
         h(
           "button",
-          { class: "plain", title: kHeadsetTitles[one], onclick: () => void this.enterHeadset(one) },
+          {
+            class: "plain",
+            title: one === "immersive-vr" ? texts().page.headset : texts().page.room,
+            onclick: () => void this.enterHeadset(one),
+          },
           icon(one === "immersive-vr" ? kIcons.headset : kIcons.passthrough),
         ),
       ),
@@ -561,6 +646,9 @@ export class App {
   /** The viewer shows something else, or can. */
   #follow(): void {
     this.actions.observe();
+    if (!this.#study) {
+      this.#keeper.observe(this.viewer.store.state.marks, this.#marksOf);
+    }
     this.#study?.observe();
     this.#update();
   }
@@ -605,8 +693,10 @@ export class App {
   }
 
   #key(event: KeyboardEvent): void {
-    const input = event.target instanceof HTMLInputElement ? event.target : null;
-    if (this.#study || input?.type === "number" || this.#root.querySelector("dialog[open]")) {
+    const [target] = event.composedPath();
+    const input = target instanceof HTMLInputElement ? target : null;
+    const types = input ? kTypedInto.includes(input.type) : target instanceof HTMLTextAreaElement;
+    if (this.#study || types || this.#root.querySelector("dialog[open]")) {
       return;
     }
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z") {
@@ -635,9 +725,9 @@ export class App {
       b: () => this.actions.toggleSlab(),
       g: () => this.actions.toggleGrey(),
       w: () => this.actions.nextWindow(),
-      i: () => this.#overlay.mark("pin"),
-      l: () => this.#overlay.mark("length"),
-      escape: () => this.marking.toggle(null),
+      i: () => this.#marks.mark("point"),
+      l: () => this.#marks.mark("length"),
+      escape: () => this.#marks.escape(),
       h: () => this.viewer.store.setHandle(!this.viewer.state.handle),
       o: () => this.viewer.store.setLayers({ body: !this.viewer.state.layers.body }),
       r: () => this.actions.reset(),
@@ -652,6 +742,10 @@ export class App {
       "2": () => this.viewer.store.setClip("soft"),
       "3": () => this.viewer.store.setClip("exact"),
       "4": () => this.viewer.hasLayers && this.viewer.store.setClip("layers"),
+      ...(this.#marks.chosen.value ? { delete: () => this.#removeChosen() } : {}),
+      ...(this.marking.kind === "outline" && !(target instanceof HTMLButtonElement)
+        ? { enter: () => this.marking.finish() }
+        : {}),
       ...(input ? {} : { arrowup: () => this.actions.step(step), arrowdown: () => this.actions.step(-step) }),
     };
     const action = keys[event.key.toLowerCase()];

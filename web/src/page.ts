@@ -3,6 +3,7 @@ import { App, type Host } from "./app";
 import { caseFile, type CaseIndex, type CaseSummary, fetchIndex, sayGoodbye } from "./model/case_list";
 import { newsText } from "./model/case_news";
 import { type Look, looksOf } from "./model/looks";
+import { type MarksPlace, servedMarks } from "./model/marks_keeper";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
@@ -30,7 +31,7 @@ class Page implements Host {
   readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
   readonly #name = crypto.randomUUID?.() ?? String(Math.random()).slice(2); // that the server knows it by
-  #index: CaseIndex = { cases: [], making: null };
+  #index: CaseIndex = { cases: [], making: null, keepsMarks: false };
   #version = ""; // of the case that is shown, or was tried to be
   #newsTimer = 0;
   #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
@@ -174,6 +175,10 @@ class Page implements Host {
     document.title = `${this.app.title} · clipgs`;
     this.#prefetchAfter(name);
     this.#watch();
+  }
+
+  marksPlace(name: string, volume: string): Promise<MarksPlace> {
+    return servedMarks(name, volume, this.#index.keepsMarks);
   }
 
   news(): string {

@@ -4,8 +4,8 @@ import type { ApiCut, ClipgsApi } from "./api";
 import type { App } from "./app";
 import { type Cut, makeCut } from "./model/cut";
 import type { Plane, Triple } from "./model/geometry";
-import { lengthsOf } from "./model/pins";
-import { valueText } from "./model/values";
+import { isShape, makeMark, type Mark, markText, measure } from "./model/marks";
+import type { Viewer } from "./viewer";
 
 function unitCut({ normal, offset, thickness }: ApiCut): Cut {
   return makeCut(new Vector3(...normal), offset, thickness ?? null);
@@ -13,6 +13,25 @@ function unitCut({ normal, offset, thickness }: ApiCut): Cut {
 
 function apiPlane({ normal, offset }: Plane): { normal: Triple; offset: number } {
   return { normal: normal.toArray(), offset };
+}
+
+function apiMark(mark: Mark, viewer: Viewer): ClipgsApi["marks"][number] {
+  const { points, normal, ...rest } = mark;
+  const measured = measure(mark, viewer.section);
+  const { value, values, mm, degrees, area } = measured;
+  return {
+    ...rest,
+    points: points.map((point) => point.toArray()),
+    normal: normal && normal.toArray(),
+    text: markText({ ...mark, name: "" }, measured),
+    value: value?.value ?? null,
+    error: value?.error ?? null,
+    mm,
+    degrees,
+    area,
+    mean: values?.mean ?? null,
+    deviation: values?.deviation ?? null,
+  };
 }
 
 /** What scripts do with an app; `ready` as in ClipgsApi. */
@@ -53,27 +72,23 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     setDepthCue: (strength) => viewer.store.setDepthCue(strength),
     setWindow: (window) => viewer.store.setWindow(window && { ...window }),
     setLayers: (layers) => viewer.store.setLayers(layers),
-    addPin: (point, joined) => viewer.addPin(new Vector3(...point), joined),
-    removePin: (index) => viewer.removePin(index),
+    addMark: ({ kind, points, normal, name, note }) => {
+      const shape = {
+        kind,
+        points: points.map((point) => new Vector3(...point)),
+        normal: normal ? new Vector3(...normal).normalize() : null,
+      };
+      const mark = isShape(shape) ? makeMark(shape, name, note) : null;
+      return mark && viewer.hasValues(shape) && viewer.store.addMark(mark) ? mark.id : null;
+    },
+    removeMark: (id) => viewer.store.removeMark(id),
+    describeMark: (id, words) => viewer.store.setWords(id, words),
+    get marks() {
+      return viewer.state.marks.map((mark) => apiMark(mark, viewer));
+    },
     get bounds() {
       const bounds = viewer.info?.bounds;
       return bounds ? { min: bounds.min.toArray(), max: bounds.max.toArray() } : null;
-    },
-    get pins() {
-      return viewer.state.pins.map((pin) => ({
-        point: pin.point.toArray(),
-        value: pin.value,
-        error: pin.error,
-        text: valueText(pin),
-        joined: pin.joined,
-      }));
-    },
-    get lengths() {
-      return lengthsOf(viewer.state.pins).map(({ from, to, mm }) => ({
-        from: from.toArray(),
-        to: to.toArray(),
-        mm,
-      }));
     },
     get state() {
       const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, layers } = viewer.state;

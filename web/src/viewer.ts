@@ -1,12 +1,5 @@
 import { effect, signal } from "@preact/signals-core";
-import {
-  ColorManagement,
-  LinearSRGBColorSpace,
-  type PerspectiveCamera,
-  Scene,
-  type Vector3,
-  WebGLRenderer,
-} from "three";
+import { ColorManagement, LinearSRGBColorSpace, type PerspectiveCamera, Scene, WebGLRenderer } from "three";
 
 import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
@@ -14,8 +7,8 @@ import { type Cut, planesOf } from "./model/cut";
 import type { FaceEffort } from "./model/face_style";
 import type { Grip } from "./model/plane_drag";
 import type { Window } from "./model/grey";
-import type { LinkPin } from "./model/link";
-import { withoutPin, withPin } from "./model/pins";
+import type { MarkShape } from "./model/marks";
+import { regionValues } from "./model/region";
 import { readSection } from "./model/values";
 import type { Inset } from "./model/view";
 import { type ViewerState, ViewerStore } from "./model/viewer_state";
@@ -52,7 +45,7 @@ const kMaxPixelRatio = 2;
 
 /** Whether what differs lies over the picture, which stays as it is. */
 function isSamePicture(a: ViewerState, b: ViewerState): boolean {
-  return (Object.keys(a) as (keyof ViewerState)[]).every((key) => key === "pins" || a[key] === b[key]);
+  return (Object.keys(a) as (keyof ViewerState)[]).every((key) => key === "marks" || a[key] === b[key]);
 }
 
 /**
@@ -431,27 +424,15 @@ export class Viewer {
     return this.#case?.canChangeRig ?? null;
   }
 
-  /**
-   * Marks a point (RAS mm), `joined`: measured from the pin before it. The oldest pin goes where there are too many.
-   * Returns whether the point has a value; none is marked else. Marks that were hidden are shown again.
-   */
-  addPin(point: Vector3, joined = false): boolean {
-    const reading = this.section && readSection(this.section, point);
-    if (reading) {
-      this.store.setLayers({ marks: true });
-      this.store.setPins(withPin(this.state.pins, { ...reading, joined }));
+  /** Whether there is something to mark: values at all points, or within what lies in a face. */
+  hasValues(shape: MarkShape): boolean {
+    const { section } = this;
+    if (!section) {
+      return false;
     }
-    return reading !== null;
-  }
-
-  /** Marks these points alone, without those that have no value. */
-  setPins(pins: readonly LinkPin[]): void {
-    this.store.setPins([]);
-    pins.forEach(({ point, joined }) => this.addPin(point, joined));
-  }
-
-  removePin(index: number): void {
-    this.store.setPins(withoutPin(this.state.pins, index));
+    return shape.normal
+      ? regionValues(shape, section) !== null
+      : shape.points.every((point) => readSection(section, point));
   }
 
   setHover(grip: Grip | null): void {

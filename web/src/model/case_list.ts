@@ -30,6 +30,8 @@ export interface CaseIndex {
   cases: CaseSummary[];
   /** What it makes meanwhile; null: it makes none, and does not want to know who looks. */
   making: CaseInMaking[] | null;
+  /** Whether marks of its cases may be changed. */
+  keepsMarks: boolean;
 }
 
 /** Where the server has the case of this name. */
@@ -45,7 +47,7 @@ export const kNoAnswer = "the server does not answer; is clipgs serve still runn
  */
 export async function fetchIndex(page = ""): Promise<CaseIndex> {
   let refusal: string | undefined;
-  let index: { cases: Partial<CaseSummary>[]; making?: Partial<CaseInMaking>[] };
+  let index: { cases: Partial<CaseSummary>[]; making?: Partial<CaseInMaking>[]; keeps_marks?: boolean };
   try {
     const response = await fetch(page ? `api/cases?page=${page}` : "api/cases");
     if (!response.ok) {
@@ -76,7 +78,7 @@ export async function fetchIndex(page = ""): Promise<CaseIndex> {
     seconds: one.seconds ?? null,
     error: one.error ?? null,
   }));
-  return { cases, making: making ?? null };
+  return { cases, making: making ?? null, keepsMarks: index.keeps_marks ?? false };
 }
 
 /** Tells the server that the page of this name is closed. */

@@ -7,18 +7,21 @@ import { type FaceSource, kFaceSources } from "./faces";
 import type { Triple } from "./geometry";
 import { type GreyOpenings, kGreyOpenings } from "./face_style";
 import type { Window } from "./grey";
-import type { Pin } from "./pins";
+import { isShape, kMostCorners, kMostMarks, makeMark, type Mark, type MarkKind } from "./marks";
 import { kRigs } from "./rigs";
 import { type View, viewFrom } from "./view";
 
-/** A marked point, RAS mm; `joined`: measured from the one before it. */
-export type LinkPin = Pick<Pin, "point" | "joined">;
+/** What can be left out of the picture. */
+const kHidden = ["body", "faces", "marks", "handle"] as const;
+export type Hidden = (typeof kHidden)[number];
 
 /** What a link to the viewer may hold, as the options of `clipgs render` write it; all of it optional. */
 export interface Link {
   case?: string;
   view?: View;
   cuts?: readonly Cut[]; // none: "off"
+  /** Of these, the one that is moved, by its index. */
+  active?: number;
   /** Of the uniaxial mode, in place of cuts; null: nothing is cut. */
   state?: number | null;
   clip?: ClipOperator;
@@ -30,7 +33,10 @@ export interface Link {
   turn?: number;
   lamp?: Triple;
   window?: Window;
-  pins?: readonly LinkPin[];
+  /** What is not shown. */
+  hidden?: readonly Hidden[];
+  /** What is marked. */
+  marks?: readonly Mark[];
   /** One of kBackdrops. */
   background?: string;
   depthCue?: number;
@@ -66,21 +72,57 @@ function parseCuts(parameters: URLSearchParams): Cut[] | null {
   return cuts.length > 0 && canDraw(cuts) ? cuts : null;
 }
 
-/** All pins, in their order. */
-function parsePins(parameters: URLSearchParams): LinkPin[] {
-  const pins: LinkPin[] = [];
+/** Of marks in a link: how many numbers come before their points, and of what kind they are. */
+const kMarkKeys: ReadonlyMap<string, { kind: MarkKind; normal: boolean }> = new Map([
+  ["pin", { kind: "point", normal: false }],
+  ["length", { kind: "length", normal: false }],
+  ["angle", { kind: "angle", normal: false }],
+  ["region", { kind: "region", normal: true }],
+  ["outline", { kind: "outline", normal: true }],
+]);
+
+/** A mark without words; null where it is not one. */
+function parseMark(key: string, text: string): Mark | null {
+  const known = kMarkKeys.get(key);
+  const values = known && numbers(text, 3, 3 * (kMostCorners + 1));
+  if (!values || values.length % 3 !== 0) {
+    return null;
+  }
+  const points = Array.from({ length: values.length / 3 }, (_, i) => new Vector3().fromArray(values, 3 * i));
+  const normal = known.normal ? points.shift()! : null;
+  const shape = { kind: known.kind, points, normal: normal && normal.normalize() };
+  return isShape(shape) && normal?.length() !== 0 ? makeMark(shape) : null;
+}
+
+/** `to`, as links had it once, measures from the point before it. */
+function joined(last: Mark | undefined, text: string): Mark | null {
+  const end = numbers(text, 3, 3);
+  if (!end || (last?.kind !== "point" && last?.kind !== "length")) {
+    return end && makeMark({ kind: "point", points: [new Vector3().fromArray(end)], normal: null });
+  }
+  const points = [last.points.at(-1)!, new Vector3().fromArray(end)];
+  return makeMark({ kind: "length", points, normal: null });
+}
+
+/** All marks, in their order; `name` and `note` are of the one before them. */
+function parseMarks(parameters: URLSearchParams): Mark[] {
+  const marks: Mark[] = [];
   for (const [key, text] of parameters) {
-    const at = key === "pin" || key === "to" ? numbers(text, 3, 3) : null;
-    if (at) {
-      pins.push({ point: new Vector3().fromArray(at), joined: key === "to" });
+    const last = marks.at(-1);
+    const mark = key === "to" ? joined(last, text) : parseMark(key, text);
+    if (mark) {
+      marks.splice(key === "to" && last?.kind === "point" ? -1 : marks.length, 1, mark);
+    } else if (last && (key === "name" || key === "note")) {
+      const words = { name: last.name, note: last.note, [key]: text };
+      marks[marks.length - 1] = makeMark(last, words.name, words.note);
     }
   }
-  return pins;
+  return marks.slice(0, kMostMarks);
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&pin=r,a,s&to=r,a,s&background=…&depth-cue=…&size=WxH`,
- * planes, slabs and pins any number of times; what is not valid is left out.
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&active=k&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&hide=…&pin=r,a,s&length=…&angle=…&region=…&outline=…&name=…&note=…&background=…&depth-cue=…&size=WxH`,
+ * planes, slabs and marks any number of times, names and notes after their marks; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
   const parameters = new URLSearchParams(hash.replace(/^#/, ""));
@@ -106,6 +148,10 @@ export function parseLink(hash: string): Link {
     link.cuts = cuts;
   } else if (parameters.get("plane") === "off") {
     link.cuts = [];
+  }
+  const active = parameters.get("active") ?? "";
+  if (cuts && /^\d$/.test(active) && Number(active) < cuts.length) {
+    link.active = Number(active);
   }
   const clip = parameters.get("clip");
   if (clip && clip !== "none" && Object.hasOwn(kClipOperators, clip)) {
@@ -139,9 +185,13 @@ export function parseLink(hash: string): Link {
   if (window && window[1]! > 0) {
     link.window = { center: window[0]!, width: window[1]! };
   }
-  const pins = parsePins(parameters);
-  if (pins.length > 0) {
-    link.pins = pins;
+  const hidden = kHidden.filter((one) => parameters.get("hide")?.split(",").includes(one));
+  if (hidden.length > 0) {
+    link.hidden = hidden;
+  }
+  const marks = parseMarks(parameters);
+  if (marks.length > 0) {
+    link.marks = marks;
   }
   const background = parameters.get("background");
   if (background && kBackdrops.has(background)) {
@@ -164,6 +214,19 @@ export function parseLink(hash: string): Link {
 
 function rounded(value: number, digits: number): string {
   return String(Number(value.toFixed(digits)));
+}
+
+function markParts({ kind, points, normal, name, note }: Mark): string[] {
+  const [key] = [...kMarkKeys].find(([, known]) => known.kind === kind)!;
+  const values = [
+    ...(normal ? normal.toArray().map((v) => rounded(v, 5)) : []),
+    ...points.flatMap((point) => point.toArray().map((mm) => rounded(mm, 2))),
+  ];
+  return [
+    `${key}=${values}`,
+    ...(name ? [`name=${encodeURIComponent(name)}`] : []),
+    ...(note ? [`note=${encodeURIComponent(note)}`] : []),
+  ];
 }
 
 /** The link's hash, which parseLink reads back to the precision that a picture shows. */
@@ -197,6 +260,9 @@ export function formatLink(link: Link): string {
   if (link.cuts?.length === 0) {
     parts.push("plane=off");
   }
+  if (link.active) {
+    parts.push(`active=${link.active}`);
+  }
   if (link.clip) {
     parts.push(`clip=${link.clip}`);
   }
@@ -221,8 +287,11 @@ export function formatLink(link: Link): string {
   if (link.window) {
     parts.push(`window=${rounded(link.window.center, 2)},${rounded(link.window.width, 2)}`);
   }
-  for (const { point, joined } of link.pins ?? []) {
-    parts.push(`${joined ? "to" : "pin"}=${point.toArray().map((v) => rounded(v, 2))}`);
+  if (link.hidden?.length) {
+    parts.push(`hide=${link.hidden}`);
+  }
+  for (const mark of link.marks ?? []) {
+    parts.push(...markParts(mark));
   }
   if (link.background) {
     parts.push(`background=${link.background}`);

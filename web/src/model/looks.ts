@@ -1,3 +1,4 @@
+import { texts } from "../text/text";
 import type { CaseSummary } from "./case_list";
 
 /** A case among those of its volume. */
@@ -46,7 +47,7 @@ export function groupCases(cases: readonly CaseSummary[]): CaseGroup[] {
   return [...groups.values()].map((members) => {
     const names = namesOf(members);
     return {
-      title: commonTitle(members.map((one) => one.title)) || "One volume",
+      title: commonTitle(members.map((one) => one.title)) || texts().menu.oneVolume,
       looks: members.map((one, i) => ({ case: one, name: names[i]! })),
     };
   });
@@ -60,5 +61,5 @@ export function looksOf(cases: readonly CaseSummary[], name: string | null): rea
 
 /** Of a volume: "3 looks". */
 export function countText({ looks }: CaseGroup): string {
-  return `${looks.length} looks`;
+  return texts().menu.looks(looks.length);
 }

@@ -1,7 +1,8 @@
 import { Vector3 } from "three";
 
+import { texts } from "../text/text";
 import { type Box, type Plane, projectBox } from "./geometry";
-import { capital } from "./values";
+import { decimal, directionLetters } from "./values";
 
 export const kOrientations = ["axial", "coronal", "sagittal"] as const;
 export type Orientation = (typeof kOrientations)[number];
@@ -40,16 +41,30 @@ function removedSide(plane: Plane): string {
   const n = plane.normal;
   const sizes = n.toArray().map(Math.abs);
   const axis = sizes.indexOf(Math.max(...sizes));
+  const { sides } = texts();
   const names = [
-    ["right", "left"],
-    ["anterior", "posterior"],
-    ["superior", "inferior"],
+    [sides.right, sides.left],
+    [sides.anterior, sides.posterior],
+    [sides.superior, sides.inferior],
   ][axis]!;
   return n.getComponent(axis) < 0 ? names[0]! : names[1]!;
+}
+
+/**
+ * Where a plane is in the patient, along the letters that its normal leads to, so that a point that it goes through has
+ * the same coordinate: "S 12.3 mm" of an axial one, "RA −4.0 mm" of one that is turned between R and A.
+ */
+export function planePosition({ normal, offset }: Plane, digits = 1): string {
+  const parts = normal.toArray();
+  const largest = parts.reduce((best, part) => (Math.abs(part) > Math.abs(best) ? part : best));
+  const sign = largest < 0 ? -1 : 1;
+  const letters = directionLetters(normal.clone().multiplyScalar(sign));
+  return `${letters} ${decimal(sign * offset, digits)} mm`;
 }
 
 /** "Axial, superior removed" */
 export function planeText(plane: Plane): string {
   const orientation = orientationOf(plane);
-  return `${orientation ? capital(orientation) : "Oblique"}, ${removedSide(plane)} removed`;
+  const t = texts();
+  return t.plane.removed(orientation ? t.orientations[orientation] : t.plane.oblique, removedSide(plane));
 }

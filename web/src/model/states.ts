@@ -1,9 +1,10 @@
 import type { Vector3 } from "three";
 
 import type { JsonReader } from "../sog/json_reader";
+import { texts } from "../text/text";
 import type { Cut } from "./cut";
 import { type Plane, projectOnto } from "./geometry";
-import { decimal } from "./values";
+import { planePosition } from "./planes";
 
 /** How the plane moves: along the case's axis from state to state, or freely. */
 export const kModes = ["uniaxial", "arbitrary"] as const;
@@ -87,7 +88,7 @@ export function nearestState(states: PlaneStates, plane: Plane, middle: Vector3)
   return Math.min(states.count - 1, Math.max(0, state));
 }
 
-/** "State 57 / 200 · −12.34 mm", counted from 0 as `clipgs render --state` does. */
+/** "State 57 / 200 · S −12.34 mm", counted from 0 as `clipgs render --state` does. */
 export function stateText(states: PlaneStates, state: number): string {
-  return `State ${state} / ${states.count} · ${decimal(statePosition(states, state), 2)} mm`;
+  return texts().plane.state(state, states.count, planePosition(stateCut(states, state), 2));
 }

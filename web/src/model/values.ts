@@ -64,10 +64,14 @@ export function decimal(value: number, digits: number): string {
   return (Number(value.toFixed(digits)) + 0).toFixed(digits).replace("-", "\u2212");
 }
 
+/** After a number: only CT has a unit. */
+export function unitOf(modality: Section["modality"]): string {
+  return modality === "CT" ? " HU" : "";
+}
+
 /** "63 ± 4 HU" */
 export function valueText({ value, error, modality }: Reading): string {
-  const unit = modality === "CT" ? " HU" : "";
-  return `${decimal(value, 0)} ± ${decimal(error, error < 0.95 ? 1 : 0)}${unit}`;
+  return `${decimal(value, 0)} ± ${decimal(error, error < 0.95 ? 1 : 0)}${unitOf(modality)}`;
 }
 
 /** "R 12.3 A −4.0 S 88.1 mm" */

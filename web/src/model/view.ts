@@ -33,6 +33,16 @@ export function viewDirection(azimuth: number, elevation: number): Vector3 {
   return new Vector3(-Math.sin(az) * Math.cos(el), Math.cos(az) * Math.cos(el), Math.sin(el));
 }
 
+/** The angles of a view from a direction (RAS), degrees. */
+export function anglesOf(direction: Vector3): Pick<View, "azimuth" | "elevation"> {
+  const { x, y, z } = direction.clone().normalize();
+  const degrees = 180 / Math.PI;
+  return {
+    azimuth: Math.atan2(-x, y) * degrees,
+    elevation: Math.asin(Math.min(1, Math.max(-1, z))) * degrees,
+  };
+}
+
 /** Distance from a sphere's centre at which it fills kFrameFill of the shorter side. */
 export function framingDistance(radius: number): number {
   return radius / Math.sin(Math.atan(kFrameFill * Math.tan(0.5 * kFieldOfView)));

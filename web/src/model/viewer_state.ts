@@ -10,7 +10,7 @@ import type { FaceSource } from "./faces";
 import type { Plane, Triple } from "./geometry";
 import type { Window } from "./grey";
 import { kAllLayers, type Layers } from "./layers";
-import type { Pin } from "./pins";
+import { type Mark, withMark, withoutMark, withWords } from "./marks";
 import { kRigs, type Lighting } from "./rigs";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./states";
 import { reframed, type View, viewFrom } from "./view";
@@ -33,7 +33,7 @@ export interface ViewerState extends Style {
   active: number; // the cut that is moved, by its index
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
-  pins: readonly Pin[]; // points that are marked, the oldest first
+  marks: readonly Mark[]; // the oldest first
   backdrop: string | null; // what lies behind the case, one of kBackdrops; null: as the page is
 }
 
@@ -53,7 +53,7 @@ const kFirst: ViewerState = {
   handle: true,
   layers: kAllLayers,
   depthCue: 0,
-  pins: [],
+  marks: [],
   backdrop: null,
 };
 
@@ -86,7 +86,7 @@ export class ViewerStore {
       if (info && before && isSameVolume(before, info)) {
         this.#set({ view: reframed(this.#state.peek().view, before.sphere, info.sphere) });
       } else if (info) {
-        this.#set({ window: null, pins: [] });
+        this.#set({ window: null, marks: [] });
       }
       this.#keepToStates();
     });
@@ -201,8 +201,27 @@ export class ViewerStore {
     this.#set({ layers: { ...this.#state.peek().layers, ...layers } });
   }
 
-  setPins(pins: readonly Pin[]): void {
-    this.#set({ pins });
+  setMarks(marks: readonly Mark[]): void {
+    this.#set({ marks });
+  }
+
+  /** Marks that were hidden are shown again. Returns whether it is one more: not where there are too many. */
+  addMark(mark: Mark): boolean {
+    const { marks, layers } = this.#state.peek();
+    const more = withMark(marks, mark);
+    if (more) {
+      this.#set({ marks: more, layers: { ...layers, marks: true } });
+    }
+    return more !== null;
+  }
+
+  removeMark(id: string): void {
+    this.#set({ marks: withoutMark(this.#state.peek().marks, id) });
+  }
+
+  /** What is said of a mark. */
+  setWords(id: string, words: Partial<Pick<Mark, "name" | "note">>): void {
+    this.#set({ marks: withWords(this.#state.peek().marks, id, words) });
   }
 
   /** What lies behind the case: one of kBackdrops; null: as the page is. Returns whether there is such a one. */
@@ -217,6 +236,11 @@ export class ViewerStore {
   /** How much what is far away fades towards what lies behind the case, 0 … 1. */
   setDepthCue(strength: number): void {
     this.#set({ depthCue: Math.min(1, Math.max(0, strength)) });
+  }
+
+  /** As it was. */
+  restore(part: Partial<ViewerState>): void {
+    this.#set(part);
   }
 
   #set(part: Partial<ViewerState>): void {

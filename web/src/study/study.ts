@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import type { Actions } from "../actions";
+import { makeMark } from "../model/marks";
 import type { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
 import { type Entry, Journal, type Store } from "./journal";
@@ -395,7 +396,7 @@ export class Study {
     this.#answers = [];
     this.#typed = "";
     this.#restarts = 0;
-    this.#around.viewer.setPins([]);
+    this.#around.viewer.store.setMarks([]);
     const step = this.#steps[at]!;
     this.#restUntil = step.kind === "pause" ? performance.now() + 1000 * this.plan.pause : null;
     if (step.kind === "mode" || step.kind === "task") {
@@ -411,9 +412,8 @@ export class Study {
     actions.reset();
     viewer.store.setMode(mode);
     viewer.store.setHandle(true);
-    viewer.setPins(
-      task?.marked ? task.target.points.map((point) => ({ point: point.clone(), joined: false })) : [],
-    );
+    const marked = task?.marked ? task.target.points : [];
+    viewer.store.setMarks(marked.map((point) => makeMark({ kind: "point", points: [point], normal: null })));
     if (task?.view) {
       viewer.store.setView({ ...task.view, pan: new Vector3(), back: 0 });
     }

@@ -1,5 +1,6 @@
 import type { Actions } from "../actions";
 import { planeText } from "../model/planes";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
 
@@ -38,6 +39,6 @@ export class Announcer {
     if (!info) {
       return "";
     }
-    return cut ? `${planeText(cut)}, ${this.#actions.positionText}` : "Nothing is cut";
+    return cut ? `${planeText(cut)}, ${this.#actions.positionText}` : texts().cut.nothing;
   }
 }

@@ -1,5 +1,6 @@
 import { type CaseSummary, formatBytes, formatCount } from "../model/case_list";
 import { type CaseGroup, countText, groupCases, type Look } from "../model/looks";
+import { texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 
 /** The cases of the server as cards with their pictures, those of one volume together. */
@@ -10,7 +11,7 @@ export class CaseMenu {
 
   constructor(choose: (name: string) => void) {
     this.#choose = choose;
-    this.element = sheetDialog("sheet menu", "Cases", "Cases", this.#cards);
+    this.element = sheetDialog("sheet menu", texts().menu.title, texts().menu.title, this.#cards);
   }
 
   show(cases: CaseSummary[], current: string | null): void {
@@ -21,9 +22,9 @@ export class CaseMenu {
             h(
               "p",
               { class: "hint" },
-              "The folder holds no case yet. ",
+              texts().menu.none,
               h("code", {}, "clipgs build VOLUME -o CASE.sog"),
-              " makes one.",
+              texts().menu.makes,
             ),
           ]),
     );
@@ -47,7 +48,7 @@ export class CaseMenu {
 
   #card({ case: one, name }: Look, { looks }: CaseGroup, current: string | null): HTMLElement {
     const preset = looks.length === 1 && one.preset ? `${one.preset} · ` : "";
-    const detail = `${preset}${formatCount(one.splats)} splats · ${formatBytes(one.bytes)}`;
+    const detail = `${preset}${texts().menu.splats(formatCount(one.splats))} · ${formatBytes(one.bytes)}`;
     return caseCard(one, name, detail, one.name === current, () => {
       this.element.close();
       this.#choose(one.name);
@@ -103,11 +104,7 @@ export function caseCard(
 }
 
 function closeButton(close: () => void): HTMLElement {
-  return h(
-    "button",
-    { class: "plain", "aria-label": "Close", onclick: close },
-    icon("M6 6l12 12|M18 6L6 18"),
-  );
+  return h("button", { class: "plain", "aria-label": texts().close, onclick: close }, icon(kIcons.close));
 }
 
 function closeOnBackdrop(dialog: HTMLDialogElement): void {

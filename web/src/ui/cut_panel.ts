@@ -125,6 +125,16 @@ export class CutPanel {
         "tall",
       ),
       this.#thickness(),
+      h(
+        "button",
+        {
+          class: "small far",
+          hidden: this.#live(() => !actions.isFaceAway),
+          onclick: () => actions.turnToFace(),
+        },
+        icon(kIcons.eye),
+        t.turn,
+      ),
     );
   }
 

@@ -1,3 +1,4 @@
+import { texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 
 /** Shows an element on all of the screen, where the browser offers that. */
@@ -9,7 +10,12 @@ export class FullScreen {
     this.#element = element;
     this.button = h(
       "button",
-      { class: "plain", title: "Full screen (Z)", "aria-pressed": "false", onclick: () => this.toggle() },
+      {
+        class: "plain",
+        title: texts().page.fullScreen,
+        "aria-pressed": "false",
+        onclick: () => this.toggle(),
+      },
       icon(kIcons.fullScreen),
     );
     this.button.hidden = !document.fullscreenEnabled;

@@ -1,4 +1,5 @@
 import type { Look } from "../model/looks";
+import { texts } from "../text/text";
 import { caseCard, sheetDialog } from "./case_menu";
 import { h } from "./dom";
 
@@ -12,11 +13,11 @@ export class LooksMenu {
     this.#choose = choose;
     this.element = sheetDialog(
       "sheet menu looks",
-      "Looks",
-      "Looks of this volume",
-      h("p", { class: "hint" }, "View, cut, window and marks stay as they are."),
+      texts().menu.looksName,
+      texts().menu.looksTitle,
+      h("p", { class: "hint" }, texts().menu.looksHint),
       this.#cards,
-      h("strong", { class: "warning" }, "Not for diagnosis"),
+      h("strong", { class: "warning" }, texts().notForDiagnosis),
     );
   }
 

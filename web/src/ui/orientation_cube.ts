@@ -1,9 +1,11 @@
+import type { Texts } from "../text/en";
+import { texts } from "../text/text";
 import { cameraAxes, viewDirection, type View } from "../model/view";
 import { h } from "./dom";
 
 interface Face {
   letter: string;
-  name: string;
+  name: keyof Texts["sides"];
   azimuth: number;
   elevation: number;
   transform: string;
@@ -34,8 +36,8 @@ export class OrientationCube {
           {
             class: "face",
             style: `transform: ${face.transform} translateZ(var(--half))`,
-            "aria-label": `Look from ${face.name}`,
-            title: `Look from ${face.name}`,
+            "aria-label": texts().page.lookFrom(texts().sides[face.name]),
+            title: texts().page.lookFrom(texts().sides[face.name]),
             onclick: () => look(face.azimuth, face.elevation),
           },
           face.letter,
@@ -44,7 +46,7 @@ export class OrientationCube {
     );
     this.element = h(
       "div",
-      { class: "cube-stage", part: "cube", role: "group", "aria-label": "Orientation" },
+      { class: "cube-stage", part: "cube", role: "group", "aria-label": texts().page.orientation },
       this.#cube,
     );
   }

@@ -1,7 +1,10 @@
+import { layOut } from "../model/label_layout";
+import { anchorOf, linesOf } from "../model/marks";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
-import { lengthsOf, lengthText } from "../model/pins";
-import { valueText } from "../model/values";
+import { download } from "./download";
 import { type FaceMarks, faceMarks } from "./face_overlay";
+import type { MarkTexts } from "./marks_overlay";
 
 // Of what is drawn over the picture, CSS px.
 const kMargin = 16;
@@ -22,47 +25,47 @@ interface Colors {
  * Saves what the viewer shows as a PNG, in the colours of `root`: its name is the case's. Rejects with CaseError where
  * that case is closed meanwhile.
  */
-export async function savePicture(viewer: Viewer, title: string, root: HTMLElement): Promise<void> {
+export async function savePicture(
+  viewer: Viewer,
+  title: string,
+  root: HTMLElement,
+  said: MarkTexts,
+): Promise<void> {
   const name = viewer.caseName ?? "clipgs";
-  const picture = await viewer.snapshot((drawn) => drawCaption(drawn, viewer, title, root));
+  const picture = await viewer.snapshot((drawn) => drawCaption(drawn, viewer, title, root, said));
   const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
   if (blob) {
-    download(blob, `${fileName(name)}.png`);
+    download(blob, `${name}.png`);
   }
 }
 
-function drawCaption(picture: HTMLCanvasElement, viewer: Viewer, title: string, root: HTMLElement): void {
+function drawCaption(
+  picture: HTMLCanvasElement,
+  viewer: Viewer,
+  title: string,
+  root: HTMLElement,
+  said: MarkTexts,
+): void {
   const styles = getComputedStyle(root);
   const color = (name: string) => styles.getPropertyValue(`--${name}`);
   const colors = { text: color("text"), panel: color("panel"), halo: color("halo") };
-  new Caption(picture, viewer, colors, styles.fontFamily).draw(title);
+  new Caption(picture, viewer, colors, styles.fontFamily, said).draw(title);
 }
 
-/** What file systems take of a case's name. */
-function fileName(name: string): string {
-  return name.replace(/[^\p{L}\p{N}._ -]+/gu, "-");
-}
-
-function download(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
-}
-
-/** What stands over a case's picture: its title, what it is not for, pins, lengths and the marks of grey faces. */
+/** What stands over a case's picture: its title, what it is not for, what is marked, and the directions of grey faces. */
 class Caption {
   readonly #context: CanvasRenderingContext2D;
   readonly #viewer: Viewer;
   readonly #colors: Colors;
   readonly #font: string;
+  readonly #said: MarkTexts;
 
-  constructor(picture: HTMLCanvasElement, viewer: Viewer, colors: Colors, font: string) {
+  constructor(picture: HTMLCanvasElement, viewer: Viewer, colors: Colors, font: string, said: MarkTexts) {
     this.#context = picture.getContext("2d")!;
     this.#viewer = viewer;
     this.#colors = colors;
     this.#font = font;
+    this.#said = said;
     const { width, height } = viewer.camera.freeSize;
     this.#context.scale(picture.width / width, picture.height / height);
     this.#context.textBaseline = "middle";
@@ -70,53 +73,62 @@ class Caption {
 
   draw(title: string): void {
     const { height } = this.#viewer.camera.freeSize;
-    this.#drawLengths();
-    this.#drawPins();
+    if (this.#viewer.state.layers.marks) {
+      this.#drawMarks();
+    }
     const marks = faceMarks(this.#viewer);
     if (marks) {
-      this.#drawMarks(marks);
+      this.#drawDirections(marks);
     }
     this.#setFont(600);
-    this.#box("Not for diagnosis", { x: kMargin, y: height - kMargin - 0.5 * kBoxHeight });
+    this.#box(texts().notForDiagnosis, { x: kMargin, y: height - kMargin - 0.5 * kBoxHeight });
     if (title) {
       this.#box(title, { x: kMargin, y: kMargin + 0.5 * kBoxHeight });
     }
   }
 
-  #drawPins(): void {
-    const viewer = this.#viewer;
+  /** As the page has them: labels keep clear of each other. */
+  #drawMarks(): void {
+    const { camera, picking, state } = this.#viewer;
     const context = this.#context;
     this.#setFont(400);
-    for (const pin of viewer.state.pins) {
-      const at = viewer.camera.project(pin.point);
-      if (at) {
-        context.globalAlpha = viewer.picking.isSeen(pin.point) ? 1 : 0.35;
-        this.#outlined(() => context.arc(at.x, at.y, kPinRadius, 0, 2 * Math.PI));
-        this.#box(valueText(pin), { x: at.x + kPinRadius + 6, y: at.y });
-        context.globalAlpha = 1;
+    const drawn = state.marks.flatMap((mark) => {
+      const anchor = camera.project(anchorOf(mark));
+      const width = context.measureText(this.#said.of(mark)).width + 2 * kPadding;
+      return anchor ? [{ mark, label: { anchor, width, height: kBoxHeight } }] : [];
+    });
+    drawn.sort((a, b) => Number(a.mark.kind === "point") - Number(b.mark.kind === "point"));
+    const laid = layOut(
+      drawn.map(({ label }) => label),
+      camera.freeSize,
+    );
+    drawn.forEach(({ mark }, i) => {
+      context.globalAlpha = mark.points.some((point) => picking.isSeen(point)) ? 1 : 0.35;
+      for (const line of linesOf(mark)) {
+        this.#trace(line.map((point) => camera.project(point)));
       }
-    }
+      for (const point of mark.points) {
+        const at = camera.project(point);
+        if (at) {
+          this.#outlined(() => context.arc(at.x, at.y, kPinRadius, 0, 2 * Math.PI));
+        }
+      }
+      const { x, y } = laid[i]!.at;
+      this.#box(this.#said.of(mark), { x, y: y + 0.5 * kBoxHeight });
+      context.globalAlpha = 1;
+    });
   }
 
-  #drawLengths(): void {
-    const context = this.#context;
-    this.#setFont(400);
-    for (const length of lengthsOf(this.#viewer.state.pins)) {
-      const [a, b] = [length.from, length.to].map((point) => this.#viewer.camera.project(point));
-      if (a && b) {
-        this.#outlined(() => {
-          context.moveTo(a.x, a.y);
-          context.lineTo(b.x, b.y);
-        });
-        const text = lengthText(length);
-        const half = 0.5 * context.measureText(text).width + kPadding;
-        this.#box(text, { x: 0.5 * (a.x + b.x) - half, y: 0.5 * (a.y + b.y) });
-      }
+  #trace(line: readonly (Place | null)[]): void {
+    if (line.every((place) => place !== null)) {
+      this.#outlined(() =>
+        line.forEach(({ x, y }, i) => (i === 0 ? this.#context.moveTo(x, y) : this.#context.lineTo(x, y))),
+      );
     }
   }
 
   /** Letters at the edges, the window and the scale bar, where the overlay has them. */
-  #drawMarks({ letters: [left, right, top, bottom], barMm, barWidth, window }: FaceMarks): void {
+  #drawDirections({ letters: [left, right, top, bottom], barMm, barWidth, window }: FaceMarks): void {
     const { width, height } = this.#viewer.camera.freeSize;
     const [x, y] = [0.5 * width, 0.5 * height];
     this.#setFont(600);

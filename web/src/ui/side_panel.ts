@@ -21,7 +21,7 @@ const kSwipe = 24;
 
 /**
  * Everything about the cut and its faces, beside the case or, on a narrow page, a sheet below it, of which the
- * first part is always seen. `marks` marks points of faces.
+ * first part is always seen. `marks` is about those.
  */
 export function sidePanel(viewer: Viewer, actions: Actions, live: Follow, marks: HTMLElement): HTMLElement {
   const t = texts();
@@ -49,7 +49,8 @@ export function sidePanel(viewer: Viewer, actions: Actions, live: Follow, marks:
       { class: "more" },
       expertly(cut.modes, () => actions.isUniaxial),
       cut.tools,
-      h("div", { class: "titled" }, h("h3", {}, t.face.title), marks),
+      marks,
+      h("h3", {}, t.face.title),
       expertly(face.sources, () => viewer.state.section === "splats"),
       face.noSection,
       lightPanel(viewer, live),

@@ -1,6 +1,7 @@
 import type { Actions } from "../actions";
 import { clock } from "../model/values";
 import type { Button, Entry, Question, Screen } from "../study/screen";
+import { texts } from "../text/text";
 import { h } from "./dom";
 
 /** What a study shows, on the page. */
@@ -64,7 +65,7 @@ export class StudyCard {
       this.#slider.value = String(value);
     }
     this.#position.textContent = positionText;
-    this.#slider.setAttribute("aria-valuetext", positionText || "Nothing is cut");
+    this.#slider.setAttribute("aria-valuetext", positionText || texts().cut.nothing);
   }
 
   /** A new screen is read from its title on; on the same one the button of this text is focused again. */

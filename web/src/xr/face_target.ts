@@ -1,7 +1,7 @@
 import type { PointerEvent } from "@pmndrs/pointer-events";
 import { type Intersection, type Matrix4, Object3D, Ray, type Raycaster, type Vector3 } from "three";
 
-import type { Marking } from "../model/pins";
+import type { Marking } from "../model/marking";
 import { type Reading, readSection } from "../model/values";
 import type { Viewer } from "../viewer";
 import { handOf } from "./hand";
@@ -31,7 +31,8 @@ export class FaceTarget extends Object3D {
     this.addEventListener("pointerout", () => (this.reading = null));
     this.addEventListener("pointerdown", (event: PointerEvent) => {
       const reading = this.#read(event.point);
-      if (reading && marking.put(reading.point)) {
+      const plane = reading && viewer.picking.faceOf(reading.point);
+      if (reading && marking.put({ point: reading.point, plane })) {
         handOf(event)?.pulse(0.6, 20);
       }
     });

@@ -5,7 +5,7 @@ import type { EyePicture, Surroundings } from "../api";
 import { makeBackdrop } from "../render/depth_cue";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf, type Subject } from "../render/splat_layer";
-import type { Marking } from "../model/pins";
+import type { Marking } from "../model/marking";
 import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
 import type { Viewer } from "../viewer";
@@ -119,6 +119,7 @@ export class Headset {
       renderer.xr.enabled = true;
       renderer.xr.setReferenceSpaceType("local-floor");
       await renderer.xr.setSession(session);
+      this.#followHands(session);
     } catch (error) {
       renderer.xr.enabled = false;
       await session?.end().catch(() => {});
@@ -131,6 +132,16 @@ export class Headset {
     // That of the renderer would draw in the page's frames as well.
     renderer.xr.setAnimationLoop((time, frame) => this.#frame(time, frame));
     this.changed();
+  }
+
+  /** What a hand does from its press on is one step of the history. */
+  #followHands(session: XRSession): void {
+    for (const type of ["selectstart", "squeezestart"] as const) {
+      session.addEventListener(type, ({ inputSource }) => this.#actions.takeHold(inputSource));
+    }
+    for (const type of ["selectend", "squeezeend"] as const) {
+      session.addEventListener(type, ({ inputSource }) => this.#actions.letGo(inputSource));
+    }
   }
 
   async leave(): Promise<void> {
@@ -202,6 +213,7 @@ export class Headset {
 
   #takenOff(): void {
     this.#marking.toggle(null);
+    this.#actions.letAllGo();
     this.#lamp.hand = null;
     const { renderer } = this.#viewer;
     renderer.setAnimationLoop(null); // nor of the page, which the renderer goes on with

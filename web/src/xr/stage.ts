@@ -16,14 +16,13 @@ import {
 import { isSameVolume } from "../model/case_info";
 import { kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
-import type { Marking, Pin } from "../model/pins";
+import type { Marking } from "../model/marking";
 import type { Reading } from "../model/values";
 import { cameraAxes } from "../model/view";
 import { PlaneWidget } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
 import { FaceTarget } from "./face_target";
 import { handOf } from "./hand";
-import { PinTarget } from "./pin_target";
 import { PlaneGrip } from "./plane_grip";
 
 /** Of life size. */
@@ -52,7 +51,6 @@ export class Stage {
   readonly #viewer: Viewer;
   readonly #marking: Marking;
   readonly #faceTarget: FaceTarget;
-  readonly #pinTarget: PinTarget;
   readonly #patientFromRoom = new Matrix4();
   #case: OpenCase | null = null;
 
@@ -60,7 +58,6 @@ export class Stage {
     this.#viewer = viewer;
     this.#marking = marking;
     this.#faceTarget = new FaceTarget(viewer, marking, this.roomFromPatient, this.#patientFromRoom);
-    this.#pinTarget = new PinTarget(viewer, marking, this.roomFromPatient);
     this.grip = new PlaneGrip(viewer);
     const unseen = new MeshBasicMaterial();
     unseen.visible = false;
@@ -69,7 +66,7 @@ export class Stage {
     this.#body.matrixAutoUpdate = false;
     this.#body.add(this.#box, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor, this.#faceTarget, this.#pinTarget, viewer.layer.solid);
+    this.scene.add(this.#anchor, this.#faceTarget, viewer.layer.solid);
     this.#store = new HandleStore(this.#anchor, () => ({
       scale: { uniform: true },
       apply: (state, target) => this.#moveCase(state, target),
@@ -85,11 +82,6 @@ export class Stage {
   /** What is pointed at, while points are marked. */
   get reading(): Reading | null {
     return this.#faceTarget.reading;
-  }
-
-  /** The pin that a press would remove. */
-  get pointedPin(): Pin | null {
-    return this.#pinTarget.pin;
   }
 
   /** How the viewer's world is turned in the room. */
@@ -162,10 +154,8 @@ export class Stage {
   update(time: number, eye: Vector3, pixelAngle: number): void {
     this.#store.update(time);
     this.grip.update(time);
-    const { mark } = this.#marking;
-    const marking = mark !== null;
+    const marking = this.#marking.kind !== null;
     this.#faceTarget.pointerEvents = marking ? "auto" : "none";
-    this.#pinTarget.pointerEvents = mark === "pin" ? "auto" : "none";
     this.#box.pointerEvents = marking ? "none" : "auto";
     this.grip.enabled = !marking;
     const { state, cut } = this.#viewer;

@@ -30,17 +30,25 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
     await session.stop();
   });
 
-  /** Shows as much as can be shown at once: several planes, a slab, grey faces, pins and a length. */
+  /** Shows as much as can be shown at once: several planes, a slab, grey faces, and marks. */
   async function showMuch(): Promise<void> {
     const more: [number, number, number, number, number?][] = [[0, -1, 0, -60, 60]];
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], more, clip: "exact", grey: 1 });
     await page.evaluate(() => {
       const { min, max } = window.clipgs.bounds!;
       const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
-      window.clipgs.addPin([r - 20, a, 0]);
-      window.clipgs.addPin([r + 20, a, 0], true);
+      const points: [number, number, number][] = [
+        [r - 20, a, 0],
+        [r + 20, a, 0],
+      ];
+      window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id));
+      window.clipgs.addMark({ kind: "point", points: points.slice(0, 1), name: "A point", note: "A note" });
+      window.clipgs.addMark({ kind: "length", points });
+      window.clipgs.addMark({ kind: "region", points, normal: [0, 0, -1] });
     });
-    await page.getByRole("list", { name: "Lengths" }).getByRole("listitem").first().waitFor();
+    await page.getByRole("list", { name: "Marks" }).getByRole("listitem").last().waitFor();
+    await page.getByRole("list", { name: "Marks" }).getByRole("button").first().click();
+    await page.getByRole("region", { name: "Mark", exact: true }).waitFor();
   }
 
   /** Roles and names of the controls that are not hidden, as the browser tells readers of the screen. */
@@ -81,9 +89,9 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
     for (let i = 0; i < 80; ++i) {
       const at = await page.evaluate(() => {
         const element = document.activeElement!;
-        const part = element.closest(".stage, .overlay, .bar, .panel, .cube-stage");
+        const part = element.closest(".stage, .mark-layer, .mark-card, .bar, .panel, .cube-stage");
         const { top, left } = element.getBoundingClientRect();
-        return { part: part?.classList[0] ?? "", top, left };
+        return { part: part?.classList[0] ?? "", top: top + (part?.scrollTop ?? 0), left };
       });
       if (at.part === "") {
         break; // after the last one
@@ -92,7 +100,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
       await page.keyboard.press("Tab");
     }
     const parts = seen.map(({ part }) => part).filter((part, i, all) => part !== all[i - 1]);
-    expect(parts).toEqual(["stage", "overlay", "bar", "panel", "cube-stage"]);
+    expect(parts).toEqual(["stage", "mark-layer", "mark-card", "bar", "panel", "cube-stage"]);
     for (const part of ["bar", "panel"]) {
       const within = seen.filter((one) => one.part === part);
       expect(within.length).toBeGreaterThan(3);

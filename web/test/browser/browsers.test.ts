@@ -374,16 +374,16 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
             undefined,
           );
           await page.press("i");
-          const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
-          expect(Math.abs(pin.point[0] - point[0])).toBeLessThan(1.5); // the mouse is at a whole pixel
-          expect(pin.point[2]).toBeCloseTo(0, 3);
-          expect(pin.text.replace("\u2212", "-")).toBe(await valueAt(server, pin.point));
+          const pin = (await page.evaluate(() => window.clipgs.marks)).at(-1)!;
+          expect(Math.abs(pin.points[0]![0] - point[0])).toBeLessThan(1.5); // the mouse is at a whole pixel
+          expect(pin.points[0]![2]).toBeCloseTo(0, 3);
+          expect(pin.text.replace("\u2212", "-")).toBe(await valueAt(server, pin.points[0]!));
           expect(await textOf(page, "[aria-label='Value under the pointer']")).toContain(pin.text);
         }
         await waitFor(page, () => location.hash.split("pin=").length === 4, undefined);
-        const pins = await page.evaluate(() => window.clipgs.pins);
+        const pins = await page.evaluate(() => window.clipgs.marks);
         await openViewer(page, await hashOf(page));
-        const followed = await page.evaluate(() => window.clipgs.pins);
+        const followed = await page.evaluate(() => window.clipgs.marks);
         expect(followed.map(({ text }) => text)).toEqual(pins.map(({ text }) => text));
       });
 
@@ -413,9 +413,11 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
       it("gives points the same values as clipgs render", async () => {
         for (const point of kPoints) {
           const text = await page.evaluate((p: Triple) => {
-            const there = window.clipgs.addPin(p);
-            const said = there ? window.clipgs.pins.at(-1)!.text : null;
-            window.clipgs.removePin(window.clipgs.pins.length - 1);
+            const id = window.clipgs.addMark({ kind: "point", points: [p] });
+            const said = id ? window.clipgs.marks.at(-1)!.text : null;
+            if (id) {
+              window.clipgs.removeMark(id);
+            }
             return said;
           }, point);
           expect(text?.replace("\u2212", "-")).toBe(await valueAt(server, point));

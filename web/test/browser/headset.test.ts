@@ -337,8 +337,8 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     it("measures between two points of a face, and says their values", async () => {
       await wearer.wear();
       await cutAcross();
-      await wearer.pressText("right", "Faces");
-      await wearer.pressText("right", "Measure");
+      await wearer.pressText("right", "Marks");
+      await wearer.pressText("right", "Length");
       const toRoom = await roomFromPatient();
       const plane = await page.evaluate(() => window.clipgs.state.plane);
       for (const [r, a] of [
@@ -347,24 +347,58 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       ] as const) {
         await wearer.pressAt("right", new Vector3(r, a, 0).applyMatrix4(toRoom).toArray());
       }
-      const [length] = await page.evaluate(() => window.clipgs.lengths);
-      expect(length!.mm).toBeGreaterThan(49);
-      expect(length!.mm).toBeLessThan(51);
-      expect(Math.abs(length!.from[2])).toBeLessThan(1e-3);
+      const [length] = await page.evaluate(() => window.clipgs.marks);
+      expect(length!.mm!).toBeGreaterThan(49);
+      expect(length!.mm!).toBeLessThan(51);
+      expect(Math.abs(length!.points[0]![2])).toBeLessThan(1e-3);
       expect(await page.evaluate(() => window.clipgs.state.plane), "nothing is held meanwhile").toEqual(
         plane,
       );
       const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       const middle = new Vector3(-5, 10, 0).applyMatrix4(toRoom);
-      await expect.poll(async () => await find(`${length!.mm.toFixed(1)} mm`)).not.toBeNull();
-      const tag = new Vector3(...(await find(`${length!.mm.toFixed(1)} mm`))!);
+      await expect.poll(async () => await find(`${length!.mm!.toFixed(1)} mm`)).not.toBeNull();
+      const tag = new Vector3(...(await find(`${length!.mm!.toFixed(1)} mm`))!);
       expect(tag.distanceTo(middle)).toBeLessThan(0.06);
-      const [pin] = await page.evaluate(() => window.clipgs.pins);
-      expect(pin!.text).toMatch(/ HU$/);
-      expect(await find(pin!.text)).not.toBeNull();
-      await wearer.pressText("right", "Unpin");
-      await wearer.pressText("right", "Unpin");
-      expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
+      await wearer.pressText("right", "Remove");
+      expect(await page.evaluate(() => window.clipgs.marks)).toEqual([]);
+    });
+
+    it("measures an angle and what is within an outline, and keeps marks that are pressed", async () => {
+      await wearer.wear();
+      await cutAcross();
+      await wearer.pressText("right", "Marks");
+      const toRoom = await roomFromPatient();
+      const press = async (points: readonly (readonly [number, number])[]) => {
+        for (const [r, a] of points) {
+          await wearer.pressAt("right", new Vector3(r, a, 0).applyMatrix4(toRoom).toArray());
+        }
+      };
+      const marks = () => page.evaluate(() => window.clipgs.marks);
+      await wearer.pressText("right", "Angle");
+      await press([
+        [20, 0],
+        [-20, 0],
+        [-20, 40],
+      ]);
+      expect((await marks())[0]!.degrees).toBeCloseTo(90, -1);
+      await wearer.pressText("right", "Outline");
+      await press([
+        [-20, 0],
+        [20, 0],
+        [20, 30],
+        [-20, 30],
+      ]);
+      await wearer.pressText("right", "End outline");
+      const [, outline] = await marks();
+      expect(outline!.area! / 1200).toBeGreaterThan(0.9);
+      expect(outline!.area! / 1200).toBeLessThan(1.1);
+      expect(outline!.text).toMatch(/^1[12]\.\d\d cm² · mean \S+, SD \d+ HU$/);
+      await press([[-20, 0]]); // where both have a point
+      expect((await marks()).length).toBe(2);
+      await wearer.pressText("right", "Remove");
+      await wearer.pressText("right", "Remove");
+      expect(await marks()).toEqual([]);
+      await page.evaluate(() => window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 }));
     });
 
     it("is lit by a lamp that a hand holds, before and behind it, until it is left where it is or put out", async () => {
@@ -401,29 +435,12 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       expect(await lamp()).toBe(null);
     });
 
-    it("removes a pin that is pressed while points are marked", async () => {
-      await wearer.wear();
-      await cutAcross();
-      const points: Triple[] = [
-        [-30, 10, 0],
-        [20, 10, 0],
-      ];
-      await page.evaluate((all) => all.forEach((point) => window.clipgs.addPin(point)), points);
-      await wearer.pressText("right", "Faces");
-      await wearer.pressText("right", "Pin");
-      const place = new Vector3(...points[0]!).applyMatrix4(await roomFromPatient());
-      await wearer.pressAt("right", place.toArray());
-      const left = await page.evaluate(() => window.clipgs.pins.map(({ point }) => point));
-      expect(left).toEqual([points[1]]);
-      await wearer.pressText("right", "Unpin");
-    });
-
     it("shows the cut faces alone, from both sides, and hides what is not wanted", async () => {
       await wearer.wear();
       await cutAcross();
       await page.evaluate(() => {
         window.clipgs.setGrey(1);
-        window.clipgs.addPin([20, 10, 0]);
+        window.clipgs.addMark({ kind: "point", points: [[20, 10, 0]] });
       });
       const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       const seen = async () => {
@@ -447,7 +464,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.pressText("right", "Body");
       expect(psnr(await seen(), whole).color).toBeGreaterThan(60);
 
-      const [pin] = await page.evaluate(() => window.clipgs.pins);
+      const [pin] = await page.evaluate(() => window.clipgs.marks);
       await expect.poll(() => find(pin!.text)).not.toBeNull();
       await wearer.pressText("right", "Marks");
       await expect.poll(() => find(pin!.text)).toBeNull();
@@ -457,7 +474,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.pressText("right", "Marks");
       await page.evaluate(() => {
         window.clipgs.setGrey(0);
-        window.clipgs.removePin(0);
+        window.clipgs.removeMark(window.clipgs.marks[0]!.id);
       });
     });
 

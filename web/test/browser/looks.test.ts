@@ -72,7 +72,7 @@ describe.skipIf(missing !== undefined)(
       where.evaluate(() => ({
         seen: [window.clipgs.project([10, 20, 30])!, window.clipgs.project([-30, -40, 0])!],
         state: { ...window.clipgs.state, case: "" },
-        pins: window.clipgs.pins,
+        marks: window.clipgs.marks.map(({ id }) => id),
       }));
 
     it("are offered with pictures and words, and change nothing but the look", async () => {
@@ -86,11 +86,15 @@ describe.skipIf(missing !== undefined)(
       await page.evaluate(() => {
         const { min, max } = window.clipgs.bounds!;
         const [r, s] = [0.5 * (min[0] + max[0]), 0.5 * (min[2] + max[2])];
-        window.clipgs.addPin([r - 20, 0, s]);
-        window.clipgs.addPin([r + 20, 0, s], true);
+        const points: [number, number, number][] = [
+          [r - 20, 0, s],
+          [r + 20, 0, s],
+        ];
+        window.clipgs.addMark({ kind: "point", points: points.slice(0, 1) });
+        window.clipgs.addMark({ kind: "length", points });
       });
       const before = await kept();
-      expect(before.pins.length).toBe(2);
+      expect(before.marks.length).toBe(2);
       const opener = page.getByRole("button", { name: "Look: Skin and bone" });
       await opener.click();
       await gallery().getByText("Not for diagnosis").waitFor();
@@ -106,7 +110,7 @@ describe.skipIf(missing !== undefined)(
       await page.getByRole("button", { name: "Look: Skeleton" }).waitFor();
       const after = await kept();
       expect(after.state).toEqual(before.state);
-      expect(after.pins).toEqual(before.pins);
+      expect(after.marks).toEqual(before.marks);
       after.seen.forEach(({ x, y }, i) => {
         expect(Math.hypot(x - before.seen[i]!.x, y - before.seen[i]!.y), "px").toBeLessThan(0.01);
       });
@@ -130,11 +134,11 @@ describe.skipIf(missing !== undefined)(
     it("have the marks of one that can read values where they cannot", async () => {
       const before = await kept();
       await page.evaluate(() => window.clipgs.open("solid"));
-      expect((await kept()).pins).toEqual(before.pins);
-      await page.evaluate(() => window.clipgs.removePin(1));
+      expect((await kept()).marks).toEqual(before.marks);
+      await page.evaluate(() => window.clipgs.removeMark(window.clipgs.marks[1]!.id));
       await page.evaluate(() => window.clipgs.open("skeleton"));
       const after = await kept();
-      expect(after.pins).toEqual(before.pins.slice(0, 1));
+      expect(after.marks).toEqual(before.marks.slice(0, 1));
       expect(after.state).toEqual(before.state);
     });
 

@@ -39,7 +39,7 @@ viewer.src = "head.sog";
 viewer.link = "view=30,20";
 viewer.addEventListener("error", (event) => console.log(event.message.toUpperCase()));
 api?.setPlane({ normal: [0, 0, -1], offset: 40 });
-api?.addPin(middle);
+api?.addMark({ kind: "point", points: [middle], name: "here" });
 void api?.renderToPixels(64, 64).then(({ data }) => data[0]!.toFixed());
 void api?.headset.capture().then((eyes) => eyes[0]?.camera.fl_x);
 const scale: number | undefined = api?.headset.effort.scale;

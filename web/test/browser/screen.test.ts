@@ -39,7 +39,7 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
     return { width: w, height: h, data: part };
   }
 
-  it("saves what is seen, with its title, what it is not for, pins and lengths", async () => {
+  it("saves what is seen, with its title, what it is not for, and marks", async () => {
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const key = () => page.keyboard.press("d");
     const plain = await saved(key);
@@ -66,9 +66,14 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
     const pins = await page.evaluate(() => {
       const { min, max } = window.clipgs.bounds!;
       const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
-      window.clipgs.addPin([r - 30, a, 0]);
-      window.clipgs.addPin([r + 30, a, 0], true);
-      return window.clipgs.pins.map(({ point }) => window.clipgs.project(point)!);
+      window.clipgs.addMark({
+        kind: "length",
+        points: [
+          [r - 30, a, 0],
+          [r + 30, a, 0],
+        ],
+      });
+      return window.clipgs.marks[0]!.points.map((point) => window.clipgs.project(point)!);
     });
     expect(pins.length).toBe(2);
     const marked = await saved(() => page.getByRole("button", { name: "Save a picture (D)" }).click());
@@ -88,14 +93,14 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
   it("saves and gives what was shown when it was asked for, whatever changes meanwhile", async () => {
     const shot: Shot = { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" };
     const moveOn = () => {
-      window.clipgs.removePin(0);
+      window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id));
       window.clipgs.setView({ azimuth: 80, elevation: 5 });
       window.clipgs.setPlane(null);
     };
     await show(page, shot);
-    const pin = () => page.evaluate(() => window.clipgs.addPin([0, 0, 0]));
-    await page.evaluate(() => window.clipgs.pins.forEach(() => window.clipgs.removePin(0)));
-    expect(await pin()).toBe(true);
+    const pin = () => page.evaluate(() => window.clipgs.addMark({ kind: "point", points: [[0, 0, 0]] }));
+    await page.evaluate(() => window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id)));
+    expect(await pin()).not.toBeNull();
     const still = await saved(() => page.keyboard.press("d"));
     const key = `document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "d", bubbles: true }))`;
     const meanwhile = await saved(() => page.evaluate(`${key}; (${moveOn.toString()})()`));

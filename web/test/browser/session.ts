@@ -1,5 +1,5 @@
 import { resolve } from "node:path";
-import { type Browser, chromium, type Page } from "playwright-core";
+import { type Browser, type BrowserContext, chromium, type Page } from "playwright-core";
 
 import { kChromium } from "./program";
 import { Server } from "./server";
@@ -117,6 +117,13 @@ export class Session extends Server {
     page.on("pageerror", (error) => errors.push(error.message));
     await page.goto(url);
     return page;
+  }
+
+  /** Pages that remember what others of it were told. */
+  async context(): Promise<BrowserContext> {
+    const context = await this.#browser.newContext({ ignoreHTTPSErrors: true });
+    await context.addInitScript(kExpert);
+    return context;
   }
 
   override async stop(): Promise<number | null> {

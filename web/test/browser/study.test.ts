@@ -248,8 +248,8 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     await card(page).getByText("Go on").click();
     await card(page).getByText("Start").click();
     expect(await page.locator(".panel").isVisible()).toBe(false);
-    expect(await page.evaluate(() => window.clipgs.pins.length)).toBe(1);
-    for (const part of [".case-button", ".pin button"]) {
+    expect(await page.evaluate(() => window.clipgs.marks.length)).toBe(1);
+    for (const part of [".case-button", ".mark-label button"]) {
       expect(await page.locator(part).evaluate((element) => element.closest("[inert]") !== null)).toBe(true);
     }
     const mode = () => page.evaluate(() => window.clipgs.state.mode);

@@ -50,12 +50,17 @@ describe.skipIf(missing !== undefined)(`a better version of a case${why}`, () =>
       window.clipgs.setPlane({ normal: [0, -1, 0], offset: 0 });
       window.clipgs.setGrey(0.3);
       const { min, max } = window.clipgs.bounds!;
-      window.clipgs.addPin([0.5 * (min[0] + max[0]) - 20, 0, 0.5 * (min[2] + max[2])]);
+      const point: [number, number, number] = [0.5 * (min[0] + max[0]) - 20, 0, 0.5 * (min[2] + max[2])];
+      window.clipgs.addMark({ kind: "point", points: [point], name: "here" });
     });
     await page.waitForFunction(() => window.clipgs.stats.settled);
-    const state = () => page.evaluate(() => ({ ...window.clipgs.state, pins: window.clipgs.pins }));
+    const state = () =>
+      page.evaluate(() => ({
+        ...window.clipgs.state,
+        marks: window.clipgs.marks.map(({ id, name }) => id + name),
+      }));
     const before = await state();
-    expect(before.pins).toHaveLength(1);
+    expect(before.marks).toHaveLength(1);
     const total = await page.evaluate(() => window.clipgs.stats.total);
     // Of each frame, how much light there is in the middle of the canvas.
     await page.evaluate(() => {

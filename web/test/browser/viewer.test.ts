@@ -36,6 +36,9 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await session.stop(), "exit status of clipgs serve").toBe(0);
   });
 
+  const removeMarks = () =>
+    page.evaluate(() => window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id)));
+
   it("shows on the page what it gives to scripts", async () => {
     const framed = await session.open(
       "#case=phantom&view=35,20&plane=0,-1,0,0&clip=soft&size=256x256",
@@ -298,11 +301,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await state()).toEqual({ center: 40, width: 400 });
   });
 
-  it("says values under the pointer and of pins as clipgs render does", async () => {
+  it("says values under the pointer and of points as clipgs render does", async () => {
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const { center } = await readBounds(session.cases);
     const reading = page.getByLabel("Value under the pointer");
-    const pins = page.getByRole("list", { name: "Pins" });
+    const labels = page.getByRole("list", { name: "Marks" });
     for (const [r, a] of [
       [0, 0],
       [31, 12],
@@ -316,85 +319,267 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       await page.mouse.move(at.x, at.y);
       await reading.waitFor();
       await page.keyboard.press("i");
-      const pin = (await page.evaluate(() => window.clipgs.pins)).at(-1)!;
-      expect(pin.point[0]).toBeCloseTo(center[0] + r, 0);
-      expect(pin.point[2]).toBeCloseTo(0, 3);
-      const value = await valueAt(session, pin.point);
+      const mark = (await page.evaluate(() => window.clipgs.marks)).at(-1)!;
+      const [point] = mark.points as [Triple];
+      expect(point[0]).toBeCloseTo(center[0] + r, 0);
+      expect(point[2]).toBeCloseTo(0, 3);
+      const value = await valueAt(session, point);
       expect(value).toMatch(/ HU$/);
-      expect(pin.text.replace("\u2212", "-")).toBe(value);
-      expect(await reading.textContent()).toContain(pin.text);
-      await expect.poll(() => pins.getByRole("button").last().textContent()).toBe(pin.text);
+      expect(mark.text.replace("\u2212", "-")).toBe(value);
+      expect(await reading.textContent()).toContain(mark.text);
+      await expect.poll(() => labels.getByRole("button").last().textContent()).toBe(mark.text);
     }
     await page.mouse.move(5, 300);
     await reading.waitFor({ state: "hidden" });
-    await expect.poll(() => pins.locator(".faded").count()).toBe(0);
+    await expect.poll(() => labels.locator(".faded").count()).toBe(0);
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 20], clip: "exact" });
-    await expect.poll(() => pins.locator(".faded").count()).toBe(3);
-    await pins.getByRole("button").last().click(); // it lies over the others
-    await expect.poll(() => pins.getByRole("listitem").count()).toBe(2);
-    await page.evaluate(() => [1, 0].forEach((index) => window.clipgs.removePin(index)));
-    expect(await page.evaluate(() => window.clipgs.pins)).toEqual([]);
+    await expect.poll(() => labels.locator(".faded").count()).toBe(3);
+    await removeMarks();
 
-    await page.getByRole("button", { name: "Pin", exact: true }).click();
+    await page
+      .getByRole("group", { name: "Mark", exact: true })
+      .getByRole("button", { name: "Point" })
+      .click();
     const view = await page.evaluate(() => window.clipgs.state.view);
     const at = await page.evaluate((p) => window.clipgs.project(p)!, [center[0], center[1], -20] as Triple);
     await page.mouse.click(at.x, at.y);
-    await expect.poll(() => pins.getByRole("listitem").count()).toBe(1);
+    await expect.poll(() => labels.getByRole("listitem").count()).toBe(1);
     expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
-    const pinned = await page.evaluate(() => window.clipgs.pins[0]!);
-    // Not the first pin's link: the address follows when all has been still for a while.
-    await page.waitForFunction(
-      (z) => Math.abs(Number(location.hash.split("pin=")[1]?.split(/[,&]/)[2]) - z) < 0.01,
-      pinned.point[2],
-    );
-    const visitor = await session.open(await hashOf(page), errors);
-    await visitor.evaluate(() => window.clipgs.ready);
-    const [followed] = await visitor.evaluate(() => window.clipgs.pins);
-    pinned.point.forEach((mm, axis) => expect(followed!.point[axis]).toBeCloseTo(mm, 2));
-    expect(Math.abs(followed!.value - pinned.value)).toBeLessThan(pinned.error);
-    await visitor.close();
-    expect(await page.evaluate(() => window.clipgs.addPin([1000, 0, 0]))).toBe(false);
-    await page.evaluate(() => window.clipgs.removePin(0));
+    const air: Triple = [1000, 0, 0];
+    expect(await page.evaluate((p) => window.clipgs.addMark({ kind: "point", points: [p] }), air)).toBeNull();
+    await removeMarks();
   });
 
-  it("measures between two points of a face", async () => {
+  it("measures lengths, angles, circles and outlines on a face, with labels that keep clear of each other", async () => {
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
     const { center } = await readBounds(session.cases);
-    const at = (r: number, a: number) =>
-      page.evaluate((p) => window.clipgs.project(p)!, [center[0] + r, center[1] + a, 0] as Triple);
-    const lengths = page.getByRole("list", { name: "Lengths" }).getByRole("listitem");
-    await page.getByRole("button", { name: "Measure" }).click();
+    const press = async (points: readonly (readonly [number, number])[]) => {
+      for (const [r, a] of points) {
+        const { x, y } = await page.evaluate((p) => window.clipgs.project(p)!, [
+          center[0] + r,
+          center[1] + a,
+          0,
+        ] as Triple);
+        await page.mouse.click(x, y);
+      }
+    };
+    const tool = (name: string) =>
+      page
+        .getByRole("group", { name: "Mark", exact: true })
+        .getByRole("button", { name, exact: true })
+        .click();
+    const marks = () => page.evaluate(() => window.clipgs.marks);
     const view = await page.evaluate(() => window.clipgs.state.view);
-    for (const [r, a] of [
+    await tool("Length");
+    await press([
       [-30, 0],
       [10, 30],
-    ] as const) {
-      const { x, y } = await at(r, a);
-      await page.mouse.click(x, y);
-    }
-    await expect.poll(() => lengths.count()).toBe(1);
-    const [length] = await page.evaluate(() => window.clipgs.lengths);
+    ]);
+    await tool("Angle");
+    await press([
+      [-30, 0],
+      [0, 0],
+      [0, 30],
+    ]);
+    await tool("Circle");
+    await press([
+      [0, 0],
+      [10, 0],
+    ]);
+    await tool("Outline");
+    await press([
+      [-20, -20],
+      [20, -20],
+      [20, 10],
+      [-20, 10],
+      [-20, -20],
+    ]);
+    const [length, angle, circle, outline] = await marks();
     expect(length!.mm).toBeCloseTo(50, 0);
-    expect(await lengths.first().textContent()).toBe(`${length!.mm.toFixed(1)} mm`);
-    const box = (await lengths.first().boundingBox())!;
-    const middle = await at(-10, 15);
-    expect(Math.hypot(box.x + 0.5 * box.width - middle.x, box.y + 0.5 * box.height - middle.y)).toBeLessThan(
-      5,
-    );
+    expect(length!.text).toBe(`${length!.mm!.toFixed(1)} mm`);
+    expect(Math.abs(angle!.degrees! - 90)).toBeLessThan(5);
+    expect(circle!.area! / (100 * Math.PI)).toBeGreaterThan(0.8);
+    expect(circle!.area! / (100 * Math.PI)).toBeLessThan(1.2);
+    expect(outline!.area! / 1200).toBeGreaterThan(0.9);
+    expect(outline!.area! / 1200).toBeLessThan(1.1);
+    expect(outline!.mean).not.toBeNull();
+    expect(outline!.text).toContain(" cm² · mean ");
     expect(await page.evaluate(() => window.clipgs.state.view)).toEqual(view);
-    await page.waitForFunction(() => /&pin=[-\d.,]+&to=/.test(location.hash));
+    await page.waitForFunction(() => /&length=.*&angle=.*&region=.*&outline=/.test(location.hash));
 
-    const end = await at(10, -20);
-    await page.mouse.move(end.x, end.y);
+    const labels = page.getByRole("list", { name: "Marks" }).getByRole("listitem");
+    await expect.poll(() => labels.count()).toBe(4);
+    const boxes = await Promise.all((await labels.all()).map(async (label) => (await label.boundingBox())!));
+    boxes.forEach((a, i) =>
+      boxes.slice(i + 1).forEach((b) => {
+        const apart =
+          a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
+        expect(apart, JSON.stringify([a, b])).toBe(true);
+      }),
+    );
+    await removeMarks();
+
+    const at = async (r: number, a: number) => {
+      const { x, y } = await page.evaluate((p) => window.clipgs.project(p)!, [
+        center[0] + r,
+        center[1] + a,
+        0,
+      ] as Triple);
+      await page.mouse.move(x, y);
+    };
+    await at(10, -20);
     await page.keyboard.press("l"); // from here
-    const other = await at(10, 0);
-    await page.mouse.move(other.x, other.y);
+    await at(10, 0);
     await page.keyboard.press("l"); // to there
-    await expect.poll(() => lengths.count()).toBe(2);
-    expect((await page.evaluate(() => window.clipgs.lengths))[1]!.mm).toBeCloseTo(20, 0);
-    await page.evaluate(() => [3, 2, 1].forEach((index) => window.clipgs.removePin(index)));
-    await expect.poll(() => lengths.count()).toBe(0);
-    await page.evaluate(() => window.clipgs.removePin(0));
+    expect((await marks())[0]!.mm).toBeCloseTo(20, 0);
+    await removeMarks();
+  });
+
+  it("names marks, removes them by a button alone, and brings them back", async () => {
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const { center } = await readBounds(session.cases);
+    const points = [
+      [center[0] - 20, center[1], 0],
+      [center[0] + 20, center[1], 0],
+    ] as Triple[];
+    await page.evaluate((all) => window.clipgs.addMark({ kind: "length", points: all }), points);
+    const label = page.getByRole("list", { name: "Marks" }).getByRole("button");
+    const marks = () => page.evaluate(() => window.clipgs.marks);
+    await label.click();
+    const card = page.getByRole("region", { name: "Mark", exact: true });
+    await card.getByLabel("Name").fill("Nodule axis");
+    await card.getByLabel("Note").fill("grown since May");
+    expect((await marks())[0]).toMatchObject({ name: "Nodule axis", note: "grown since May" });
+    await expect.poll(() => label.textContent()).toBe("Nodule axis · 40.0 mm");
+    await label.click(); // once more
+    await card.waitFor({ state: "hidden" });
+    expect((await marks()).length).toBe(1);
+    await page.waitForFunction(() => location.hash.includes("name=Nodule%20axis&note=grown"));
+
+    await page.getByRole("button", { name: /^Remove Nodule axis/ }).click();
+    expect(await marks()).toEqual([]);
+    await page.locator("canvas").focus();
+    await page.keyboard.press("Control+z");
+    expect((await marks())[0]!.name).toBe("Nodule axis");
+    await label.click();
+    await page.locator("canvas").focus();
+    await page.keyboard.press("Delete");
+    expect(await marks()).toEqual([]);
+  });
+
+  it("keeps marks of a case in the browser, and as files", async () => {
+    const context = await session.context();
+    const visit = async (hash: string) => {
+      const visitor = await context.newPage();
+      await visitor.goto(session.url + hash);
+      await visitor.waitForFunction(() => window.clipgs !== undefined);
+      await visitor.evaluate(() => window.clipgs.ready);
+      return visitor;
+    };
+    const shot = "#case=phantom&view=10,60&plane=0,0,-1,0";
+    const first = await visit(shot);
+    const { center } = await readBounds(session.cases);
+    await first.evaluate(
+      (point) => {
+        window.clipgs.addMark({ kind: "point", points: [point], name: "Größe" });
+        window.clipgs.addMark({ kind: "point", points: [[point[0] + 15, point[1], point[2]]] });
+      },
+      [...center] as Triple,
+    );
+    const marks = (where: Page) =>
+      where.evaluate(() => window.clipgs.marks.map(({ id, name }) => ({ id, name })));
+    const made = await marks(first);
+    await first.waitForFunction(() =>
+      Object.keys(localStorage).some((key) => key.startsWith("clipgs.marks.")),
+    );
+    const saving = first.waitForEvent("download");
+    await first.getByRole("button", { name: "Save marks" }).click();
+    const file = await saving;
+    expect(file.suggestedFilename()).toBe("phantom.marks.json");
+    const path = join(session.folder, "marks.json");
+    await file.saveAs(path);
+    await first.close();
+
+    const again = await visit(shot);
+    expect(await marks(again)).toEqual(made);
+    const linked = await visit(`${shot}&pin=${center.join()}`); // a link says what is shown
+    expect((await marks(linked)).length).toBe(1);
+    await linked.close();
+    await again.evaluate((id) => window.clipgs.removeMark(id), made[0]!.id);
+    await again.close();
+    const third = await visit(shot);
+    expect(await marks(third)).toEqual(made.slice(1));
+
+    const open = (name: string) => third.locator("input[type=file]").setInputFiles(name);
+    await open(path);
+    await expect.poll(() => marks(third)).toHaveLength(2);
+    const other = join(session.folder, "other.json");
+    writeFileSync(other, JSON.stringify({ ...JSON.parse(readFileSync(path, "utf8")), clipgs_marks: 9 }));
+    await open(other);
+    await third
+      .getByRole("alert")
+      .getByText(/other\.json: of a version/)
+      .waitFor();
+    expect(await marks(third)).toHaveLength(2);
+    await context.close();
+  });
+
+  it("shows everybody the marks beside a case, and keeps in the browser what somebody changes", async () => {
+    const context = await session.context();
+    const file = join(session.cases, "phantom.marks.json");
+    const visit = async () => {
+      const visitor = await context.newPage();
+      await visitor.goto(`${session.url}#case=phantom&view=10,60&plane=0,0,-1,0`);
+      await visitor.waitForFunction(() => window.clipgs !== undefined);
+      await visitor.evaluate(() => window.clipgs.ready);
+      return visitor;
+    };
+    const names = (where: Page) => where.evaluate(() => window.clipgs.marks.map(({ name }) => name));
+    const point = (id: string, x: number) => ({ id, kind: "point", name: id, points: [[x, 0, 0]] });
+    const text = JSON.stringify({ clipgs_marks: 1, volume: "", marks: [point("a", 0), point("b", 5)] });
+    writeFileSync(file, text);
+    const first = await visit();
+    expect(await names(first)).toEqual(["a", "b"]);
+    await first.evaluate(() => window.clipgs.removeMark("a"));
+    await first.evaluate(() => window.clipgs.describeMark("b", { name: "mine" }));
+    await first.close();
+    const again = await visit();
+    expect(await names(again)).toEqual(["mine"]);
+    expect(readFileSync(file, "utf8")).toBe(text);
+    await context.close();
+    rmSync(file);
+  });
+
+  it("takes a movement for one step, however long it pauses", async () => {
+    await show(page, { view: [35, 20, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    const slider = page.getByRole("slider", { name: "Position of the plane, mm" });
+    await slider.scrollIntoViewIfNeeded();
+    const { x, y, width, height } = (await slider.boundingBox())!;
+    const offset = () => page.evaluate(() => window.clipgs.state.plane!.offset);
+    await page.waitForTimeout(600);
+    const before = await offset();
+    await page.mouse.move(x + 0.5 * width, y + 0.5 * height);
+    await page.mouse.down();
+    for (const share of [0.55, 0.65, 0.75]) {
+      await page.mouse.move(x + share * width, y + 0.5 * height);
+      await page.waitForTimeout(600);
+    }
+    await page.mouse.up();
+    expect(Math.abs((await offset()) - before)).toBeGreaterThan(1);
+    await page.locator("canvas").focus();
+    await page.keyboard.press("Control+z");
+    expect(await offset()).toBeCloseTo(before, 6);
+  });
+
+  it("has all that is shown in its link: what is hidden, and which plane is moved", async () => {
+    const hash = "#case=phantom&view=35,20&plane=0,0,-1,0&plane=0,-1,0,10&active=1&hide=body,handle";
+    const visitor = await session.open(hash, errors);
+    await visitor.evaluate(() => window.clipgs.ready);
+    const state = await visitor.evaluate(() => window.clipgs.state);
+    expect(state.layers).toEqual({ body: false, faces: true, marks: true });
+    expect(state.plane!.normal).toEqual([0, -1, 0]);
+    await visitor.waitForFunction(() => /active=1&.*hide=body,handle/.test(location.hash));
+    await visitor.close();
   });
 
   it("says so where a case has no section volume", async () => {
@@ -526,8 +711,10 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       expect(psnr(got, truth).color, `${name}, state ${state}, ${clip}`).toBeGreaterThan(kMinAlike);
       expect(psnr(got, truth).alpha, `${name}, state ${state}, ${clip}`).toBeGreaterThan(kMinAlike);
       const said = /^state (\d+) of (\d+): (-?[\d.]+) mm$/.exec(printed.trim())!;
-      const readout = `State ${said[1]} / ${said[2]} · ${said[3]!.replace("-", "\u2212")} mm`;
-      expect(await page.getByText(readout, { exact: true }).isVisible(), readout).toBe(true);
+      const readout = new RegExp(
+        `^State ${said[1]} / ${said[2]} · [A-Z]+ ${said[3]!.replace("-", "\u2212")} mm$`,
+      );
+      expect(await page.getByText(readout).isVisible(), String(readout)).toBe(true);
     }
     await choose(page, "phantom");
     rmSync(own);
@@ -564,7 +751,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await slider.fill("42");
     await slider.press("ArrowUp");
     expect((await state()).state).toBe(43);
-    expect(await slider.getAttribute("aria-valuetext")).toMatch(/^State 43 \/ 200 · \u2212?\d+\.\d\d mm$/);
+    expect(await slider.getAttribute("aria-valuetext")).toMatch(/^State 43 \/ 200 · S \u2212?\d+\.\d\d mm$/);
     await page.mouse.move(300, 300);
     await page.keyboard.down("Alt");
     const scale = await page.evaluate(() => devicePixelRatio); // the driver's pixels are not of CSS

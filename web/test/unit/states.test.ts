@@ -107,6 +107,6 @@ describe("states", () => {
   });
 
   it("are said with their numbers", () => {
-    expect(stateText(read({}), 7)).toBe("State 7 / 50 · \u22126.00 mm");
+    expect(stateText(read({}), 7)).toBe("State 7 / 50 · S \u22126.00 mm");
   });
 });

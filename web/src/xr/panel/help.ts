@@ -8,6 +8,9 @@ export const kHelp: [string, string][] = [
   ["Both hands on the case", "turn it, and make it larger or smaller"],
   ["Stick forward or back", "slides the plane"],
   ["Button A or X, or the button on a bare wrist", "puts this panel before you; the bar at its top moves it"],
-  ["Pin or Measure, then trigger or pinch at a face", "marks the point; Pin at a mark removes it"],
+  [
+    "A kind of mark, then trigger or pinch at a face",
+    "marks the point; the panel lists marks and removes them",
+  ],
   ["The cube above", "shows how the patient lies; a side that is pressed is turned to you"],
 ];

@@ -20,7 +20,8 @@ import { kRigs } from "../../model/rigs";
 import { type CaseGroup, countText, groupCases, type Look } from "../../model/looks";
 import type { Layers } from "../../model/layers";
 import { kOrientations, type Orientation, orientationOf, planeText } from "../../model/planes";
-import type { Marking } from "../../model/pins";
+import type { Marking } from "../../model/marking";
+import { type Mark, type MarkKind, markText, measure } from "../../model/marks";
 import type { Mode } from "../../model/states";
 import { capital } from "../../model/values";
 import type { Study } from "../../study/study";
@@ -78,16 +79,18 @@ const kOrder = 2;
 
 const kOperators = { hard: "Hard", soft: "Soft", exact: "Exact" } as const;
 
-const kTabs = {
-  cut: "Cut",
-  faces: "Faces",
-  layers: "Layers",
-  cases: "Cases",
-  view: "View",
-  help: "Help",
-} as const;
+const kMarkNames: Readonly<Record<MarkKind, string>> = {
+  point: "Point",
+  length: "Length",
+  angle: "Angle",
+  region: "Circle",
+  outline: "Outline",
+};
+
+const kCaseTabs = { cut: "Cut", faces: "Faces", marks: "Marks", layers: "Layers" } as const;
+const kOtherTabs = { cases: "Cases", view: "View", help: "Help" } as const;
 /** Looks have no tab where all are, but a button that is there where the volume has several. */
-type Tab = keyof typeof kTabs | "looks";
+type Tab = keyof typeof kCaseTabs | keyof typeof kOtherTabs | "looks";
 
 /** Of cases that have one. */
 type Pictures = ReadonlyMap<CaseSummary, Texture | null>;
@@ -146,11 +149,13 @@ export class Panel {
   readonly #windows = row();
   readonly #cards = column({ gap: 6 });
   readonly #looks = column({ gap: 6 });
+  readonly #listed = column({ gap: 6 }); // marks
   readonly #wristButtons: readonly WristButton[];
   readonly #move: HandleStore<unknown>;
   readonly #release: () => void;
   readonly #textures = new TextureLoader();
   readonly #pictures = new Map<string, Promise<Texture | null>>();
+  #shownMarks: readonly Mark[] = [];
   #shownWindows: ReadonlyMap<string, Window> = new Map();
   #atRight = false; // of what the eyes look at
   #stale = false;
@@ -166,7 +171,7 @@ export class Panel {
     this.#actions = actions;
     this.#marking = marking;
     this.#host = host;
-    this.#marks = new RoomMarks(viewer, () => this.#font.families());
+    this.#marks = new RoomMarks(viewer, (text) => this.#font.families(text));
     this.#letters = new OrientationLetters(this.#font.families());
     this.#cube = new OrientationCube((side) => host.turnTo(side), kOrder);
     const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
@@ -190,13 +195,11 @@ export class Panel {
     );
     this.#own = column(
       { gap: 10, display: computed(() => (this.#studying.value ? "none" : "flex")) },
-      choice<keyof typeof kTabs>(
-        kTabs,
-        computed(() => (this.#tab.value === "looks" ? null : this.#tab.value)),
-        (tab) => this.show(tab),
-      ),
+      choice<Tab>(kCaseTabs as Record<Tab, string>, this.#tab, (tab) => this.show(tab)),
+      choice<Tab>(kOtherTabs as Record<Tab, string>, this.#tab, (tab) => this.show(tab)),
       ...this.#cut(),
       ...this.#faces(),
+      ...this.#markTab(),
       ...this.#layers(),
       this.#scrolled("cases", this.#cards),
       this.#scrolled("looks", this.#looks),
@@ -214,7 +217,7 @@ export class Panel {
     this.crowd.parts.position.y = kTop;
     this.object.add(this.#board.add(this.crowd.parts.add(this.#root)));
     this.object.add(this.#marks.object, this.#letters.object, this.#cube.object);
-    // Nobody presses these; what marks a point or removes a pin is the stage's.
+    // Nobody presses these; what marks a point is the stage's.
     this.#marks.object.intersectChildren = this.#letters.object.intersectChildren = false;
     this.#wristButtons = host.wrists.map(
       (wrist) => new WristButton(wrist, "Panel", this.#font.families(), () => host.summon()),
@@ -247,12 +250,12 @@ export class Panel {
     this.#message.value = message;
   }
 
-  /** Where this text is, of its own, a mark's or a letter, or the cube's side of this name, in the room; null: it is
+  /** Where this text is, of a mark, its own, or a letter, or the cube's side of this name, in the room; null: it is
    * not shown, or on a button that cannot be pressed. */
   find(text: string): Vector3 | null {
     return (
-      findText(this.#root, text) ??
       this.#marks.find(text) ??
+      findText(this.#root, text) ??
       this.#letters.find(text) ??
       this.#cube.find(text)
     );
@@ -292,6 +295,7 @@ export class Panel {
       this.#stale = false;
       this.#refreshed = time;
       this.#showWindows();
+      this.#showMarks();
       this.#updateStudy();
       ++this.#version.value;
     }
@@ -306,8 +310,8 @@ export class Panel {
     if (this.#lettered && bounds) {
       this.#letters.update(bounds, stage.roomFromPatient, eye, delta);
     }
-    const { reading, pointedPin, roomFromPatient } = stage;
-    this.#marks.update(reading, pointedPin, roomFromPatient, eye, stage.toPatient(eye), delta);
+    const { reading, roomFromPatient } = stage;
+    this.#marks.update(reading, roomFromPatient, eye, stage.toPatient(eye), delta);
     this.#cube.place(this.#inRoom(this.#cubePlace.copy(kCube)), stage.quaternion);
     this.#updateCrowd();
   }
@@ -484,7 +488,7 @@ export class Panel {
   }
 
   #faces(): (Container | Text)[] {
-    const [viewer, marking] = [this.#viewer, this.#marking];
+    const viewer = this.#viewer;
     const tab = (element: Container | Text, where?: () => boolean) => this.#only("faces", element, where);
     const byVolume = () => this.#byVolume;
     const canChangeRig = () => byVolume() && viewer.canChangeRig === true;
@@ -578,20 +582,53 @@ export class Panel {
         ),
         isGrey,
       ),
+    ];
+  }
+
+  /** What can be marked, and what is. */
+  #markTab(): (Container | Text)[] {
+    const [viewer, marking] = [this.#viewer, this.#marking];
+    const tab = (element: Container | Text, where?: () => boolean) => this.#only("marks", element, where);
+    const tool = (kind: MarkKind) =>
+      button(kMarkNames[kind], () => this.#set(() => marking.toggle(kind)), {
+        pressed: computed(() => marking.kind === kind),
+      });
+    const hasSection = () => viewer.section !== null;
+    return [
+      tab(row(tool("point"), tool("length"), tool("angle")), hasSection),
       tab(
         row(
-          ...(["pin", "length"] as const).map((mark) =>
-            button(mark === "pin" ? "Pin" : "Measure", () => this.#set(() => marking.toggle(mark)), {
-              pressed: this.#live(() => marking.mark === mark),
-            }),
-          ),
-          button("Unpin", () => viewer.removePin(viewer.state.pins.length - 1), {
-            enabled: this.#live(() => viewer.state.pins.length > 0),
+          tool("region"),
+          tool("outline"),
+          button("End outline", () => this.#set(() => marking.finish()), {
+            enabled: computed(() => marking.kind === "outline" && marking.points.length > 2),
           }),
         ),
-        () => viewer.section !== null,
+        hasSection,
       ),
+      this.#scrolled("marks", this.#listed),
     ];
+  }
+
+  #showMarks(): void {
+    const { marks } = this.#viewer.state;
+    if (marks === this.#shownMarks) {
+      return;
+    }
+    this.#shownMarks = marks;
+    const texts = marks.map((mark) => markText(mark, measure(mark, this.#viewer.section)));
+    this.#root.setProperties({ fontFamilies: this.#font.families(texts.join("")) });
+    replaceChildren(
+      this.#listed,
+      marks.map((mark, i) => {
+        const remove = button("Remove", () => this.#viewer.store.removeMark(mark.id));
+        remove.setProperties({ flexGrow: 0, flexBasis: 90 });
+        return row(
+          column({ flexGrow: 1, flexShrink: 1, justifyContent: "center" }, label(texts[i]!)),
+          remove,
+        );
+      }),
+    );
   }
 
   #layers(): (Container | Text)[] {

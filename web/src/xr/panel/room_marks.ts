@@ -2,14 +2,16 @@ import type { FontFamilies } from "@pmndrs/uikit";
 import {
   CylinderGeometry,
   Group,
+  InstancedMesh,
   type Matrix4,
   Mesh,
   MeshBasicMaterial,
+  Object3D,
   SphereGeometry,
   Vector3,
 } from "three";
 
-import { type Length, lengthsOf, lengthText, type Pin } from "../../model/pins";
+import { anchorOf, linesOf, type Mark, markText, measure } from "../../model/marks";
 import { type Reading, valueText } from "../../model/values";
 import type { Viewer } from "../../viewer";
 import { kOverCase, Tag } from "./tag";
@@ -19,11 +21,20 @@ const kDot = 0.006;
 const kLine = 0.0025;
 const kFaded = 0.3;
 
-/** Pins with their values, lengths between them, and the value where a hand points, in the room. */
+/** A mark as it stands in the room. */
+interface Standing {
+  mark: Mark;
+  dots: readonly Mesh[];
+  lines: InstancedMesh; // a cylinder from point to point
+  ends: readonly (readonly [Vector3, Vector3])[]; // of these, RAS mm
+  tag: Tag;
+}
+
+/** Marks with what they measure, and the value where a hand points, in the room. */
 export class RoomMarks {
   readonly object = new Group();
   readonly #viewer: Viewer;
-  readonly #families: () => FontFamilies;
+  readonly #families: (text: string) => FontFamilies;
   readonly #dot = new SphereGeometry(kDot, 12, 8);
   readonly #line = new CylinderGeometry(kLine, kLine, 1, 8).rotateX(Math.PI / 2);
   readonly #seen = new MeshBasicMaterial({ color: 0xffffff, depthTest: false });
@@ -33,59 +44,64 @@ export class RoomMarks {
     transparent: true,
     opacity: kFaded,
   });
-  readonly #pointed = new MeshBasicMaterial({ color: 0xff8f7f, depthTest: false });
-  readonly #placed = new Group(); // pins and lengths
+  readonly #placed = new Group(); // all but the cursor
   readonly #cursor: Tag;
   readonly #point = new Vector3(); // scratch
   readonly #end = new Vector3();
-  #pins: readonly Pin[] = [];
-  #lengths: readonly Length[] = [];
-  #dots: Mesh[] = [];
-  #lines: Mesh[] = [];
-  #tags: Tag[] = []; // of pins, then of lengths
+  readonly #segment = new Object3D();
+  #marks: readonly Mark[] = [];
+  #section: unknown = null; // whose values the tags say
+  #standing: readonly Standing[] = [];
 
-  constructor(viewer: Viewer, families: () => FontFamilies) {
+  /** `families` are those that a text is drawn with. */
+  constructor(viewer: Viewer, families: (text: string) => FontFamilies) {
     this.#viewer = viewer;
     this.#families = families;
-    this.#cursor = new Tag(families(), "above");
+    this.#cursor = new Tag(families(""), "above");
     this.object.add(this.#placed, this.#cursor.object);
   }
 
-  /** Before a frame: `reading` or `pointed` is pointed at, `eye` is where it is seen from, in the room. */
+  /** Before a frame: `reading` is pointed at, `eye` is where it is seen from, in the room. */
   update(
     reading: Reading | null,
-    pointed: Pin | null,
     roomFromPatient: Matrix4,
     eye: Vector3,
     patientEye: Vector3,
     delta: number,
   ): void {
-    const { pins, layers } = this.#viewer.state;
-    this.#placed.visible = layers.marks;
-    if (pins !== this.#pins) {
-      this.#pins = pins;
+    const { state, section } = this.#viewer;
+    this.#placed.visible = state.layers.marks;
+    if (state.marks !== this.#marks || section !== this.#section) {
+      this.#marks = state.marks;
+      this.#section = section;
       this.#build();
     }
     const inRoom = (point: Vector3, to: Vector3) => to.copy(point).applyMatrix4(roomFromPatient);
-    pins.forEach((pin, i) => {
-      const dot = this.#dots[i]!;
-      inRoom(pin.point, dot.position);
-      dot.scale.setScalar(dot.position.distanceTo(eye));
-      const seen = this.#viewer.picking.isSeen(pin.point, patientEye);
-      dot.material = pin === pointed ? this.#pointed : seen ? this.#seen : this.#faded;
-      this.#tags[i]!.object.visible = seen;
-      this.#tags[i]!.place(dot.position, eye, delta);
-    });
-    this.#lengths.forEach(({ from, to }, i) => {
-      inRoom(from, this.#point);
-      inRoom(to, this.#end);
-      const line = this.#lines[i]!;
-      line.position.lerpVectors(this.#point, this.#end, 0.5);
-      const away = line.position.distanceTo(eye);
-      line.scale.set(away, away, Math.max(1e-6, this.#point.distanceTo(this.#end)));
-      line.lookAt(this.#end);
-      this.#tags[pins.length + i]!.place(line.position, eye, delta);
-    });
+    for (const { mark, dots, lines, ends, tag } of this.#standing) {
+      const seen = mark.points.some((point) => this.#viewer.picking.isSeen(point, patientEye));
+      const material = seen ? this.#seen : this.#faded;
+      mark.points.forEach((point, i) => {
+        const dot = dots[i]!;
+        inRoom(point, dot.position);
+        dot.scale.setScalar(dot.position.distanceTo(eye));
+        dot.material = material;
+      });
+      ends.forEach(([from, to], i) => {
+        inRoom(from, this.#point);
+        inRoom(to, this.#end);
+        const segment = this.#segment;
+        segment.position.lerpVectors(this.#point, this.#end, 0.5);
+        const away = segment.position.distanceTo(eye);
+        segment.scale.set(away, away, Math.max(1e-6, this.#point.distanceTo(this.#end)));
+        segment.lookAt(this.#end);
+        segment.updateMatrix();
+        lines.setMatrixAt(i, segment.matrix);
+      });
+      lines.instanceMatrix.needsUpdate = true;
+      lines.material = material;
+      tag.object.visible = seen || ends.length > 0;
+      tag.place(inRoom(anchorOf(mark), this.#point), eye, delta);
+    }
     this.#cursor.object.visible = reading !== null;
     if (reading) {
       this.#cursor.text.value = valueText(reading);
@@ -95,7 +111,7 @@ export class RoomMarks {
 
   /** Where this text stands, in the room; null: it is not shown. */
   find(text: string): Vector3 | null {
-    const tags = [this.#cursor, ...(this.#placed.visible ? this.#tags : [])];
+    const tags = [this.#cursor, ...(this.#placed.visible ? this.#standing.map(({ tag }) => tag) : [])];
     const tag = tags.find((one) => one.object.visible && one.text.value === text);
     return tag?.object.position.clone() ?? null;
   }
@@ -103,30 +119,40 @@ export class RoomMarks {
   dispose(): void {
     this.#clear();
     this.#cursor.dispose();
-    [this.#dot, this.#line, this.#seen, this.#faded, this.#pointed].forEach((one) => one.dispose());
+    [this.#dot, this.#line, this.#seen, this.#faded].forEach((one) => one.dispose());
   }
 
   #build(): void {
     this.#clear();
-    this.#lengths = lengthsOf(this.#pins);
-    this.#dots = this.#pins.map(() => new Mesh(this.#dot, this.#seen));
-    this.#lines = this.#lengths.map(() => new Mesh(this.#line, this.#seen));
-    const texts = [...this.#pins.map(valueText), ...this.#lengths.map(lengthText)];
-    this.#tags = texts.map((text, i) => {
-      const tag = new Tag(this.#families(), i < this.#pins.length ? "above" : "below");
-      tag.text.value = text;
-      return tag;
-    });
-    for (const mesh of [...this.#dots, ...this.#lines]) {
-      mesh.renderOrder = kOverCase;
-    }
-    for (const object of [...this.#dots, ...this.#lines, ...this.#tags.map((tag) => tag.object)]) {
-      this.#placed.add(object);
+    this.#standing = this.#marks.map((mark) => this.#stand(mark));
+    for (const { dots, lines, tag } of this.#standing) {
+      for (const mesh of [...dots, lines]) {
+        mesh.renderOrder = kOverCase;
+      }
+      this.#placed.add(...dots, lines, tag.object);
     }
   }
 
+  #stand(mark: Mark): Standing {
+    const ends = linesOf(mark).flatMap((line) =>
+      line.slice(1).map((to, i): [Vector3, Vector3] => [line[i]!, to]),
+    );
+    const dots = mark.points.map(() => new Mesh(this.#dot, this.#seen));
+    const lines = new InstancedMesh(this.#line, this.#seen, Math.max(1, ends.length));
+    lines.visible = ends.length > 0;
+    lines.frustumCulled = false; // its instances move
+    const text = markText(mark, measure(mark, this.#viewer.section));
+    const tag = new Tag(this.#families(text), ends.length > 0 ? "below" : "above");
+    tag.text.value = text;
+    return { mark, dots, lines, ends, tag };
+  }
+
   #clear(): void {
-    this.#placed.remove(...this.#dots, ...this.#lines);
-    this.#tags.forEach((tag) => tag.dispose());
+    for (const { dots, lines, tag } of this.#standing) {
+      this.#placed.remove(...dots, lines);
+      lines.dispose();
+      tag.dispose();
+    }
+    this.#standing = [];
   }
 }

@@ -1,0 +1,99 @@
+import { Vector3 } from "three";
+
+import { JsonReader } from "../sog/json_reader";
+import { CaseError } from "../sog/zip";
+import {
+  isShape,
+  kLongestName,
+  kLongestNote,
+  kMarkKinds,
+  kMostCorners,
+  kMostMarks,
+  type Mark,
+} from "./marks";
+
+// Marks of a case as a file: docs/format.md.
+
+const kVersion = 1;
+const kLongestId = 40;
+const kDigits = 1000; // µm are enough
+
+interface Point {
+  [axis: number]: number;
+}
+
+/** What a file holds of marks of a volume; "": that is not known. */
+export function formatMarks(marks: readonly Mark[], volume: string): string {
+  const rounded = (point: Vector3): Point => point.toArray().map((mm) => Math.round(mm * kDigits) / kDigits);
+  const all = marks.map(({ id, kind, points, normal, name, note }) => ({
+    id,
+    kind,
+    points: points.map(rounded),
+    ...(normal ? { normal: normal.toArray() } : {}),
+    ...(name ? { name } : {}),
+    ...(note ? { note } : {}),
+  }));
+  return JSON.stringify({ clipgs_marks: kVersion, volume, marks: all });
+}
+
+function readMark(reader: JsonReader): Mark {
+  const kind = kMarkKinds.find((one) => one === reader.value("kind")) ?? reader.fail("kind");
+  const flat = kind === "region" || kind === "outline";
+  const listed = reader.value("points");
+  if (!Array.isArray(listed) || listed.length > kMostCorners) {
+    reader.fail("points");
+  }
+  const points = listed.map((point: unknown) => {
+    const numbers = Array.isArray(point) ? (point as number[]) : [];
+    return new Vector3(...(numbers.length === 3 ? numbers : [NaN, NaN, NaN]));
+  });
+  const normal = flat ? new Vector3(...reader.vector("normal")) : null;
+  const text = (key: string, longest: number) => (reader.has(key) ? reader.text(key).slice(0, longest) : "");
+  const mark: Mark = {
+    id: reader.text("id").slice(0, kLongestId),
+    kind,
+    points,
+    normal: normal && normal.normalize(),
+    name: text("name", kLongestName),
+    note: text("note", kLongestNote),
+  };
+  return isShape(mark) && (normal?.length() ?? 1) > 0.5 ? mark : reader.fail("points");
+}
+
+/**
+ * Reads marks of `volume`; `name` is what errors call the file. Throws CaseError where it is not one, is of a newer
+ * version or of another volume, or holds too many.
+ */
+export function parseMarks(text: string, name: string, volume: string): Mark[] {
+  let file: unknown;
+  try {
+    file = JSON.parse(text);
+  } catch {
+    throw new CaseError(`${name}: not a file of marks`);
+  }
+  const reader = new JsonReader(file, "marks", { name, remedy: "save the marks again" });
+  if (!reader.has("clipgs_marks")) {
+    throw new CaseError(`${name}: not a file of marks`);
+  }
+  if (reader.value("clipgs_marks") !== kVersion) {
+    throw new CaseError(`${name}: of a version that this viewer does not know; use a newer clipgs`);
+  }
+  const of = reader.text("volume");
+  if (of !== "" && volume !== "" && of !== volume) {
+    throw new CaseError(`${name}: marks of another volume; open its case first`);
+  }
+  const listed = reader.value("marks");
+  if (Array.isArray(listed) && listed.length > kMostMarks) {
+    throw new CaseError(
+      `${name}: holds ${listed.length} marks, of which no more than ${kMostMarks} can be shown`,
+    );
+  }
+  const marks = reader.children("marks", kMostMarks).map(readMark);
+  return [...new Map(marks.map((mark) => [mark.id, mark])).values()];
+}
+
+/** All marks of both; of one that both have, that of `newer`. */
+export function mergedMarks(older: readonly Mark[], newer: readonly Mark[]): Mark[] {
+  const all = new Map([...older, ...newer].map((mark) => [mark.id, mark]));
+  return [...all.values()].slice(0, kMostMarks);
+}

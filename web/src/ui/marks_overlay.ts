@@ -1,0 +1,304 @@
+import { signal, untracked } from "@preact/signals-core";
+import type { Vector3 } from "three";
+
+import type { Follow } from "../model/follower";
+import { type Label, layOut, type Place, type Size } from "../model/label_layout";
+import type { Marking } from "../model/marking";
+import {
+  anchorOf,
+  linesOf,
+  type Mark,
+  type MarkKind,
+  type MarkShape,
+  markText,
+  measure,
+  measureText,
+} from "../model/marks";
+import { texts } from "../text/text";
+import type { Viewer } from "../viewer";
+import { follow, h, svg } from "./dom";
+
+/** A label that is farther from what it is about has a line to it, px. */
+const kLeader = 14;
+
+/** A mark as it is drawn. */
+interface Drawn {
+  mark: Mark;
+  text: string;
+  label: HTMLElement;
+  lines: SVGElement;
+  leader: SVGElement; // from its label, where that is away from it
+  dots: readonly SVGElement[];
+  choice: number | undefined; // where its label stood last
+}
+
+/** What is said of a mark, read again only where the section is another. */
+export class MarkTexts {
+  readonly #viewer: Viewer;
+  #section: unknown;
+  #known = new WeakMap<Mark, string>();
+
+  constructor(viewer: Viewer) {
+    this.#viewer = viewer;
+  }
+
+  of(mark: Mark): string {
+    const { section } = this.#viewer;
+    if (section !== this.#section) {
+      this.#section = section;
+      this.#known = new WeakMap();
+    }
+    let text = this.#known.get(mark);
+    if (text === undefined) {
+      text = markText(mark, measure(mark, section)) || texts().marks.kinds[mark.kind];
+      this.#known.set(mark, text);
+    }
+    return text;
+  }
+}
+
+/** Marks over the picture, with labels that keep clear of each other; a press on a label chooses its mark. */
+export class MarksOverlay {
+  readonly element: HTMLElement;
+  /** The mark that is chosen, by its id. */
+  readonly chosen = signal<string | null>(null);
+  readonly texts: MarkTexts;
+  readonly #viewer: Viewer;
+  readonly #marking: Marking;
+  readonly #drawing = svg("svg", { "aria-hidden": "true" });
+  readonly #begun = svg("path", { class: "begun" });
+  readonly #begunText = h("div", { class: "mark-label begun", hidden: true });
+  readonly #labels = h("div", { role: "list", "aria-label": texts().marks.title });
+  #drawn = new Map<string, Drawn>();
+  #pointer: Place | null = null; // over the canvas
+  #moved = false; // since the picture was drawn
+
+  /** Belongs to whoever makes it, as owned() says. */
+  constructor(viewer: Viewer, marking: Marking, live: Follow) {
+    this.#viewer = viewer;
+    this.#marking = marking;
+    this.texts = new MarkTexts(viewer);
+    this.element = h(
+      "div",
+      { class: "mark-layer", hidden: live(() => !viewer.state.layers.marks) },
+      this.#drawing,
+      this.#labels,
+      this.#begunText,
+    );
+    this.#drawing.append(this.#begun);
+    const marks = live(() => viewer.state.marks);
+    const section = live(() => viewer.section); // one that comes later brings values
+    follow(() => {
+      void section.value;
+      this.#show(marks.value);
+    });
+    follow(() => {
+      viewer.canvas.classList.toggle("marking", marking.kind !== null);
+      if (marking.kind !== null) {
+        this.chosen.value = null;
+      }
+      void marking.points;
+      this.#updateBegun();
+    });
+    follow(() => {
+      void this.chosen.value;
+      this.#showChosen();
+    });
+    this.#listen();
+  }
+
+  /** Marks the point under the pointer, or else the one of the next click on a face. */
+  mark(kind: MarkKind): void {
+    const other = this.#marking.kind !== null && this.#marking.kind !== kind;
+    if (other || !this.#pointer || !this.#put(this.#pointer, kind)) {
+      this.#marking.toggle(kind);
+    }
+  }
+
+  /** Ends what is begun, or what is chosen. */
+  escape(): void {
+    this.#marking.toggle(null);
+    this.chosen.value = null;
+  }
+
+  /** After every frame. */
+  update(): void {
+    this.#moved = false;
+    const { camera, picking, state } = this.#viewer;
+    if (!state.layers.marks) {
+      return;
+    }
+    const seen: { drawn: Drawn; label: Label }[] = [];
+    for (const drawn of this.#drawn.values()) {
+      const { mark, label, lines, leader, dots } = drawn;
+      const places = mark.points.map((point) => camera.project(point));
+      const anchor = camera.project(anchorOf(mark));
+      const isThere = anchor !== null && places.every((place) => place !== null);
+      for (const part of [label, lines, leader, ...dots]) {
+        part.toggleAttribute("hidden", !isThere);
+      }
+      if (isThere) {
+        const faded = !mark.points.some((point) => picking.isSeen(point));
+        label.classList.toggle("faded", faded);
+        lines.classList.toggle("faded", faded);
+        lines.setAttribute("d", pathOf(mark, this.#viewer));
+        places.forEach((place, i) => {
+          dots[i]!.setAttribute("transform", `translate(${place.x.toFixed(1)},${place.y.toFixed(1)})`);
+          dots[i]!.classList.toggle("faded", faded);
+        });
+        const { offsetWidth: width, offsetHeight: height } = label;
+        seen.push({ drawn, label: { anchor, width, height } });
+      }
+    }
+    // Lengths first: of a point, the value is under the pointer, too.
+    seen.sort((a, b) => Number(a.drawn.mark.kind === "point") - Number(b.drawn.mark.kind === "point"));
+    const laid = layOut(
+      seen.map(({ label }) => label),
+      camera.freeSize,
+      seen.map(({ drawn }) => drawn.choice),
+    );
+    laid.forEach(({ at, choice }, i) => {
+      const { drawn, label } = seen[i]!;
+      drawn.choice = choice;
+      drawn.label.style.translate = `${at.x.toFixed(1)}px ${at.y.toFixed(1)}px`;
+      const to = nearest(label.anchor, { ...at, ...label });
+      const away = Math.hypot(to.x - label.anchor.x, to.y - label.anchor.y) > kLeader;
+      const { anchor } = label;
+      drawn.leader.setAttribute("d", away ? `M${anchor.x} ${anchor.y}L${to.x} ${to.y}` : "");
+    });
+    this.#updateBegun();
+  }
+
+  /** Marks that are the same, and say the same, stay as they are drawn. */
+  #show(marks: readonly Mark[]): void {
+    const before = this.#drawn;
+    this.#drawn = new Map(
+      marks.map((mark) => {
+        const same = before.get(mark.id);
+        const text = this.texts.of(mark);
+        const isSame = same?.mark === mark && same.text === text;
+        return [mark.id, isSame ? same : this.#draw(mark, text, same?.choice)];
+      }),
+    );
+    const all = [...this.#drawn.values()];
+    this.#labels.replaceChildren(...all.map(({ label }) => label));
+    this.#drawing.replaceChildren(
+      ...all.flatMap(({ lines, leader, dots }) => [leader, lines, ...dots]),
+      this.#begun,
+    );
+    untracked(() => {
+      if (this.chosen.value && !this.#drawn.has(this.chosen.value)) {
+        this.chosen.value = null;
+      }
+      this.#showChosen();
+      this.update();
+    });
+  }
+
+  #draw(mark: Mark, text: string, choice: number | undefined): Drawn {
+    const { id } = mark;
+    const title = mark.note || texts().marks.chooseHint;
+    const choose = () => (this.chosen.value = this.chosen.value === id ? null : id);
+    const label = h(
+      "div",
+      { class: "mark-label", role: "listitem" },
+      h("button", { title, onclick: choose }, text),
+    );
+    const lines = svg("path", { class: "mark" });
+    const leader = svg("path", { class: "leader" });
+    const dots = mark.points.map(() => svg("circle", { class: "dot", r: "5" }));
+    return { mark, text, label, lines, leader, dots, choice };
+  }
+
+  #showChosen(): void {
+    for (const [id, { label }] of this.#drawn) {
+      label.firstElementChild!.setAttribute("aria-pressed", String(id === this.chosen.value));
+    }
+  }
+
+  #listen(): void {
+    const { canvas } = this.#viewer;
+    const marking = this.#marking;
+    // Before other listeners: the click that marks a point does nothing else.
+    canvas.addEventListener("pointerdown", (event) => {
+      const { kind } = marking;
+      if (kind && event.button === 0 && this.#put(this.#placeOf(event), kind)) {
+        event.stopImmediatePropagation();
+      } else if (event.button === 0) {
+        this.chosen.value = null;
+      }
+    });
+    canvas.addEventListener("dblclick", () => marking.finish());
+    for (const type of ["pointermove", "pointerleave"] as const) {
+      canvas.addEventListener(type, (event) => {
+        this.#pointer = type === "pointerleave" ? null : this.#placeOf(event);
+        if (marking.isBegun.value && !this.#moved) {
+          this.#moved = true;
+          requestAnimationFrame(() => {
+            this.#moved = false;
+            this.#updateBegun();
+          });
+        }
+      });
+    }
+  }
+
+  #placeOf(event: MouseEvent): Place {
+    const box = this.#viewer.canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+
+  /** What a place of the canvas would mark. */
+  #pointAt({ x, y }: Place): Vector3 | null {
+    const { camera, picking } = this.#viewer;
+    const ray = camera.ray(x, y);
+    return this.#marking.meet(ray) ?? picking.readingAlong(ray)?.point ?? null;
+  }
+
+  /** Whether there was something to mark. */
+  #put(place: Place, kind: MarkKind): boolean {
+    const point = this.#pointAt(place);
+    return point !== null && this.#marking.put({ point, plane: this.#viewer.picking.faceOf(point) }, kind);
+  }
+
+  /** What is begun, as far as the pointer. */
+  #updateBegun(): void {
+    const point = this.#pointer && this.#pointAt(this.#pointer);
+    const shape = this.#marking.preview(point);
+    this.#begun.toggleAttribute("hidden", !shape);
+    const at = shape && this.#viewer.camera.project(shape.points.at(-1)!);
+    const text = shape ? begunText(shape) : "";
+    this.#begunText.hidden = !at || text === "";
+    if (shape && at) {
+      this.#begun.setAttribute("d", pathOf(shape, this.#viewer));
+      this.#begunText.textContent = text;
+      this.#begunText.style.translate = `${(at.x + 14).toFixed(1)}px ${(at.y - 26).toFixed(1)}px`;
+    }
+  }
+}
+
+/** The point of a box that is nearest to a place. */
+function nearest({ x, y }: Place, box: Place & Size): Place {
+  return {
+    x: Math.min(Math.max(x, box.x), box.x + box.width),
+    y: Math.min(Math.max(y, box.y), box.y + box.height),
+  };
+}
+
+/** What it measures so far, without the volume's values: those take time. */
+function begunText(shape: MarkShape): string {
+  const isWhole = shape.kind !== "angle" || shape.points.length === 3;
+  const known = shape.kind !== "outline" || shape.points.length > 2;
+  return isWhole && known ? measureText(measure(shape, null)) : "";
+}
+
+function pathOf(mark: MarkShape, { camera }: Viewer): string {
+  return linesOf(mark)
+    .map((line) => {
+      const places = line.map((point) => camera.project(point));
+      return places.every((place) => place !== null)
+        ? places.map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`).join("")
+        : "";
+    })
+    .join("");
+}
