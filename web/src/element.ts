@@ -2,6 +2,7 @@ import type { ClipgsApi } from "./api";
 import { App, type Host } from "./app";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
+import { chooseLanguage } from "./text/text";
 import { h } from "./ui/dom";
 import hostStyle from "./ui/element.css?inline";
 import { themeFrom } from "./ui/theme";
@@ -80,6 +81,7 @@ export class ClipgsViewerElement extends HTMLElement {
     if (this.#app) {
       return; // it was moved
     }
+    this.#root.lang = chooseLanguage([this.closest<HTMLElement>("[lang]")?.lang, navigator.language]);
     try {
       this.#app = new App(this.#root, this.#host);
     } catch (error) {

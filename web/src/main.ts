@@ -3,6 +3,7 @@ import "./ui/page.css";
 
 import type { ClipgsApi } from "./api";
 import { caseFile, fetchIndex } from "./model/case_list";
+import { chooseLanguage } from "./text/text";
 import { h } from "./ui/dom";
 import { CaseClient } from "./worker/case_client";
 
@@ -31,6 +32,8 @@ async function expectCase(): Promise<void> {
 
 expectCase().catch(() => {}); // said by the page
 const root = document.getElementById("app")!;
+const asked = new URLSearchParams(location.search).get("lang");
+document.documentElement.lang = chooseLanguage([asked, ...navigator.languages]);
 try {
   const { startPage } = await import("./page");
   window.clipgs = startPage(root, client, index);

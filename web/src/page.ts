@@ -7,6 +7,7 @@ import { type MarksPlace, servedMarks } from "./model/marks_keeper";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
+import { texts } from "./text/text";
 import { CaseMenu } from "./ui/case_menu";
 import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";
@@ -78,7 +79,7 @@ class Page implements Host {
       if (!coming?.length || this.#cases.some((one) => !linked || one.name === linked)) {
         return;
       }
-      this.app.tell(`The ${coming[0]!.quality} case is on its way`);
+      this.app.tell(texts().news.coming(coming[0]!.quality));
       await new Promise((resolve) => setTimeout(resolve, kMakingMs / 4));
       this.#index = await fetchIndex(this.#name);
     }

@@ -1,3 +1,4 @@
+import { texts } from "../text/text";
 import type { CaseSummary } from "./case_list";
 
 /** A case that the server makes while it serves it; `seconds` where it knows how many there are left. */
@@ -18,9 +19,10 @@ function leftText(seconds: number): string {
 
 function makingText({ quality, seconds, error }: CaseInMaking): string {
   if (error !== null) {
-    return `${quality} stopped: ${error}`;
+    return texts().news.stopped(quality, error);
   }
-  return seconds === null ? `${quality} follows` : `${quality} in ${leftText(seconds)}`;
+  const { follows, in: soon } = texts().news;
+  return seconds === null ? follows(quality) : soon(quality, leftText(seconds));
 }
 
 /** What a case is that is not finished, and when there will be a better one: "Instant · standard in 6 min"; or nothing. */
@@ -29,9 +31,9 @@ export function newsText(
   making: readonly CaseInMaking[],
   name: string | null,
 ): string {
+  const t = texts().news;
   const trained = shown?.trained ?? 1;
-  const is =
-    !shown || trained === 1 ? "" : trained === 0 ? "Instant" : `${Math.round(100 * trained)} % trained`;
+  const is = !shown || trained === 1 ? "" : trained === 0 ? t.instant : t.trained(Math.round(100 * trained));
   const next = making.find((one) => one.name === name);
   return [is, ...(next ? [makingText(next)] : [])].filter((text) => text !== "").join(" · ");
 }

@@ -201,6 +201,14 @@ export const german: Texts = {
     depthName: "Tiefe: wie sehr verblasst, was fern ist",
     depthHint: "Was ferner ist, verblasst zum Hintergrund hin",
   },
+  news: {
+    instant: "Sofort",
+    trained: (percent) => `${percent} % gelernt`,
+    stopped: (quality, why) => `${quality} ist abgebrochen: ${why}`,
+    follows: (quality) => `${quality} folgt`,
+    in: (quality, left) => `${quality} in ${left}`,
+    coming: (quality) => `Der Fall (${quality}) ist unterwegs`,
+  },
   help: {
     name: "Hilfe",
     title: "Bedienung",

@@ -192,6 +192,14 @@ export const english = {
     depthName: "Depth: how much what is far away fades",
     depthHint: "What is farther away fades towards the background",
   },
+  news: {
+    instant: "Instant",
+    trained: (percent: number) => `${percent} % trained`,
+    stopped: (quality: string, why: string) => `${quality} stopped: ${why}`,
+    follows: (quality: string) => `${quality} follows`,
+    in: (quality: string, left: string) => `${quality} in ${left}`,
+    coming: (quality: string) => `The ${quality} case is on its way`,
+  },
   help: {
     name: "Help",
     title: "Controls",

@@ -582,6 +582,33 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await visitor.close();
   });
 
+  it("speaks the language that is wanted, and shows experts more", async () => {
+    const german = await session.openPage(`${session.url}?lang=de-CH#case=phantom&plane=0,0,-1,5`, errors);
+    await german.getByRole("region", { name: "Schnittebene" }).waitFor();
+    await german.evaluate(() => window.clipgs.ready);
+    expect(await german.evaluate(() => document.documentElement.lang)).toBe("de");
+    await german.getByText("Axial, superior entfernt", { exact: true }).waitFor();
+    await german.getByText("S 5.0 mm", { exact: true }).waitFor();
+    const operators = german.getByRole("group", { name: "Schnittoperator" });
+    expect(await operators.isVisible()).toBe(true);
+    await german.getByRole("button", { name: "Experte" }).click();
+    expect(await operators.isVisible()).toBe(false);
+    await german.evaluate(() => window.clipgs.setClip("soft")); // which is not what everyone has
+    await operators.waitFor();
+    await german.close();
+  });
+
+  it("offers to look at a cut on the far side", async () => {
+    await show(page, { view: [35, 40, 1], plane: [0, 0, 1, 0], clip: "exact" }); // from above: what is below is removed
+    const offer = page.getByRole("button", { name: "The cut is on the far side: look at it" });
+    await offer.click();
+    expect(await page.evaluate(() => window.clipgs.state.view)).toMatchObject({
+      azimuth: 35,
+      elevation: -40,
+    });
+    expect(await offer.isVisible()).toBe(false);
+  });
+
   it("says so where a case has no section volume", async () => {
     const bare = join(session.cases, "bare.sog");
     await clipgs("pack", join(session.folder, "scene.ply"), "-o", bare, "--no-section");
