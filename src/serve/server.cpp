@@ -90,7 +90,8 @@ class Server::Implementation {
                      origin(options_.host),
                      options_.study,
                      options_.only,
-                     options_.live, options_.keep_marks};
+                     options_.live,
+                     options_.keep_marks};
     if (local_) {
       site.local_name = host_name(options_.host).value_or("localhost");
     }

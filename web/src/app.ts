@@ -19,6 +19,7 @@ import { Announcer } from "./ui/announcer";
 import { follow, h, icon, kIcons, owned } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FullScreen } from "./ui/full_screen";
+import { firstHint } from "./ui/first_hint";
 import { helpDialog } from "./ui/help";
 import { download } from "./ui/download";
 import { MarksOverlay } from "./ui/marks_overlay";
@@ -29,6 +30,7 @@ import type { StudyCard } from "./ui/study_card";
 import { savePicture } from "./ui/save_picture";
 import { level, sidePanel } from "./ui/side_panel";
 import { type Theme, ViewerTheme } from "./ui/theme";
+import { ViewKeys } from "./ui/view_keys";
 import { Viewer } from "./viewer";
 import { CaseClient } from "./worker/case_client";
 import { Headset, offeredSurroundings } from "./xr/headset";
@@ -75,6 +77,7 @@ export class App {
   readonly #overlay: FaceOverlay;
   readonly #marks: MarksOverlay;
   readonly #keeper = new MarksKeeper();
+  readonly #keys: ViewKeys;
   readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
@@ -132,6 +135,7 @@ export class App {
     root.append(canvas);
     this.viewer = new Viewer(canvas, client);
     this.actions = new Actions(this.viewer);
+    this.#keys = new ViewKeys(this.viewer);
     this.headset = new Headset(this.viewer, this.actions, this.marking, host);
     this.headset.changed = () => {
       this.#study?.observe();
@@ -163,6 +167,7 @@ export class App {
     this.#fullScreen = new FullScreen(root);
     root.append(
       this.#overlay.element,
+      firstHint(canvas),
       this.#marks.element,
       parts.card,
       h(
@@ -468,6 +473,15 @@ export class App {
   fail(text: string, again: () => void): void {
     const { host } = this;
     this.#message.replaceChildren(
+      h(
+        "button",
+        {
+          class: "plain dismiss",
+          "aria-label": texts().page.dismiss,
+          onclick: () => (this.#message.hidden = true),
+        },
+        icon(kIcons.close),
+      ),
       icon(kIcons.warning),
       h("p", {}, text),
       h(
@@ -601,6 +615,12 @@ export class App {
     }
   }
 
+  /** What is begun, chosen or said is gone. */
+  #escape(): void {
+    this.#marks.escape();
+    this.#message.hidden = true;
+  }
+
   #removeChosen(): void {
     const { chosen } = this.#marks;
     if (chosen.value) {
@@ -708,6 +728,10 @@ export class App {
       }
       return;
     }
+    if (target === this.viewer.canvas && this.#keys.press(event)) {
+      event.preventDefault();
+      return;
+    }
     if (event.ctrlKey || event.metaKey || event.altKey) {
       return;
     }
@@ -727,7 +751,7 @@ export class App {
       w: () => this.actions.nextWindow(),
       i: () => this.#marks.mark("point"),
       l: () => this.#marks.mark("length"),
-      escape: () => this.#marks.escape(),
+      escape: () => this.#escape(),
       h: () => this.viewer.store.setHandle(!this.viewer.state.handle),
       o: () => this.viewer.store.setLayers({ body: !this.viewer.state.layers.body }),
       r: () => this.actions.reset(),

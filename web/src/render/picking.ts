@@ -13,6 +13,9 @@ import type { PlaneWidget } from "./plane_widget";
 
 /** A mark belongs to a face this near to it, mm. */
 const kReach = 1;
+/** Of the handle, CSS px. */
+const kMouseReach = 14;
+const kFingerReach = 28;
 /** Of a point that was found on a face, mm. */
 const kTouch = 1e-3;
 
@@ -72,11 +75,12 @@ export class Picking {
     return { center: this.#widget.center, radius: this.#widget.radius };
   }
 
-  /** In the uniaxial mode all of the handle slides the plane. */
-  gripAt(x: number, y: number): Grip | null {
+  /** In the uniaxial mode all of the handle slides the plane. A finger covers more than it means. */
+  gripAt(x: number, y: number, byFinger = false): Grip | null {
     this.placeHandle();
     const { handle, mode } = this.#shown.state;
-    const grip = handle ? this.#widget.gripAt(x, y, (point) => this.#camera.project(point)) : null;
+    const reach = byFinger ? kFingerReach : kMouseReach;
+    const grip = handle ? this.#widget.gripAt(x, y, reach, (point) => this.#camera.project(point)) : null;
     return grip && mode === "uniaxial" ? "arrow" : grip;
   }
 

@@ -27,8 +27,6 @@ const kColor = new Color(0.36, 0.84, 0.95); // display values, shown as they are
 export const kRim = 0.98;
 const kDisc = 1.1;
 const kArrow = 0.3;
-/** A grip within this many CSS px of the pointer is taken. */
-const kGripPixels = 14;
 const kRimSamples = 256;
 
 /** Two unit vectors in a plane, right-handed with its normal, with the second as upright as can be. */
@@ -152,8 +150,16 @@ export class PlaneWidget {
     this.#disc.material.uniforms["uPixel"]!.value = pixel / this.#sphere.radius;
   }
 
-  /** What lies under (x, y), given how RAS points appear in CSS px (null: behind the camera). */
-  gripAt(x: number, y: number, project: (point: Vector3) => { x: number; y: number } | null): Grip | null {
+  /**
+   * What lies within `reach` of (x, y), given how RAS points appear in CSS px (null: behind the camera): the arrow, before
+   * the rim that may pass behind it.
+   */
+  gripAt(
+    x: number,
+    y: number,
+    reach: number,
+    project: (point: Vector3) => { x: number; y: number } | null,
+  ): Grip | null {
     if (!this.#plane) {
       return null;
     }
@@ -165,7 +171,7 @@ export class PlaneWidget {
     const kArrowSamples = 8;
     for (let i = 0; i <= kArrowSamples; ++i) {
       const along = (-1.1 * kArrow * this.#sphere.radius * i) / kArrowSamples;
-      if (distance(center.clone().addScaledVector(this.#plane.normal, along)) < kGripPixels) {
+      if (distance(center.clone().addScaledVector(this.#plane.normal, along)) < reach) {
         return "arrow";
       }
     }
@@ -176,7 +182,7 @@ export class PlaneWidget {
       const point = center.clone().addScaledVector(u, this.radius * Math.cos(angle));
       nearest = Math.min(nearest, distance(point.addScaledVector(v, this.radius * Math.sin(angle))));
     }
-    return nearest < kGripPixels ? "rim" : null;
+    return nearest < reach ? "rim" : null;
   }
 
   dispose(): void {

@@ -201,6 +201,10 @@ export const german: Texts = {
     depthName: "Tiefe: wie sehr verblasst, was fern ist",
     depthHint: "Was ferner ist, verblasst zum Hintergrund hin",
   },
+  hint: {
+    mouse: "Ziehen dreht, am Pfeil ziehen schiebt den Schnitt · ? zeigt alles andere",
+    fingers: "Ein Finger dreht, zwei vergrößern; am Pfeil ziehen schiebt den Schnitt",
+  },
   news: {
     instant: "Sofort",
     trained: (percent) => `${percent} % gelernt`,
@@ -232,6 +236,10 @@ export const german: Texts = {
       ["Strg oder Alt + Rad, ↑ ↓", "die Ebene schieben, oder von Zustand zu Zustand (Umschalt: schneller)"],
     ],
     keys: [
+      ["← →, Bild ↑ ↓", "drehen (Umschalt: schneller)"],
+      ["Alt + Pfeile", "verschieben"],
+      ["+  −", "vergrößern"],
+      ["Strg + Pfeile", "die Ebene kippen"],
       ["A  C  S", "axiale, koronale, sagittale Ebene"],
       ["F", "die Ebene umkehren"],
       ["P", "geschnitten oder ganz"],
@@ -240,7 +248,7 @@ export const german: Texts = {
       ["U", "entlang der Achse des Falls oder frei"],
       ["G", "Flächen plastisch oder grau"],
       ["W", "nächstes Fenster der Grauwerte"],
-      ["I", "den Punkt unter dem Zeiger mit seinem Wert markieren"],
+      ["I", "den Punkt unter dem Zeiger oder in der Mitte mit seinem Wert markieren"],
       ["L", "vom Punkt unter dem Zeiger zum nächsten messen"],
       ["Escape, Entf", "Begonnenes abbrechen, die gewählte Marke entfernen"],
       ["H", "den Griff zeigen oder verbergen"],

@@ -192,6 +192,10 @@ export const english = {
     depthName: "Depth: how much what is far away fades",
     depthHint: "What is farther away fades towards the background",
   },
+  hint: {
+    mouse: "Drag to turn, drag the arrow to slide the cut · ? shows everything else",
+    fingers: "One finger turns, two zoom; drag the arrow to slide the cut",
+  },
   news: {
     instant: "Instant",
     trained: (percent: number) => `${percent} % trained`,
@@ -223,6 +227,10 @@ export const english = {
       ["Ctrl or Alt + wheel, ↑ ↓", "slide the plane, or from state to state (Shift: faster)"],
     ] as [string, string][],
     keys: [
+      ["← →, Page ↑ ↓", "turn (Shift: faster)"],
+      ["Alt + arrows", "move"],
+      ["+  −", "zoom"],
+      ["Ctrl + arrows", "tilt the plane"],
       ["A  C  S", "axial, coronal, sagittal plane"],
       ["F", "flip the plane"],
       ["P", "cut or uncut"],
@@ -231,7 +239,7 @@ export const english = {
       ["U", "along the case's axis, or freely"],
       ["G", "faces cinematic or grey"],
       ["W", "next window of grey values"],
-      ["I", "mark the point under the pointer with its value"],
+      ["I", "mark the point under the pointer, or in the middle, with its value"],
       ["L", "measure from the point under the pointer to the next one"],
       ["Escape, Delete", "call off what is begun, remove the mark that is chosen"],
       ["H", "show or hide the handle"],

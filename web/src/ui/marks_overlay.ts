@@ -68,6 +68,7 @@ export class MarksOverlay {
   readonly #drawing = svg("svg", { "aria-hidden": "true" });
   readonly #begun = svg("path", { class: "begun" });
   readonly #begunText = h("div", { class: "mark-label begun", hidden: true });
+  readonly #aim = h("div", { class: "reticle", "aria-hidden": "true" });
   readonly #labels = h("div", { role: "list", "aria-label": texts().marks.title });
   #drawn = new Map<string, Drawn>();
   #pointer: Place | null = null; // over the canvas
@@ -82,6 +83,7 @@ export class MarksOverlay {
       "div",
       { class: "mark-layer", hidden: live(() => !viewer.state.layers.marks) },
       this.#drawing,
+      this.#aim,
       this.#labels,
       this.#begunText,
     );
@@ -107,10 +109,11 @@ export class MarksOverlay {
     this.#listen();
   }
 
-  /** Marks the point under the pointer, or else the one of the next click on a face. */
+  /** Marks the point under the pointer, or the reticle of who has none, or else the one of the next click on a face. */
   mark(kind: MarkKind): void {
     const other = this.#marking.kind !== null && this.#marking.kind !== kind;
-    if (other || !this.#pointer || !this.#put(this.#pointer, kind)) {
+    const place = this.#pointer ?? this.#reticle;
+    if (other || !place || !this.#put(place, kind)) {
       this.#marking.toggle(kind);
     }
   }
@@ -128,6 +131,8 @@ export class MarksOverlay {
     if (!state.layers.marks) {
       return;
     }
+    const { width, height } = camera.freeSize;
+    this.#aim.style.translate = `${0.5 * width}px ${0.5 * height}px`;
     const seen: { drawn: Drawn; label: Label }[] = [];
     for (const drawn of this.#drawn.values()) {
       const { mark, label, lines, leader, dots } = drawn;
@@ -241,6 +246,13 @@ export class MarksOverlay {
         }
       });
     }
+  }
+
+  /** The middle of the picture, while the canvas shows its focus to who uses keys. */
+  get #reticle(): Place | null {
+    const { canvas, camera } = this.#viewer;
+    const { width, height } = camera.freeSize;
+    return canvas.matches(":focus-visible") ? { x: 0.5 * width, y: 0.5 * height } : null;
   }
 
   #placeOf(event: MouseEvent): Place {

@@ -6,8 +6,8 @@ import { cameraAxes, cameraDistance, viewDirection } from "../model/view";
 import type { Viewer } from "../viewer";
 
 const kDegreesPerPixel = 0.4;
-const kMaxElevation = 89.9;
-const kZoom: [number, number] = [0.25, 24];
+export const kMaxElevation = 89.9;
+export const kZoom: readonly [number, number] = [0.25, 24];
 
 type Gesture = { kind: "orbit" } | { kind: "pan" } | { kind: "window" } | { kind: "plane"; drag: PlaneDrag };
 
@@ -55,7 +55,9 @@ export class PointerControls {
     viewer.canvas.setPointerCapture(event.pointerId);
     viewer.canvas.focus({ preventScroll: true });
     this.#pointers.set(event.pointerId, at);
-    const grip = this.#pointers.size === 1 && event.button === 0 ? viewer.picking.gripAt(at.x, at.y) : null;
+    const byFinger = event.pointerType === "touch";
+    const grip =
+      this.#pointers.size === 1 && event.button === 0 ? viewer.picking.gripAt(at.x, at.y, byFinger) : null;
     if (grip && viewer.cut) {
       const { center, radius } = viewer.picking.handle;
       const { view } = viewer.state;

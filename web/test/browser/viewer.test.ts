@@ -521,6 +521,13 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
       .getByText(/other\.json: of a version/)
       .waitFor();
     expect(await marks(third)).toHaveLength(2);
+    await third.getByRole("alert").getByRole("button", { name: "Dismiss" }).click();
+    await third.getByRole("alert").waitFor({ state: "hidden" });
+    const before = await marks(third);
+    await third.evaluate(() => window.clipgs.open("photo"));
+    expect(await marks(third)).toEqual([]);
+    await third.evaluate(() => window.clipgs.open("phantom"));
+    expect(await marks(third)).toEqual(before);
     await context.close();
   });
 
@@ -596,6 +603,53 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await german.evaluate(() => window.clipgs.setClip("soft")); // which is not what everyone has
     await operators.waitFor();
     await german.close();
+  });
+
+  it("is turned, moved, zoomed and cut, and marked, by keys alone", async () => {
+    const keyed = await session.open("#case=phantom&view=10,60&plane=0,0,-1,0", errors);
+    await keyed.evaluate(() => window.clipgs.ready);
+    const state = () => keyed.evaluate(() => window.clipgs.state);
+    const place = () => keyed.evaluate(() => window.clipgs.project([0, 0, 0])!);
+    await keyed.keyboard.press("Tab");
+    expect(await keyed.evaluate(() => document.activeElement?.tagName)).toBe("CANVAS");
+    await keyed.locator(".reticle").waitFor();
+    await keyed.keyboard.press("i"); // where the reticle is
+    const [mark] = await keyed.evaluate(() => window.clipgs.marks);
+    expect(mark!.text).toMatch(/ HU$/);
+    expect(mark!.points[0]![2]).toBeCloseTo(0, 3);
+    await keyed.keyboard.press("ArrowRight");
+    await keyed.keyboard.press("PageDown");
+    expect((await state()).view).toMatchObject({ azimuth: 15, elevation: 55 });
+    await keyed.keyboard.press("+");
+    expect((await state()).view.zoom).toBeCloseTo(1.15, 6);
+    const before = await place();
+    await keyed.keyboard.press("Alt+ArrowRight");
+    expect((await place()).x).toBeGreaterThan(before.x + 5);
+    await keyed.keyboard.press("Control+ArrowUp");
+    const { normal } = (await state()).plane!;
+    expect(Math.acos(-normal[2]) * (180 / Math.PI)).toBeCloseTo(2, 3);
+    await keyed.keyboard.press("ArrowUp");
+    expect((await state()).plane!.normal).toEqual(normal);
+    await keyed.close();
+  });
+
+  it("says once what to do first", async () => {
+    const context = await session.context();
+    const visit = async () => {
+      const visitor = await context.newPage();
+      await visitor.goto(`${session.url}#case=phantom`);
+      await visitor.waitForFunction(() => window.clipgs !== undefined);
+      await visitor.evaluate(() => window.clipgs.ready);
+      return visitor;
+    };
+    const first = await visit();
+    const hint = (where: Page) => where.getByRole("note");
+    await hint(first).getByText("Drag to turn").waitFor();
+    await first.mouse.move(300, 300);
+    await first.mouse.wheel(0, 50);
+    await hint(first).waitFor({ state: "hidden" });
+    expect(await hint(await visit()).count()).toBe(0);
+    await context.close();
   });
 
   it("offers to look at a cut on the far side", async () => {
