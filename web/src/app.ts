@@ -167,7 +167,7 @@ export class App {
     this.#fullScreen = new FullScreen(root);
     root.append(
       this.#overlay.element,
-      firstHint(canvas),
+      firstHint(root),
       this.#marks.element,
       parts.card,
       h(

@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import type { Section } from "../sog/section";
+import { texts } from "../text/text";
 import { type RegionValues, regionArea, regionValues } from "./region";
 import { decimal, type Reading, readSection, unitOf, valueText } from "./values";
 
@@ -114,7 +115,11 @@ export function measureText({ value, mm, degrees, area, values }: Measure): stri
     mm === null ? "" : `${decimal(mm, 1)} mm`,
     degrees === null ? "" : `${decimal(degrees, 1)}°`,
     area === null ? "" : areaText(area),
-    values && `mean ${decimal(values.mean, 0)}, SD ${decimal(values.deviation, 0)}${unitOf(values.modality)}`,
+    values &&
+      texts().marks.within(
+        decimal(values.mean, 0),
+        `${decimal(values.deviation, 0)}${unitOf(values.modality)}`,
+      ),
     value && valueText(value),
   ];
   return parts.filter(Boolean).join(" · ");

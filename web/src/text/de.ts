@@ -169,6 +169,7 @@ export const german: Texts = {
       region: "Die Mitte drücken, dann den Rand",
       outline: "Ecke um Ecke drücken; die erste noch einmal oder Eingabe schließt ihn",
     },
+    within: (mean, deviation) => `Mittel ${mean}, SD ${deviation}`,
     finish: "Umriss schließen",
     chooseHint: "Benennen, notieren oder entfernen",
     card: "Marke",

@@ -160,6 +160,7 @@ export const english = {
       region: "Press the centre, then the rim",
       outline: "Press corner by corner; the first one again, or Enter, ends it",
     },
+    within: (mean: string, deviation: string) => `mean ${mean}, SD ${deviation}`,
     finish: "End the outline",
     chooseHint: "Name it, note something, or remove it",
     card: "Mark",

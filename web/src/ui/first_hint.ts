@@ -4,8 +4,8 @@ import { Preference } from "./preference";
 
 const hint = new Preference("clipgs.hint", ["new", "seen"]);
 
-/** What to do first, over the canvas: it goes with the first thing that is done, and does not come again. */
-export function firstHint(canvas: HTMLCanvasElement): HTMLElement {
+/** What to do first: it goes with the first thing that is done anywhere in the viewer, and does not come again. */
+export function firstHint(viewer: HTMLElement): HTMLElement {
   const t = texts().hint;
   const element = h(
     "p",
@@ -18,7 +18,7 @@ export function firstHint(canvas: HTMLCanvasElement): HTMLElement {
     hint.value = "seen";
   };
   for (const type of ["pointerdown", "wheel", "keydown"] as const) {
-    canvas.addEventListener(type, go, { once: true, passive: true });
+    viewer.addEventListener(type, go, { once: true, passive: true, capture: true });
   }
   return element;
 }
