@@ -29,9 +29,10 @@ export function sidePanel(viewer: Viewer, actions: Actions, live: Follow, marks:
   const face = new FacePanel(viewer, live);
   const open = signal(false); // the sheet
   const expert = computed(() => level.value === "expert");
-  /** For experts, and where it says why things are as they are. */
+  /** For experts, and once it says why things are as they are: what was pressed there is not to go under the pointer. */
   const expertly = (element: HTMLElement, otherwise: () => boolean): HTMLElement => {
-    const wanted = live(otherwise);
+    let was = false;
+    const wanted = live(() => (was ||= otherwise()));
     return h("div", { hidden: computed(() => !expert.value && !wanted.value) }, element);
   };
   return h(

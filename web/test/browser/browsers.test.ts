@@ -439,7 +439,10 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
             { normal: [0, 1, 0], offset: -20, thickness: 35 },
           ],
         });
-        await page.evaluate(() => window.clipgs.setPlane({ normal: [1, 0, 0], offset: 3 }));
+        await page.evaluate(() => {
+          window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id)); // kept of another look of the volume
+          window.clipgs.setPlane({ normal: [1, 0, 0], offset: 3 });
+        });
         await waitFor(page, () => location.hash.includes("plane=1,0,0,3"), undefined);
         expect(await hashOf(page)).toBe("#case=solid&view=12,34,1.5&plane=1,0,0,3&clip=hard&size=64x64");
         await page.evaluate(() => void (location.hash = "#case=phantom&state=42&size=64x64"));
