@@ -33,6 +33,9 @@ export function launchBrowser(): Promise<Browser> {
 /** Pages show everything that there is, where the browser lets them remember that. */
 const kExpert = { content: `try { localStorage.setItem("clipgs.level", "expert"); } catch {}` };
 
+/** Nor do they say what to do first. */
+const kNoHint = { content: `try { localStorage.setItem("clipgs.hint", "seen"); } catch {}` };
+
 /** Takes the page's GPU away and gives it back. */
 export async function loseGpu(page: Page): Promise<void> {
   await page.evaluate(async () => {
@@ -110,7 +113,7 @@ export class Session extends Server {
   ): Promise<Page> {
     const { scale: deviceScaleFactor = kUsual.scale, ...size } = viewport;
     const page = await this.#browser.newPage({ viewport: size, deviceScaleFactor, ignoreHTTPSErrors: true });
-    for (const script of [kExpert, ...scripts]) {
+    for (const script of [kExpert, kNoHint, ...scripts]) {
       await page.addInitScript(script);
     }
     page.setDefaultTimeout(kPageMs);
