@@ -22,6 +22,11 @@ std::string_view query_of(const HttpRequest& request) {
   return target.substr(std::min(target.find('?'), target.size()));
 }
 
+bool is_from_own_page(const HttpRequest& request, std::string_view type) {
+  const auto site = request["Sec-Fetch-Site"];
+  return header(request, field::content_type) == type && (site.empty() || site == "same-origin");
+}
+
 ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner) {
   return {bytes.size(),
           [bytes, owner = std::move(owner)](std::uint64_t offset, std::span<std::uint8_t> out) {

@@ -32,6 +32,10 @@ std::string_view header(const HttpRequest& request, boost::beast::http::field na
 std::string_view target_of(const HttpRequest& request);
 std::string_view query_of(const HttpRequest& request);
 
+/// Whether a request with a body of that MIME type comes from this server's own pages: `type` is
+/// one that pages elsewhere cannot send without asking first, which this server never answers.
+bool is_from_own_page(const HttpRequest& request, std::string_view type);
+
 /// Bytes that live as long as the program, or as `owner`.
 ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr);
 

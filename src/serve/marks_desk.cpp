@@ -21,9 +21,8 @@ using http::status;
 
 constexpr std::string_view kCases = "/cases/";
 constexpr std::string_view kSuffix = ".marks.json";
-/// A type that pages elsewhere cannot send without asking first, which this server never answers.
 constexpr const char* kJson = "application/json";
-// As kMostMarks and kMostCorners of web/src/model/marks.ts.
+// As kMostMarks of web/src/model/marks.ts.
 constexpr size_t kMostMarks = 500;
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 20;
 
@@ -59,11 +58,6 @@ std::string problem_of(const std::string& text) {
                        kMostMarks);
   }
   return "";
-}
-
-bool is_from_here(const HttpRequest& request) {
-  const auto site = request["Sec-Fetch-Site"];
-  return header(request, field::content_type) == kJson && (site.empty() || site == "same-origin");
 }
 
 }  // namespace
@@ -117,7 +111,7 @@ void MarksDesk::take(const HttpRequest& request, const std::filesystem::path& fi
          "this server keeps no marks; start it with clipgs serve FOLDER --keep-marks");
     return;
   }
-  if (!is_from_here(request)) {
+  if (!is_from_own_page(request, kJson)) {
     fail(answer, status::forbidden, "marks come from this server's own pages alone");
     return;
   }

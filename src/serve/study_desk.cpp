@@ -19,15 +19,8 @@ constexpr std::string_view kPlanSuffix = ".json";
 constexpr std::string_view kSessions = "/api/study/sessions";
 constexpr std::string_view kParticipant = "?participant=";
 constexpr const char* kJson = "application/json";
-/// A type that pages elsewhere cannot send without asking first, which this server never answers.
 constexpr const char* kRecords = "application/jsonl";
 constexpr std::uintmax_t kMostPlan = std::uintmax_t{1} << 20;
-
-bool is_from_here(const HttpRequest& request) {
-  const auto site = request["Sec-Fetch-Site"];
-  return header(request, http::field::content_type) == kRecords &&
-         (site.empty() || site == "same-origin");
-}
 
 }  // namespace
 
@@ -110,7 +103,7 @@ void StudyDesk::give_sessions(std::string_view query, Answer& answer) {
 
 void StudyDesk::take_records(const HttpRequest& request, const std::string& session,
                              Answer& answer) {
-  if (!is_from_here(request)) {
+  if (!is_from_own_page(request, kRecords)) {
     fail(answer, status::forbidden, "records come from this server's own pages alone");
     return;
   }

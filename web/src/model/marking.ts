@@ -2,7 +2,7 @@ import { batch, computed, signal } from "@preact/signals-core";
 import { type Ray, Vector3 } from "three";
 
 import { type Plane, signedDistance } from "./geometry";
-import { isShape, kMostCorners, kPointsOf, type MarkKind, type MarkShape } from "./marks";
+import { isFlat, isShape, kMostCorners, kPointsOf, type MarkKind, type MarkShape } from "./marks";
 
 /** Points that are nearer to each other make no mark, mm. */
 const kLeastLength = 0.05;
@@ -100,7 +100,7 @@ export class Marking {
   /** Where a ray (RAS mm) meets the plane that what is begun lies in; null: it does not, or lies in none. */
   meet(ray: Ray): Vector3 | null {
     const kind = this.#kind.peek();
-    if (!this.#plane || this.#points.peek().length === 0 || !(kind === "region" || kind === "outline")) {
+    if (!this.#plane || this.#points.peek().length === 0 || !isFlat(kind)) {
       return null;
     }
     const distance = -signedDistance(this.#plane, ray.origin) / this.#plane.normal.dot(ray.direction);
@@ -128,11 +128,11 @@ export class Marking {
 
   /** Regions and outlines are flat. */
   #normal(kind: MarkKind): Vector3 | null {
-    return kind === "region" || kind === "outline" ? (this.#plane?.normal ?? null) : null;
+    return isFlat(kind) ? (this.#plane?.normal ?? null) : null;
   }
 
   #onPlane(kind: MarkKind, point: Vector3): Vector3 {
-    const plane = kind === "region" || kind === "outline" ? this.#plane : null;
+    const plane = isFlat(kind) ? this.#plane : null;
     return plane ? point.clone().addScaledVector(plane.normal, -signedDistance(plane, point)) : point;
   }
 

@@ -18,6 +18,11 @@ export const kPointsOf: Readonly<Record<MarkKind, number>> = {
   outline: 3,
 };
 
+/** Whether marks of a kind lie in a face. */
+export function isFlat(kind: MarkKind | null): boolean {
+  return kind === "region" || kind === "outline";
+}
+
 /** Of a case: more could neither be seen nor told apart. */
 export const kMostMarks = 500;
 /** Of an outline. */
@@ -76,7 +81,7 @@ export function makeMark(shape: MarkShape, name = "", note = ""): Mark {
 /** Whether as many points as a kind wants are there, and finite. */
 export function isShape({ kind, points, normal }: MarkShape): boolean {
   const most = kind === "outline" ? kMostCorners : kPointsOf[kind];
-  const flat = kind === "region" || kind === "outline";
+  const flat = isFlat(kind);
   return (
     points.length >= kPointsOf[kind] &&
     points.length <= most &&
@@ -88,7 +93,7 @@ export function isShape({ kind, points, normal }: MarkShape): boolean {
 /** `section` is that of the case, if it has one. */
 export function measure(mark: MarkShape, section: Section | null): Measure {
   const { kind, points } = mark;
-  const flat = kind === "region" || kind === "outline";
+  const flat = isFlat(kind);
   return {
     value: kind === "point" && section ? readSection(section, points[0]!) : null,
     mm: kind === "length" ? points[0]!.distanceTo(points[1]!) : null,

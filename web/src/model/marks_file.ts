@@ -3,6 +3,7 @@ import { Vector3 } from "three";
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
 import {
+  isFlat,
   isShape,
   kLongestName,
   kLongestNote,
@@ -38,7 +39,7 @@ export function formatMarks(marks: readonly Mark[], volume: string): string {
 
 function readMark(reader: JsonReader): Mark {
   const kind = kMarkKinds.find((one) => one === reader.value("kind")) ?? reader.fail("kind");
-  const flat = kind === "region" || kind === "outline";
+  const flat = isFlat(kind);
   const listed = reader.value("points");
   if (!Array.isArray(listed) || listed.length > kMostCorners) {
     reader.fail("points");

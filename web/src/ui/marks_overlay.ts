@@ -275,7 +275,8 @@ export class MarksOverlay {
 
   /** What is begun, as far as the pointer. */
   #updateBegun(): void {
-    const point = this.#pointer && this.#pointAt(this.#pointer);
+    // Nothing is begun in most frames: what lies under the pointer is not looked for then.
+    const point = this.#marking.isBegun.value && this.#pointer ? this.#pointAt(this.#pointer) : null;
     const shape = this.#marking.preview(point);
     this.#begun.toggleAttribute("hidden", !shape);
     const at = shape && this.#viewer.camera.project(shape.points.at(-1)!);
