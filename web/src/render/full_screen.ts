@@ -28,19 +28,17 @@ export function fullScreenTriangle(): BufferGeometry {
   return geometry;
 }
 
+/** Of a shader, by their names there. */
+export type Uniforms = Record<string, IUniform>;
+
 /** Runs a fragment shader once for every pixel of a target; `depth`: which writes that, too. */
-export class FullScreenPass {
-  readonly uniforms: Record<string, IUniform>;
+export class FullScreenPass<U extends Uniforms = Uniforms> {
+  readonly uniforms: U;
   readonly #scene = new Scene();
   readonly #camera = new Camera();
   readonly #mesh: Mesh<BufferGeometry, RawShaderMaterial>;
 
-  constructor(
-    fragment: string,
-    uniforms: Record<string, IUniform>,
-    defines: Record<string, number> = {},
-    depth = false,
-  ) {
+  constructor(fragment: string, uniforms: U, defines: Record<string, number> = {}, depth = false) {
     this.uniforms = uniforms;
     const material = new RawShaderMaterial({
       glslVersion: GLSL3,

@@ -1,4 +1,4 @@
-import { type IUniform, Matrix3, Matrix4, type PerspectiveCamera, Vector3, Vector4 } from "three";
+import { Matrix3, Matrix4, type PerspectiveCamera, Vector3, Vector4 } from "three";
 
 import { kWorldFromPatient } from "../model/geometry";
 import type { SectionFaces } from "./section_faces";
@@ -38,7 +38,7 @@ export class Outline {
     firstStep: 1,
   };
   readonly #scratch = new Matrix4();
-  readonly uniforms: Record<string, IUniform> = {
+  readonly uniforms = {
     uHasOutline: { value: false },
     uOutline: { value: this.#view },
     uOutlineRays: { value: 1 },
@@ -54,8 +54,8 @@ export class Outline {
   set(faces: SectionFaces, camera: PerspectiveCamera): void {
     const view = this.#view;
     const { rays, stepVoxels, ramps } = faces.fine ? kAtRest : kMoving;
-    this.uniforms["uOutlineRays"]!.value = rays;
-    this.uniforms["uOutlineRamps"]!.value = ramps;
+    this.uniforms.uOutlineRays.value = rays;
+    this.uniforms.uOutlineRamps.value = ramps;
     const { spacing } = faces.section;
     const patientFromCamera = this.#scratch.multiplyMatrices(kPatientFromWorld, camera.matrixWorld);
     const p = camera.projectionMatrix.elements;

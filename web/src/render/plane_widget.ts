@@ -20,6 +20,7 @@ import {
 import { kWorldFromPatient, type Plane, projectOnto, type Sphere } from "../model/geometry";
 import type { Grip } from "../model/plane_drag";
 import { kBeforeSplats, kBehindSplats, kOnTop } from "./draw_order";
+import type { Uniforms } from "./full_screen";
 import { shader } from "./shaders";
 
 const kColor = new Color(0.36, 0.84, 0.95); // display values, shown as they are
@@ -36,12 +37,12 @@ export function tangents(normal: Vector3): [Vector3, Vector3] {
   return [x, new Vector3().crossVectors(normal, x)];
 }
 
-function arrowMaterial(): RawShaderMaterial {
+function arrowMaterial(uniforms: Uniforms): RawShaderMaterial {
   return new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: shader("arrow.vert.glsl"),
     fragmentShader: shader("arrow.frag.glsl"),
-    uniforms: { uColor: { value: kColor }, uHover: { value: 0 } },
+    uniforms,
     transparent: true,
     blending: CustomBlending,
     blendSrc: OneFactor,
@@ -59,7 +60,14 @@ export class PlaneWidget {
   readonly object = new Group();
   readonly #disc: Mesh<BufferGeometry, RawShaderMaterial>;
   readonly #arrow = new Group();
-  readonly #arrowMaterial = arrowMaterial();
+  readonly #discUniforms = {
+    uColor: { value: kColor },
+    uRim: { value: kRim },
+    uPixel: { value: 0.004 },
+    uHover: { value: 0 },
+  };
+  readonly #arrowUniforms = { uColor: { value: kColor }, uHover: { value: 0 } };
+  readonly #arrowMaterial = arrowMaterial(this.#arrowUniforms);
   #sphere: Sphere = { center: new Vector3(), radius: 1 };
   #plane: Plane | null = null;
 
@@ -70,12 +78,7 @@ export class PlaneWidget {
         glslVersion: GLSL3,
         vertexShader: shader("plane.vert.glsl"),
         fragmentShader: shader("plane.frag.glsl"),
-        uniforms: {
-          uColor: { value: kColor },
-          uRim: { value: kRim },
-          uPixel: { value: 0.004 },
-          uHover: { value: 0 },
-        },
+        uniforms: this.#discUniforms,
         side: DoubleSide,
         transparent: true,
         depthTest: false,
@@ -135,8 +138,8 @@ export class PlaneWidget {
   }
 
   setHover(grip: Grip | null): void {
-    this.#disc.material.uniforms["uHover"]!.value = grip === "rim" ? 1 : 0;
-    this.#arrowMaterial.uniforms["uHover"]!.value = grip === "arrow" ? 1 : 0;
+    this.#discUniforms.uHover.value = grip === "rim" ? 1 : 0;
+    this.#arrowUniforms.uHover.value = grip === "arrow" ? 1 : 0;
   }
 
   /** Before drawing: from where it is looked at (RAS mm), and the tangent of a pixel's angle. */
@@ -147,7 +150,7 @@ export class PlaneWidget {
     const removedSide = this.#plane.normal.dot(eye) < this.#plane.offset;
     this.#disc.renderOrder = removedSide ? kBeforeSplats : kBehindSplats;
     const pixel = eye.distanceTo(this.#sphere.center) * pixelAngle;
-    this.#disc.material.uniforms["uPixel"]!.value = pixel / this.#sphere.radius;
+    this.#discUniforms.uPixel.value = pixel / this.#sphere.radius;
   }
 
   /**

@@ -2,56 +2,48 @@ import {
   BufferAttribute,
   BufferGeometry,
   CustomBlending,
-  Data3DTexture,
-  DataTexture,
-  DataUtils,
+  type Data3DTexture,
   DoubleSide,
   FrontSide,
   GLSL3,
-  FloatType,
-  HalfFloatType,
-  type IUniform,
   LessDepth,
-  LinearFilter,
-  Matrix3,
-  Matrix4,
+  type Matrix4,
   Mesh,
-  NearestFilter,
   NoBlending,
   OneFactor,
   RawShaderMaterial,
-  RedFormat,
-  RGBAFormat,
-  RGBFormat,
-  UnsignedByteType,
-  Vector2,
-  Vector3,
-  Vector4,
   type WebGLRenderer,
 } from "three";
 
-import { type Detail, type FaceEffort, kWallSteps } from "../model/face_style";
 import { facePolygons, indexFromPatient, planSteps, sectionEnds, surfaceDepth } from "../model/faces";
-import { kMaxPlanes } from "../model/cut";
 import { faceDiffuse } from "../model/face_light";
 import { kWorldFromPatient, type Plane } from "../model/geometry";
-import { type GreyOpenings, kGreyOpenings } from "../model/face_style";
-import { shades, type Window } from "../model/grey";
-import { between, codeOfValue } from "../model/values";
-import { kCodes, kMaxKeys, type LightRig, type Section } from "../sog/section";
+import {
+  type Detail,
+  type FaceEffort,
+  type GreyOpenings,
+  kGreyOpenings,
+  kWallSteps,
+} from "../model/face_style";
+import type { Window } from "../model/grey";
+import type { LightRig, Section } from "../sog/section";
 import type { OpeningsInfo, WallLight } from "../worker/protocol";
 import { kBehindSplats } from "./draw_order";
 import type { DepthCue } from "./depth_cue";
+import {
+  blockTexture,
+  type FaceUniforms,
+  faceUniforms,
+  kColumns,
+  outlineUniformsOf,
+  rigUniform,
+  surfaceUniformsOf,
+  valueBytes,
+  volumeTexture,
+  writeShades,
+} from "./section_uniforms";
 import { shader } from "./shaders";
 import { uploadInPieces } from "./upload";
-
-const kTableRows = 4;
-const kGlossRow = 2;
-const kShade = 2; // channel of that row
-const kMostShade = 1000; // as good as infinite, where half floats are still fine
-
-/** Columns of the table of materials, evenly over the values of the curve; as face.glsl is told. */
-export const kColumns = 2048;
 
 /** At least as many bytes as this go to the GPU at once: more would stop the page for too long. */
 const kUploadBytes = 4e6;
@@ -65,132 +57,6 @@ function wasOutOfMemory(gl: WebGLRenderingContext | WebGL2RenderingContext): boo
   return errors.has(gl.OUT_OF_MEMORY);
 }
 
-function volumeTexture(
-  data: Uint8Array | null,
-  { dims, channels }: Pick<Section, "dims" | "channels">,
-  depth = dims[2],
-): Data3DTexture {
-  const [width, height] = dims;
-  const texture = new Data3DTexture(data as BufferSource as Uint8Array<ArrayBuffer>, width, height, depth);
-  texture.format = channels === 3 ? RGBFormat : RedFormat;
-  texture.internalFormat = channels === 3 ? "RGB8" : "R8";
-  texture.type = UnsignedByteType;
-  texture.minFilter = texture.magFilter = LinearFilter;
-  texture.unpackAlignment = 1;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-/** Values of the codes as bytes: codes bend, and what is interpolated of them ends elsewhere than matter. */
-function valueBytes(curve: readonly number[]): Uint8Array {
-  const low = curve[0]!;
-  const range = curve[kCodes - 1]! - low;
-  return Uint8Array.from(curve, (value) => Math.round((255 * (value - low)) / range));
-}
-
-/** Values of the codes from 0 to 1. */
-function curveTexture(curve: readonly number[]): DataTexture {
-  const low = curve[0]!;
-  const range = curve[kCodes - 1]! - low;
-  const values = Float32Array.from(curve, (value) => (value - low) / range);
-  const texture = new DataTexture(values, kCodes, 1, RedFormat, FloatType);
-  texture.needsUpdate = true;
-  return texture;
-}
-
-/** Values of the columns of the table of materials. */
-function columnValues(curve: readonly number[]): number[] {
-  const low = curve[0]!;
-  const step = (curve[kCodes - 1]! - low) / (kColumns - 1);
-  return Array.from({ length: kColumns }, (_, i) => low + step * i);
-}
-
-/**
- * The materials as half floats, which every device can filter, in the rows of shaders/face.glsl. Extinction is told
- * by the optical depth of the first step, at most ½, so that any fits.
- */
-function materialTexture({ materials, boundary, curve }: Section, firstStep: number): DataTexture {
-  const depth = materials.extinction.map((e) => e * firstStep);
-  const ofValues = columnValues(curve).map((value) => codeOfValue(curve, value));
-  const rows: [codes: number[], tables: number[][]][] = [
-    [ofValues, [...materials.surface, depth]],
-    [ofValues, [...materials.interior, depth]],
-    [ofValues, [materials.specular, materials.roughness]],
-    [ofValues, boundary?.reflectance ?? []],
-  ];
-  const data = new Uint16Array(kTableRows * kColumns * 4);
-  rows.forEach(([codes, tables], row) =>
-    tables.forEach((table, c) =>
-      codes.forEach((code, column) => {
-        data[4 * (row * kColumns + column) + c] = DataUtils.toHalfFloat(between(table, code));
-      }),
-    ),
-  );
-  const texture = new DataTexture(data, kColumns, kTableRows, RGBAFormat, HalfFloatType);
-  texture.minFilter = texture.magFilter = LinearFilter;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-function steepUniform({ boundary, curve }: Section): Vector2 {
-  const range = curve[kCodes - 1]! - curve[0]!;
-  return boundary
-    ? new Vector2(boundary.from / range, range / (boundary.to - boundary.from))
-    : new Vector2(0, 0);
-}
-
-function rigUniform(rig: LightRig): object {
-  return {
-    skyTop: new Vector3(...rig.skyTop),
-    skyHorizon: new Vector3(...rig.skyHorizon),
-    skyBottom: new Vector3(...rig.skyBottom),
-    keyCount: rig.keys.length,
-    keys: Array.from({ length: kMaxKeys }, (_, i) => {
-      const key = rig.keys[i];
-      return {
-        direction: new Vector3(...(key?.direction ?? [0, 0, 1])),
-        radiance: new Vector3(...(key?.radiance ?? [0, 0, 0])),
-        spread: 0.5 * (key?.angularRadius ?? 0),
-      };
-    }),
-  };
-}
-
-/** A volume of one channel that nothing is interpolated of. */
-function blockTexture({
-  blocks,
-  blockDims: [x, y, z],
-}: Pick<OpeningsInfo, "blocks" | "blockDims">): Data3DTexture {
-  const texture = new Data3DTexture(blocks as BufferSource as Uint8Array<ArrayBuffer>, x, y, z);
-  texture.format = RedFormat;
-  texture.internalFormat = "R8";
-  texture.minFilter = texture.magFilter = NearestFilter;
-  texture.unpackAlignment = 1;
-  texture.needsUpdate = true;
-  return texture;
-}
-
-/** Light of openings that nothing is known of yet: a third of what comes from the sky, less than most are lit by. */
-function glow({ rig }: Section): Vector3 {
-  const sky = new Vector3(...rig.skyHorizon).add(new Vector3(...rig.skyTop));
-  return sky.divideScalar(6);
-}
-
-/** The rows of a matrix whose columns these are. */
-function transposed([x, y, z]: Section["axes"]): [
-  number,
-  number,
-  number,
-  number,
-  number,
-  number,
-  number,
-  number,
-  number,
-] {
-  return [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]];
-}
-
 /** A texture of light, and what 1 in it stands for. */
 interface WallTexture {
   light: Data3DTexture | null;
@@ -201,11 +67,7 @@ const kNoLight: WallTexture = { light: null, scale: 0 };
 type FaceMesh = Mesh<BufferGeometry, RawShaderMaterial>;
 
 /** Faces where no splat is seen behind them, or those elsewhere. */
-function faceMesh(
-  uniforms: Record<string, IUniform>,
-  opaque: boolean,
-  { channels, tone }: Section,
-): FaceMesh {
+function faceMesh(uniforms: FaceUniforms, opaque: boolean, { channels, tone }: Section): FaceMesh {
   const material = new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: shader("face.vert.glsl"),
@@ -225,7 +87,7 @@ function faceMesh(
   mesh.frustumCulled = false;
   mesh.matrixAutoUpdate = false;
   mesh.matrix.copy(kWorldFromPatient);
-  const inverse = uniforms["uPatientFromWorld"]!.value as Matrix4;
+  const inverse = uniforms.uPatientFromWorld.value;
   mesh.onBeforeRender = () => inverse.copy(mesh.matrixWorld).invert();
   return mesh;
 }
@@ -241,14 +103,14 @@ export class SectionFaces {
   readonly opaque: FaceMesh;
   readonly partial: FaceMesh;
   readonly section: Section;
-  readonly #uniforms: Record<string, IUniform>;
+  readonly #uniforms: FaceUniforms;
   readonly indexFromPatient: Matrix4;
   /** mm, that optical depths of materials are told by. */
   readonly firstStep: number;
   /** What its outline is drawn by, and whether it can be. */
-  readonly outlineUniforms: Record<string, IUniform>;
+  readonly outlineUniforms: ReturnType<typeof outlineUniformsOf>;
   /** What its surface is drawn by. */
-  readonly surfaceUniforms: Record<string, IUniform>;
+  readonly surfaceUniforms: ReturnType<typeof surfaceUniformsOf>;
   /** Of its volumes, on the GPU. */
   bytes: number;
   /** How closely outline and surface are looked at. */
@@ -271,100 +133,12 @@ export class SectionFaces {
     this.section = section;
     this.#rig = section.rig;
     this.bytes = section.voxels.length;
-    const steps = planSteps(section);
-    const first = steps[0]!.length;
-    this.firstStep = first;
+    this.firstStep = planSteps(section)[0]!.length;
     this.indexFromPatient = indexFromPatient(section);
-    this.#hasValues = section.channels === 3; // of colours no table is needed
-    const glossy = Math.max(...section.materials.specular) > 0;
-    this.#uniforms = {
-      uPatientFromWorld: { value: new Matrix4() },
-      uIndexFromPatient: { value: this.indexFromPatient },
-      uVoxels: { value: volumeTexture(section.voxels, section) },
-      uCurve: { value: curveTexture(section.curve) },
-      uMaterials: { value: materialTexture(section, first) },
-      uSteps: { value: steps.map(({ middle, length }) => new Vector2(middle, length / first)) },
-      uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
-      uPlaneCount: { value: 0 },
-      uRays: { value: 1 },
-      uGrey: { value: 0 },
-      uGreyOpenings: { value: 0 },
-      uGlossy: { value: glossy },
-      uRig: { value: rigUniform(section.rig) },
-      uExposure: { value: section.exposure },
-      uOpened: { value: false },
-      uBlocks: { value: blockTexture({ blocks: new Uint8Array(1), blockDims: [1, 1, 1] }) },
-      uLight: { value: null },
-      uCue: { value: cue.faces },
-      uBackdrop: { value: cue.backdrop },
-      uOpenings: {
-        value: {
-          steps: kWallSteps.fine,
-          voxel: 2 * surfaceDepth(section),
-          firstStep: first,
-          steep: steepUniform(section),
-          sourceVoxel: new Vector3(...section.sourceSpacing),
-          spacing: new Vector3(...section.spacing),
-          axes: new Matrix3().set(...transposed(section.axes)),
-          cell: 1,
-          cells: new Vector3(1, 1, 1),
-          lightScale: 0,
-          glow: glow(section),
-          glossy,
-        },
-      },
-    };
-    const {
-      uVoxels,
-      uBlocks,
-      uMaterials,
-      uPlanes,
-      uPlaneCount,
-      uGrey,
-      uOpenings,
-      uRig,
-      uExposure,
-      uCue,
-      uBackdrop,
-    } = this.#uniforms as Record<
-      | "uVoxels"
-      | "uBlocks"
-      | "uMaterials"
-      | "uPlanes"
-      | "uPlaneCount"
-      | "uGrey"
-      | "uOpenings"
-      | "uRig"
-      | "uExposure"
-      | "uCue"
-      | "uBackdrop",
-      IUniform
-    >;
-    const uValues = this.#hasValues ? uVoxels : { value: volumeTexture(null, { ...section, channels: 1 }) };
-    this.#uniforms["uValues"] = uValues;
-    this.surfaceUniforms = {
-      uValues,
-      uBlocks,
-      uMaterials,
-      uPlanes,
-      uPlaneCount,
-      uOpenings,
-      uRig,
-      uExposure,
-      uCue,
-      uBackdrop,
-      uLight: { value: null },
-      uLightScale: { value: 0 },
-      uSurfaceDepth: { value: surfaceDepth(section) },
-    };
-    this.outlineUniforms = {
-      uValues,
-      uBlocks,
-      uMaterials,
-      uPlanes,
-      uPlaneCount,
-      uGrey,
-    };
+    this.#hasValues = section.channels === 3;
+    this.#uniforms = faceUniforms(section, cue, this.firstStep);
+    this.surfaceUniforms = surfaceUniformsOf(this.#uniforms, section);
+    this.outlineUniforms = outlineUniformsOf(this.#uniforms);
     this.opaque = faceMesh(this.#uniforms, true, section);
     this.partial = faceMesh(this.#uniforms, false, section);
     this.ends = sectionEnds(section);
@@ -376,7 +150,7 @@ export class SectionFaces {
    */
   async upload(renderer: WebGLRenderer): Promise<boolean> {
     const { section } = this;
-    if (!(await this.#give(renderer, this.#uniforms["uVoxels"]!.value, section.channels, (codes) => codes))) {
+    if (!(await this.#give(renderer, this.#uniforms.uVoxels.value, section.channels, (codes) => codes))) {
       return false;
     }
     await this.giveValues(renderer);
@@ -390,7 +164,7 @@ export class SectionFaces {
       return;
     }
     const bytes = valueBytes(curve);
-    const values = this.outlineUniforms["uValues"]!.value as Data3DTexture;
+    const values = this.outlineUniforms.uValues.value;
     this.#hasValues = false;
     if (await this.#give(renderer, values, 1, (codes) => codes.map((code) => bytes[code]!))) {
       this.#hasValues = true;
@@ -407,8 +181,8 @@ export class SectionFaces {
 
   /** From now on it is known where the volume is empty. */
   setSpace(space: OpeningsInfo): void {
-    const uBlocks = this.#uniforms["uBlocks"]!;
-    (uBlocks.value as Data3DTexture).dispose();
+    const { uBlocks } = this.#uniforms;
+    uBlocks.value.dispose();
     uBlocks.value = blockTexture(space);
     this.#isOutlined = space.outlined;
   }
@@ -417,8 +191,8 @@ export class SectionFaces {
   setOpenings({ cells, cellSize }: WallLight): void {
     const { uOpenings } = this.#uniforms;
     this.#hasOpenings = true;
-    uOpenings!.value.cell = cellSize;
-    uOpenings!.value.cells.set(...cells);
+    uOpenings.value.cell = cellSize;
+    uOpenings.value.cells.set(...cells);
   }
 
   /**
@@ -437,22 +211,22 @@ export class SectionFaces {
   /** Lights walls, and the surface otherwise, by a texture from now on. */
   setLight(light: Data3DTexture, scale: number): void {
     this.#lights.shown = { light, scale };
-    this.#uniforms["uLight"]!.value = light;
-    this.#uniforms["uOpenings"]!.value.lightScale = scale;
+    this.#uniforms.uLight.value = light;
+    this.#uniforms.uOpenings.value.lightScale = scale;
   }
 
   /** Of a cut: until there is light of any, the surface has its own. */
   #lightSurface(cut: boolean): void {
     const { own, shown } = this.#lights;
     const { light, scale } = (cut || this.#rig !== this.section.rig ? shown : null) ?? own ?? kNoLight;
-    this.surfaceUniforms["uLight"]!.value = light;
-    this.surfaceUniforms["uLightScale"]!.value = scale;
+    this.surfaceUniforms.uLight.value = light;
+    this.surfaceUniforms.uLightScale.value = scale;
   }
 
   /** Lights the faces otherwise from the next setPlanes() on. */
   setRig(rig: LightRig): void {
     this.#rig = rig;
-    this.#uniforms["uRig"]!.value = rigUniform(rig);
+    this.#uniforms.uRig.value = rigUniform(rig);
   }
 
   /** Gives the GPU what `meaning` makes of the voxels. Returns whether there is memory for it. */
@@ -481,8 +255,8 @@ export class SectionFaces {
     this.fine = fine;
     this.detail = detail;
     this.surfacePixel = surfacePixel;
-    this.#uniforms["uRays"]!.value = rays;
-    this.#uniforms["uOpenings"]!.value.steps = kWallSteps[walls];
+    this.#uniforms.uRays.value = rays;
+    this.#uniforms.uOpenings.value.steps = kWallSteps[walls];
   }
 
   /**
@@ -491,10 +265,12 @@ export class SectionFaces {
    * none, and one face is seen from behind, too; several would lie over each other.
    */
   setPlanes(planes: readonly Plane[], margin: number, alone = false): void {
-    planes.forEach(({ normal, offset }, i) => this.#uniforms["uPlanes"]!.value[i].set(...normal, offset));
-    this.#uniforms["uPlaneCount"]!.value = planes.length;
+    planes.forEach(({ normal, offset }, i) =>
+      this.#uniforms.uPlanes.value[i]!.set(normal.x, normal.y, normal.z, offset),
+    );
+    this.#uniforms.uPlaneCount.value = planes.length;
     this.#lightSurface(planes.length > 0);
-    this.#uniforms["uOpened"]!.value = this.#hasOpenings && planes.length > 0 && !alone;
+    this.#uniforms.uOpened.value = this.#hasOpenings && planes.length > 0 && !alone;
     const all = alone ? planes : [...planes, ...this.ends];
     const corners: number[] = [];
     const outwards: number[] = [];
@@ -528,27 +304,22 @@ export class SectionFaces {
    * grey shows in gaps that are black.
    */
   setStyle(grey: number, openings: GreyOpenings, window: Window | null): void {
-    this.#uniforms["uGrey"]!.value = grey;
-    this.#uniforms["uGreyOpenings"]!.value = kGreyOpenings.indexOf(openings);
+    this.#uniforms.uGrey.value = grey;
+    this.#uniforms.uGreyOpenings.value = kGreyOpenings.indexOf(openings);
     if (!window || (window.center === this.#window?.center && window.width === this.#window.width)) {
       return;
     }
     this.#window = { ...window };
-    const table = this.#uniforms["uMaterials"]!.value as DataTexture;
-    shades(window, columnValues(this.section.curve)).forEach((shade, column) => {
-      const clamped = Math.min(kMostShade, Math.max(-kMostShade, shade));
-      table.image.data![4 * (kGlossRow * kColumns + column) + kShade] = DataUtils.toHalfFloat(clamped);
-    });
-    table.needsUpdate = true;
+    writeShades(this.#uniforms.uMaterials.value, window, this.section.curve);
   }
 
   /** Frees what the GPU holds. */
   free(): void {
     this.#freed = true;
-    for (const name of ["uVoxels", "uCurve", "uMaterials", "uBlocks"]) {
-      this.#uniforms[name]!.value.dispose();
+    const { uVoxels, uValues, uCurve, uMaterials, uBlocks } = this.#uniforms;
+    for (const { value } of [uVoxels, uValues, uCurve, uMaterials, uBlocks]) {
+      value.dispose();
     }
-    this.outlineUniforms["uValues"]!.value.dispose();
     for (const mesh of this.#meshes) {
       mesh.geometry.dispose();
       mesh.material.dispose();

@@ -3,7 +3,6 @@ import {
   DepthTexture,
   GLSL3,
   HalfFloatType,
-  type IUniform,
   LinearFilter,
   Mesh,
   OneFactor,
@@ -11,6 +10,7 @@ import {
   type PerspectiveCamera,
   RawShaderMaterial,
   Scene,
+  type Texture,
   UnsignedByteType,
   Vector2,
   Vector3,
@@ -26,7 +26,8 @@ import { FullScreenPass, fullScreenTriangle } from "./full_screen";
 import { kHullDirections } from "../sog/hull";
 import { KeptShare } from "./kept_share";
 import { Outline } from "./outline";
-import { kColumns, type SectionFaces } from "./section_faces";
+import type { SectionFaces } from "./section_faces";
+import { kColumns } from "./section_uniforms";
 import { shader } from "./shaders";
 import { Surface, tintBlock } from "./surface";
 import type { SplatMesh } from "./splat_mesh";
@@ -71,6 +72,33 @@ export interface Subject {
   cue: DepthCue;
 }
 
+/** Of composite.frag.glsl. */
+function compositeUniforms(
+  coarse: WebGLRenderTarget,
+  faces: WebGLRenderTarget,
+  keptShare: KeptShare,
+  outline: Outline,
+  surface: Surface | null,
+) {
+  return {
+    uPicture: { value: null as Texture | null },
+    uSplats: { value: coarse.texture },
+    uIsCoarse: { value: false },
+    uSize: { value: new Vector2() },
+    uFaces: { value: faces.texture },
+    uTexelsPerPixel: { value: new Vector2() },
+    uCorner: { value: new Vector2() },
+    ...keptShare.uniforms,
+    ...outline.uniforms,
+    ...(surface?.uniforms ?? {
+      uHasSurface: { value: false },
+      uSurfaceDepth: { value: null as Texture | null },
+    }),
+  };
+}
+
+type CompositeUniforms = ReturnType<typeof compositeUniforms>;
+
 /**
  * The picture of splats and faces: drawn into a texture, and shown as an object that covers the canvas. It is drawn
  * again only when something changes. In half floats faint layers add up exactly; while something moves, bytes do, as in
@@ -90,14 +118,11 @@ export class SplatLayer {
   readonly #keptShare = new KeptShare();
   readonly #outline = new Outline();
   readonly #surface: Surface | null;
-  readonly #cover: FullScreenPass;
-  readonly #uniforms: Record<
-    "uPicture" | "uSplats" | "uIsCoarse" | "uSize" | "uFaces" | "uTexelsPerPixel" | "uCorner",
-    IUniform
-  >;
+  readonly #cover;
+  readonly #uniforms: CompositeUniforms;
   readonly #solidUniforms = { uDepth: { value: null as DepthTexture | null }, uMiddleDepth: { value: 1 } };
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
-  #straight: FullScreenPass | null = null;
+  #straight: FullScreenPass<CompositeUniforms> | null = null;
 
   constructor(renderer: WebGLRenderer) {
     this.#renderer = renderer;
@@ -116,18 +141,13 @@ export class SplatLayer {
       {},
       true,
     );
-    this.#uniforms = {
-      uPicture: { value: null },
-      uSplats: { value: this.#coarse.texture },
-      uIsCoarse: { value: false },
-      uSize: { value: new Vector2() },
-      uFaces: { value: this.#faces.texture },
-      uTexelsPerPixel: { value: new Vector2() },
-      uCorner: { value: new Vector2() },
-      ...this.#keptShare.uniforms,
-      ...this.#outline.uniforms,
-      ...(this.#surface?.uniforms ?? { uHasSurface: { value: false }, uSurfaceDepth: { value: null } }),
-    };
+    this.#uniforms = compositeUniforms(
+      this.#coarse,
+      this.#faces,
+      this.#keptShare,
+      this.#outline,
+      this.#surface,
+    );
     this.object = this.#mesh(false);
     this.solid = this.#mesh(true);
     (this.solid as Mesh & { pointerEvents?: string }).pointerEvents = "none";
@@ -145,7 +165,7 @@ export class SplatLayer {
   }
 
   /** Kept: browsers take long to compile it. */
-  #straightPass(): FullScreenPass {
+  #straightPass(): FullScreenPass<CompositeUniforms> {
     const uniforms = {
       ...this.#uniforms,
       ...this.#outlined?.outlineUniforms,
@@ -204,8 +224,8 @@ export class SplatLayer {
 
   /** Shows what was drawn in so many pixels. */
   #show(x: number, y: number, width: number, height: number): void {
-    (this.#uniforms.uTexelsPerPixel.value as Vector2).set(1 / width, 1 / height);
-    (this.#uniforms.uCorner.value as Vector2).set(x, y);
+    this.#uniforms.uTexelsPerPixel.value.set(1 / width, 1 / height);
+    this.#uniforms.uCorner.value.set(x, y);
   }
 
   /** Colours splats as `camera` sees them. */
@@ -237,7 +257,7 @@ export class SplatLayer {
     this.#draw(subject, camera, moving ? this.#moving : this.#still, width, height);
     const bytes = new WebGLRenderTarget(width, height, { depthBuffer: false });
     const straight = (this.#straight ??= this.#straightPass());
-    (straight.uniforms["uTexelsPerPixel"]!.value as Vector2).set(1 / width, 1 / height);
+    straight.uniforms.uTexelsPerPixel.value.set(1 / width, 1 / height);
     straight.render(this.#renderer, bytes);
     const rows = new Uint8Array(width * height * 4);
     await this.#renderer.readRenderTargetPixelsAsync(bytes, 0, 0, width, height, rows);
@@ -278,7 +298,7 @@ export class SplatLayer {
     const block = faces ? this.#tintBlock(faces, camera, height) : 1;
     target.setSize(width, height);
     this.#uniforms.uPicture.value = target.texture;
-    (this.#uniforms.uSize.value as Vector2).set(width, height);
+    this.#uniforms.uSize.value.set(width, height);
     const isFine = target === this.#still || (!outlined && faces?.detail !== "splats");
     const coarse = isFine ? 1 : Math.min(block, kMostCoarse);
     const surfaced =
@@ -318,7 +338,7 @@ export class SplatLayer {
   ): void {
     const [columns, rows] = [Math.ceil(width / coarse), Math.ceil(height / coarse)];
     this.#coarse.setSize(columns, rows);
-    (this.#cover.uniforms["uPixel"]!.value as Vector2).set(width / columns, height / rows);
+    this.#cover.uniforms.uPixel.value.set(width / columns, height / rows);
     this.#cover.render(this.#renderer, this.#coarse);
     mesh.pixel = coarse;
     this.#render(this.#coarse, camera, [mesh], false);
@@ -335,7 +355,7 @@ export class SplatLayer {
     this.#outlineBy(faces);
     const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
     const outlined = faces?.hasOutline && byPlane && faces.detail !== "splats" ? faces : null;
-    this.#outline.uniforms["uHasOutline"]!.value = outlined !== null;
+    this.#outline.uniforms.uHasOutline.value = outlined !== null;
     if (faces) {
       this.#outline.set(faces, camera);
     }

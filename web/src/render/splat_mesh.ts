@@ -73,11 +73,74 @@ export function viewportSize(
   }
 }
 
+/** Of splat.vert.glsl and splat.frag.glsl. */
+function splatUniforms(scene: GpuScene, camera: SceneCamera, cue: DepthCue) {
+  const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
+  return {
+    uScene: { value: scene.packed },
+    uOrder: { value: scene.order },
+    uColors: { value: scene.colors.texture },
+    uScaleCodebook: { value: scene.scaleCodebook },
+    uCount: { value: 0 },
+    uPackedScene: { value: packedScene },
+    uCamera: { value: camera },
+    uCue: { value: cue.splats },
+    uBackdrop: { value: cue.backdrop },
+    uDepthToClip: { value: new Vector2() },
+    uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
+    uPlaneCount: { value: 0 },
+    uSlabs: { value: 0 },
+    uClip: { value: 0 },
+    uLayers: { value: scene.layers },
+    uSlab: { value: 0 },
+    uLayerSign: { value: 1 },
+    uExtent: { value: kAnyExtent },
+    uPixel: { value: 1 },
+  };
+}
+
+type SplatUniforms = ReturnType<typeof splatUniforms>;
+
+/** Of color.frag.glsl, which sees the same scene and planes. */
+function colorUniforms(scene: GpuScene, splats: SplatUniforms) {
+  const { uScene, uScaleCodebook, uPackedScene, uPlanes, uPlaneCount } = splats;
+  return {
+    uScene,
+    uScaleCodebook,
+    uPackedScene,
+    uPlanes,
+    uPlaneCount,
+    uGains: { value: Array.from({ length: kMaxPlanes }, () => new Vector3(1, 1, 1)) },
+    uSh0: { value: scene.sh0 },
+    uCentroids: { value: scene.centroids },
+    uSh0Codebook: { value: scene.sh0Codebook },
+    uShNCodebook: { value: scene.shNCodebook },
+    uShCoefficients: { value: scene.shCoefficients },
+    uFaceLabels: { value: scene.faceLabels },
+    uFacePalette: { value: scene.facePalette },
+    uHasFaceColors: { value: scene.hasFaceColors },
+    uEye: { value: new Vector3() },
+    uSplatLight: {
+      value: {
+        changed: false,
+        cellFromScene: new Matrix4(),
+        cells: new Vector3(1, 1, 1),
+        scale: 1,
+        ownScale: 1,
+        filmic: false,
+      },
+    },
+    uLight: { value: null as Data3DTexture | null },
+    uOwnLight: { value: null as Data3DTexture | null },
+  };
+}
+
 /**
  * A scene's splats as an object of three.js: its matrix takes scene space to the world. The camera and the plane
  * of the frame being drawn are used as they are; only the order of the splats may be older.
  */
 export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> {
+  readonly #uniforms: SplatUniforms;
   readonly #scene: GpuScene;
   readonly #mmPerUnit: number;
   readonly #camera: SceneCamera; // of the frame that is drawn
@@ -86,7 +149,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   readonly #inverse = new Matrix4(); // scratch
   readonly #sceneToPatient: Matrix4;
   readonly #faceGain: FaceGain;
-  readonly #colorPass: FullScreenPass;
+  readonly #colorPass: FullScreenPass<ReturnType<typeof colorUniforms>>;
   #colored = false; // as seen from uEye, with these planes
   /** Around the splats, in scene space. */
   readonly hull: Hull;
@@ -109,7 +172,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     cue: DepthCue,
   ) {
     const camera = makeSceneCamera();
-    const packedScene = { meanMin: new Vector3(...scene.meanMin), meanSize: new Vector3(...scene.meanSize) };
+    const uniforms = splatUniforms(scene, camera, cue);
     super(
       triangles(),
       new RawShaderMaterial({
@@ -117,27 +180,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         vertexShader: shader("splat.vert.glsl"),
         fragmentShader: shader("splat.frag.glsl"),
         defines: { kSplatsPerInstance, kWidthBits, kPlanes: 1 },
-        uniforms: {
-          uScene: { value: scene.packed },
-          uOrder: { value: scene.order },
-          uColors: { value: scene.colors.texture },
-          uScaleCodebook: { value: scene.scaleCodebook },
-          uCount: { value: 0 },
-          uPackedScene: { value: packedScene },
-          uCamera: { value: camera },
-          uCue: { value: cue.splats },
-          uBackdrop: { value: cue.backdrop },
-          uDepthToClip: { value: new Vector2() },
-          uPlanes: { value: Array.from({ length: kMaxPlanes }, () => new Vector4()) },
-          uPlaneCount: { value: 0 },
-          uSlabs: { value: 0 },
-          uClip: { value: 0 },
-          uLayers: { value: scene.layers },
-          uSlab: { value: 0 },
-          uLayerSign: { value: 1 },
-          uExtent: { value: kAnyExtent },
-          uPixel: { value: 1 },
-        },
+        uniforms,
         transparent: true,
         depthWrite: false,
         blending: CustomBlending,
@@ -145,46 +188,14 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
         blendDst: OneMinusSrcAlphaFactor,
       }),
     );
+    this.#uniforms = uniforms;
     this.#scene = scene;
     this.#camera = camera;
     this.#mmPerUnit = mmPerUnit;
     this.#sceneToPatient = sceneToPatient;
     this.#faceGain = faceGain;
     this.hull = hull;
-    const { uScene, uScaleCodebook, uPackedScene, uPlanes, uPlaneCount } = this.material.uniforms;
-    this.#colorPass = new FullScreenPass(
-      "color.frag.glsl",
-      {
-        uScene: uScene!,
-        uScaleCodebook: uScaleCodebook!,
-        uPackedScene: uPackedScene!,
-        uPlanes: uPlanes!,
-        uPlaneCount: uPlaneCount!,
-        uGains: { value: Array.from({ length: kMaxPlanes }, () => new Vector3(1, 1, 1)) },
-        uSh0: { value: scene.sh0 },
-        uCentroids: { value: scene.centroids },
-        uSh0Codebook: { value: scene.sh0Codebook },
-        uShNCodebook: { value: scene.shNCodebook },
-        uShCoefficients: { value: scene.shCoefficients },
-        uFaceLabels: { value: scene.faceLabels },
-        uFacePalette: { value: scene.facePalette },
-        uHasFaceColors: { value: scene.hasFaceColors },
-        uEye: { value: new Vector3() },
-        uSplatLight: {
-          value: {
-            changed: false,
-            cellFromScene: new Matrix4(),
-            cells: new Vector3(1, 1, 1),
-            scale: 1,
-            ownScale: 1,
-            filmic: false,
-          },
-        },
-        uLight: { value: null },
-        uOwnLight: { value: null },
-      },
-      { kMaxPlanes },
-    );
+    this.#colorPass = new FullScreenPass("color.frag.glsl", colorUniforms(scene, uniforms), { kMaxPlanes });
     this.frustumCulled = false;
     this.matrixAutoUpdate = false;
     this.onBeforeRender = (renderer, _scene, viewer) => this.#update(renderer, viewer as PerspectiveCamera);
@@ -199,7 +210,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     this.clip = planes.length > 0 ? kClipOperators[possible] : kClipOperators.none;
     this.layerSwitch = layers;
     const toScene = this.#sceneToPatient.clone().transpose();
-    const { uniforms, defines } = this.material;
+    const { defines } = this.material;
+    const uniforms = this.#uniforms;
     // n·(M x) − c = (Mᵀ(n, −c))·(x, 1), scaled so that the normal is a unit vector in scene space.
     const before = this.planes;
     this.planes = planes.map(({ normal, offset }) => {
@@ -211,13 +223,13 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       this.#colored = false;
     }
     planes.forEach(({ normal }, i) => {
-      (uniforms["uPlanes"]!.value as Vector4[])[i]!.copy(this.planes[i]!);
-      (this.#colorPass.uniforms["uGains"]!.value as Vector3[])[i]!.copy(gainAt(this.#faceGain, normal));
+      uniforms.uPlanes.value[i]!.copy(this.planes[i]!);
+      this.#colorPass.uniforms.uGains.value[i]!.copy(gainAt(this.#faceGain, normal));
     });
-    uniforms["uPlaneCount"]!.value = planes.length;
-    uniforms["uSlab"]!.value = layers?.slab ?? 0;
-    uniforms["uLayerSign"]!.value = layers?.sign ?? 1;
-    uniforms["uSlabs"]!.value = planes.reduce(
+    uniforms.uPlaneCount.value = planes.length;
+    uniforms.uSlab.value = layers?.slab ?? 0;
+    uniforms.uLayerSign.value = layers?.sign ?? 1;
+    uniforms.uSlabs.value = planes.reduce(
       (bits, plane, i) => (i > 0 && areOpposite(planes[i - 1]!, plane) ? bits | (1 << i) : bits),
       0,
     );
@@ -237,13 +249,13 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
 
   /** Standard deviations that splats are drawn to, at most. */
   set extent(extent: number) {
-    this.material.uniforms["uExtent"]!.value = Math.min(extent, kAnyExtent);
+    this.#uniforms.uExtent.value = Math.min(extent, kAnyExtent);
     this.material.uniformsNeedUpdate = true;
   }
 
   /** Side of a pixel that is drawn, in those of the picture. */
   set pixel(pixel: number) {
-    this.material.uniforms["uPixel"]!.value = pixel;
+    this.#uniforms.uPixel.value = pixel;
   }
 
   /** Takes a point of the world to scene space. */
@@ -258,14 +270,14 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     texture.image.data = order as unknown as typeof texture.image.data;
     texture.needsUpdate = true;
     this.drawn = count;
-    this.material.uniforms["uCount"]!.value = count;
+    this.#uniforms.uCount.value = count;
     this.geometry.instanceCount = Math.ceil(count / kSplatsPerInstance);
     return before;
   }
 
   /** Colours the splats as seen from `eye` (scene space), as they are cut now, unless they are already. */
   updateColors(renderer: WebGLRenderer, eye: Vector3): void {
-    const current = this.#colorPass.uniforms["uEye"]!.value as Vector3;
+    const current = this.#colorPass.uniforms.uEye.value;
     if (!this.#colored || !current.equals(eye)) {
       this.#colored = true;
       current.copy(eye);
@@ -285,23 +297,23 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     tone: ToneCurve,
   ): void {
     const { uSplatLight, uOwnLight } = this.#colorPass.uniforms;
-    uSplatLight!.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
-    uSplatLight!.value.cells.set(...cells);
-    uSplatLight!.value.ownScale = scale;
-    uSplatLight!.value.filmic = tone === "filmic";
-    uOwnLight!.value = own;
+    uSplatLight.value.cellFromScene.multiplyMatrices(cellFromPatient, this.#sceneToPatient);
+    uSplatLight.value.cells.set(...cells);
+    uSplatLight.value.ownScale = scale;
+    uSplatLight.value.filmic = tone === "filmic";
+    uOwnLight.value = own;
   }
 
   /** What splats gain of this light, laid out as their own, is shown while `relit`. */
   setLight(light: Data3DTexture, scale: number): void {
     const { uSplatLight, uLight } = this.#colorPass.uniforms;
-    uLight!.value = light;
-    uSplatLight!.value.scale = scale;
+    uLight.value = light;
+    uSplatLight.value.scale = scale;
     this.#colored = false;
   }
 
   set relit(relit: boolean) {
-    const light = this.#colorPass.uniforms["uSplatLight"]!.value as { changed: boolean };
+    const light = this.#colorPass.uniforms.uSplatLight.value;
     if (light.changed !== relit) {
       light.changed = relit;
       this.#colored = false;
@@ -322,7 +334,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   }
 
   #update(renderer: WebGLRenderer, camera: PerspectiveCamera): void {
-    const { uniforms } = this.material;
+    const uniforms = this.#uniforms;
     viewportSize(renderer, camera, this.#sizeScratch);
     const scale = setSceneCamera(
       this.#camera,
@@ -333,8 +345,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       this.#mmPerUnit,
     );
     const p = camera.projectionMatrix.elements;
-    (uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, p[14]! / scale);
-    uniforms["uClip"]!.value = this.clip;
+    uniforms.uDepthToClip.value.set(-p[10]!, p[14]! / scale);
+    uniforms.uClip.value = this.clip;
     this.material.uniformsNeedUpdate = true;
   }
 }

@@ -1,9 +1,9 @@
 import {
   DepthTexture,
   HalfFloatType,
-  type IUniform,
   LinearFilter,
   type PerspectiveCamera,
+  type Texture,
   Vector2,
   Vector3,
   type WebGLRenderer,
@@ -14,7 +14,8 @@ import { gridMiddle } from "../model/faces";
 import type { Section } from "../sog/section";
 import { FullScreenPass } from "./full_screen";
 import type { Outline } from "./outline";
-import { kColumns, type SectionFaces } from "./section_faces";
+import type { SectionFaces } from "./section_faces";
+import { kColumns } from "./section_uniforms";
 
 /** Rays a pixel, as `clipgs render` has them; while something moves, one. */
 const kRays = 4;
@@ -22,6 +23,21 @@ const kRays = 4;
 /** Of the half diagonal of a section: the side of a block, and its most, pixels (src/section/tint.cpp). */
 const kBlockShare = 1 / 110;
 const kMostBlock = 16;
+
+/** Of surface.frag.glsl. */
+function surfaceUniforms(faces: SectionFaces, outline: Outline) {
+  return {
+    ...faces.surfaceUniforms,
+    uOutline: outline.uniforms.uOutline,
+    uDepth: { value: null as DepthTexture | null },
+    uSize: { value: new Vector2() },
+    uPixel: { value: 1 },
+    uRays: { value: 1 },
+    uDepthToClip: { value: new Vector2() },
+  };
+}
+
+type SurfaceUniforms = ReturnType<typeof surfaceUniforms>;
 
 /**
  * The surface of a section's volume, and the means by which splats tint it, as uniforms of composite.frag.glsl: the
@@ -32,9 +48,9 @@ export class Surface {
   readonly #outline: Outline;
   readonly #surface: WebGLRenderTarget;
   readonly #means: WebGLRenderTarget;
-  readonly #tint: FullScreenPass;
-  readonly uniforms: Record<string, IUniform>;
-  #pass: { of: SectionFaces; draw: FullScreenPass } | null = null;
+  readonly #tint;
+  readonly uniforms;
+  #pass: { of: SectionFaces; draw: FullScreenPass<SurfaceUniforms> } | null = null;
 
   constructor(renderer: WebGLRenderer, outline: Outline) {
     this.#renderer = renderer;
@@ -48,8 +64,8 @@ export class Surface {
       count: 2,
     });
     this.#tint = new FullScreenPass("tint.frag.glsl", {
-      uSplats: { value: null },
-      uFaces: { value: null },
+      uSplats: { value: null as Texture | null },
+      uFaces: { value: null as Texture | null },
       uSurface: { value: this.#surface.texture },
       uBlock: { value: 1 },
       uStep: { value: 1 },
@@ -67,7 +83,7 @@ export class Surface {
 
   /** Draws none. */
   hide(): void {
-    this.uniforms["uHasSurface"]!.value = false;
+    this.uniforms.uHasSurface.value = false;
   }
 
   /**
@@ -88,22 +104,22 @@ export class Surface {
       number,
       number,
     ];
-    (draw.uniforms["uSize"]!.value as Vector2).set(columns, rows);
-    draw.uniforms["uPixel"]!.value = faces.surfacePixel;
-    draw.uniforms["uDepth"]!.value = picture.depthTexture;
-    draw.uniforms["uRays"]!.value = faces.fine ? kRays : 1;
+    draw.uniforms.uSize.value.set(columns, rows);
+    draw.uniforms.uPixel.value = faces.surfacePixel;
+    draw.uniforms.uDepth.value = picture.depthTexture;
+    draw.uniforms.uRays.value = faces.fine ? kRays : 1;
     const p = camera.projectionMatrix.elements;
-    (draw.uniforms["uDepthToClip"]!.value as Vector2).set(-p[10]!, 1000 * p[14]!);
+    draw.uniforms.uDepthToClip.value.set(-p[10]!, 1000 * p[14]!);
     this.#surface.setSize(columns, rows);
     draw.render(this.#renderer, this.#surface);
     this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));
-    this.#tint.uniforms["uSplats"]!.value = splats.texture;
-    this.#tint.uniforms["uFaces"]!.value = front.texture;
-    this.#tint.uniforms["uBlock"]!.value = block;
-    this.#tint.uniforms["uStep"]!.value = faces.surfacePixel;
+    this.#tint.uniforms.uSplats.value = splats.texture;
+    this.#tint.uniforms.uFaces.value = front.texture;
+    this.#tint.uniforms.uBlock.value = block;
+    this.#tint.uniforms.uStep.value = faces.surfacePixel;
     this.#tint.render(this.#renderer, this.#means);
-    this.uniforms["uTintBlock"]!.value = block;
-    this.uniforms["uHasSurface"]!.value = true;
+    this.uniforms.uTintBlock.value = block;
+    this.uniforms.uHasSurface.value = true;
   }
 
   /** The case is gone. */
@@ -121,18 +137,10 @@ export class Surface {
   }
 
   /** Kept: browsers take long to compile it. */
-  #passOf(faces: SectionFaces): FullScreenPass {
+  #passOf(faces: SectionFaces): FullScreenPass<SurfaceUniforms> {
     if (this.#pass?.of !== faces) {
       this.forget();
-      const uniforms = {
-        ...faces.surfaceUniforms,
-        uOutline: this.#outline.uniforms["uOutline"]!,
-        uDepth: { value: null },
-        uSize: { value: new Vector2() },
-        uPixel: { value: 1 },
-        uRays: { value: 1 },
-        uDepthToClip: { value: new Vector2() },
-      };
+      const uniforms = surfaceUniforms(faces, this.#outline);
       const { channels, tone } = faces.section;
       const defines = { kChannels: channels, kFilmic: tone === "filmic" ? 1 : 0, kColumns };
       this.#pass = { of: faces, draw: new FullScreenPass("surface.frag.glsl", uniforms, defines, true) };
