@@ -1,5 +1,5 @@
 import { effect, signal } from "@preact/signals-core";
-import { ColorManagement, LinearSRGBColorSpace, type PerspectiveCamera, Scene, WebGLRenderer } from "three";
+import { type PerspectiveCamera, Scene, WebGLRenderer } from "three";
 
 import type { Picture, ViewerStats } from "./api";
 import type { CaseInfo } from "./model/case_info";
@@ -102,7 +102,6 @@ export class Viewer {
 
   /** Takes over the client. Throws CaseError where the browser cannot draw. */
   constructor(canvas: HTMLCanvasElement, client: CaseClient) {
-    ColorManagement.enabled = false; // colours are display sRGB from the file to the screen
     this.canvas = canvas;
     this.#client = client;
     // An opaque canvas, which three.js does not ask for by itself, spares the page a layer to blend.
@@ -117,7 +116,6 @@ export class Viewer {
       );
     }
     this.#renderer = new WebGLRenderer({ canvas, context });
-    this.#renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#renderer.autoClear = false;
     this.#layer = new SplatLayer(this.#renderer);
     this.#scene.add(this.#layer.object, this.#widget.object);

@@ -1,5 +1,13 @@
 import type { PointerEvent } from "@pmndrs/pointer-events";
-import { BoxGeometry, CanvasTexture, Mesh, MeshBasicMaterial, type Quaternion, Vector3 } from "three";
+import {
+  BoxGeometry,
+  CanvasTexture,
+  Mesh,
+  MeshBasicMaterial,
+  type Quaternion,
+  SRGBColorSpace,
+  Vector3,
+} from "three";
 
 import { handOf } from "../hand";
 
@@ -32,7 +40,9 @@ function letterPicture(letter: string): CanvasTexture {
   context.textAlign = "center";
   context.textBaseline = "middle";
   context.fillText(letter, 0.5 * kPicture, 0.54 * kPicture);
-  return new CanvasTexture(canvas);
+  const picture = new CanvasTexture(canvas);
+  picture.colorSpace = SRGBColorSpace;
+  return picture;
 }
 
 /** The side of the box that an event is at. */

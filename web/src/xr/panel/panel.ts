@@ -5,6 +5,7 @@ import {
   Group,
   type Object3D,
   Sphere,
+  SRGBColorSpace,
   type Texture,
   TextureLoader,
   Vector3,
@@ -802,10 +803,16 @@ export class Panel {
     const known = this.#pictures.get(url);
     const picture =
       known ??
-      this.#textures.loadAsync(url).catch(() => {
-        this.#pictures.delete(url);
-        return null;
-      });
+      this.#textures.loadAsync(url).then(
+        (texture) => {
+          texture.colorSpace = SRGBColorSpace;
+          return texture;
+        },
+        () => {
+          this.#pictures.delete(url);
+          return null;
+        },
+      );
     this.#pictures.set(url, picture);
     return picture;
   }
