@@ -77,6 +77,7 @@ fi
 step "scripts" check_scripts
 step "format" bash scripts/format.sh --check
 step "build release" configure_and_build release
+step "lint viewer" npm --prefix web run lint
 # The tests say themselves which they leave out, too.
 for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGTK; do
   if ! command -v "${needed%%:*}" >/dev/null; then

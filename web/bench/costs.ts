@@ -322,9 +322,7 @@ async function sectionMemory(session: Session): Promise<string[][]> {
     const page = await session.open(`#case=${name}&size=64x64`, [], small, [kCountVolumes]);
     await page.evaluate(() => window.clipgs.ready);
     const { sectionBytes } = await page.evaluate(() => window.clipgs.stats);
-    const { bytes } = (await page.evaluate("performance.measureUserAgentSpecificMemory()")) as {
-      bytes: number;
-    };
+    const { bytes } = await page.evaluate<{ bytes: number }>("performance.measureUserAgentSpecificMemory()");
     const volumes = (await volumesOf(page)).bytes.reduce((sum, n) => sum + n, 0);
     measured.push({ sectionBytes, bytes, volumes });
     await page.close();

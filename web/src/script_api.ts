@@ -22,7 +22,7 @@ function apiMark(mark: Mark, viewer: Viewer): ClipgsApi["marks"][number] {
   return {
     ...rest,
     points: points.map((point) => point.toArray()),
-    normal: normal && normal.toArray(),
+    normal: normal?.toArray() ?? null,
     text: markText({ ...mark, name: "" }, measured),
     value: value?.value ?? null,
     error: value?.error ?? null,

@@ -30,7 +30,7 @@ export function planesOf(cuts: readonly Cut[]): Plane[] {
   const planes: Plane[] = [];
   for (let plane = left.shift(); plane; plane = left.shift()) {
     planes.push(plane);
-    const other = left.findIndex((one) => areOpposite(plane!, one));
+    const other = left.findIndex((one) => areOpposite(plane, one));
     planes.push(...(other >= 0 ? left.splice(other, 1) : []));
   }
   return planes;

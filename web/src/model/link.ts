@@ -90,7 +90,7 @@ function parseMark(key: string, text: string): Mark | null {
   }
   const points = Array.from({ length: values.length / 3 }, (_, i) => new Vector3().fromArray(values, 3 * i));
   const normal = known.normal ? points.shift()! : null;
-  const shape = { kind: known.kind, points, normal: normal && normal.normalize() };
+  const shape = { kind: known.kind, points, normal: normal?.normalize() ?? null };
   return isShape(shape) && normal?.length() !== 0 ? makeMark(shape) : null;
 }
 

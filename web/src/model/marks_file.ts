@@ -19,9 +19,7 @@ const kVersion = 1;
 const kLongestId = 40;
 const kDigits = 1000; // µm are enough
 
-interface Point {
-  [axis: number]: number;
-}
+type Point = Record<number, number>;
 
 /** What a file holds of marks of a volume; "": that is not known. */
 export function formatMarks(marks: readonly Mark[], volume: string): string {
@@ -54,7 +52,7 @@ function readMark(reader: JsonReader): Mark {
     id: reader.text("id").slice(0, kLongestId),
     kind,
     points,
-    normal: normal && normal.normalize(),
+    normal: normal?.normalize() ?? null,
     name: text("name", kLongestName),
     note: text("note", kLongestNote),
   };

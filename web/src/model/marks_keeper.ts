@@ -52,21 +52,16 @@ export class BrowserMarks implements MarksPlace {
     return Promise.resolve(changed(this.#beneath, this.#kept));
   }
 
-  change(change: MarksChange): Promise<void> {
+  async change(change: MarksChange): Promise<void> {
     const { put, gone } = this.#kept;
     const marks = changed(put, change);
     const isPut = new Set(marks.map(({ id }) => id));
     const hidden = this.#beneath.filter(({ id }) => !isPut.has(id) && (change.gone.has(id) || gone.has(id)));
-    try {
-      if (marks.length + hidden.length > 0) {
-        const ids = hidden.map(({ id }) => id);
-        localStorage.setItem(this.#key, `${JSON.stringify(ids)}\n${formatMarks(marks, this.#volume)}`);
-      } else {
-        localStorage.removeItem(this.#key);
-      }
-      return Promise.resolve();
-    } catch (error) {
-      return Promise.reject(error as Error);
+    if (marks.length + hidden.length > 0) {
+      const ids = hidden.map(({ id }) => id);
+      localStorage.setItem(this.#key, `${JSON.stringify(ids)}\n${formatMarks(marks, this.#volume)}`);
+    } else {
+      localStorage.removeItem(this.#key);
     }
   }
 
@@ -215,7 +210,7 @@ export class MarksKeeper {
     this.#due = null;
     this.#place?.change(change).then(
       () => (this.#trouble.value = null),
-      (error: Error) => (this.#trouble.value = error.message),
+      (error: unknown) => (this.#trouble.value = (error as Error).message),
     );
   }
 }

@@ -62,12 +62,12 @@ export class Outline {
     const [x, y, z] = [new Vector3(), new Vector3(), new Vector3()];
     patientFromCamera.extractBasis(x, y, z);
     view.eye.setFromMatrixPosition(patientFromCamera);
-    view.right.copy(x).multiplyScalar(2 / p[0]!);
-    view.down.copy(y).multiplyScalar(-2 / p[5]!);
+    view.right.copy(x).multiplyScalar(2 / p[0]);
+    view.down.copy(y).multiplyScalar(-2 / p[5]);
     view.corner
       .copy(x)
-      .multiplyScalar((p[8]! - 1) / p[0]!)
-      .addScaledVector(y, (p[9]! + 1) / p[5]!)
+      .multiplyScalar((p[8] - 1) / p[0])
+      .addScaledVector(y, (p[9] + 1) / p[5])
       .sub(z);
     view.forward.copy(z).normalize().negate();
     view.origin.copy(view.eye).applyMatrix4(faces.indexFromPatient);

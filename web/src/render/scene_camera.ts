@@ -55,8 +55,8 @@ export function setSceneCamera(
   out.position.setFromMatrixPosition(m);
   out.position.set(-x.dot(out.position), -y.dot(out.position), -z.dot(out.position)).divideScalar(scale);
   const p = camera.projectionMatrix.elements;
-  out.focal.set(0.5 * width * p[0]!, 0.5 * height * p[5]!);
-  out.principal.set(0.5 * width * (1 - p[8]!), 0.5 * height * (1 + p[9]!));
+  out.focal.set(0.5 * width * p[0], 0.5 * height * p[5]);
+  out.principal.set(0.5 * width * (1 - p[8]), 0.5 * height * (1 + p[9]));
   out.size.set(width, height);
   out.near = kNearPlane / mmPerUnit;
   return scale;

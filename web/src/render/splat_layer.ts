@@ -347,7 +347,7 @@ export class SplatLayer {
 
   /** Side of what splats tell colours by, pixels. */
   #tintBlock({ section }: SectionFaces, camera: PerspectiveCamera, height: number): number {
-    return tintBlock(section, this.#outline.eye, (camera.projectionMatrix.elements[5]! * height) / 2);
+    return tintBlock(section, this.#outline.eye, (camera.projectionMatrix.elements[5] * height) / 2);
   }
 
   /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. Returns whose it is. */

@@ -235,8 +235,8 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
     );
     // One plane costs no more than it did.
     const most = planes.length > 1 ? kMaxPlanes : 1;
-    if (defines!["kPlanes"] !== most) {
-      defines!["kPlanes"] = most;
+    if (defines["kPlanes"] !== most) {
+      defines["kPlanes"] = most;
       this.material.needsUpdate = true;
     }
   }
@@ -267,7 +267,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
   setOrder(order: Uint32Array, count: number): Uint32Array {
     const texture = this.#scene.order;
     const before = texture.image.data as unknown as Uint32Array;
-    texture.image.data = order as unknown as typeof texture.image.data;
+    texture.image.data = order;
     texture.needsUpdate = true;
     this.drawn = count;
     this.#uniforms.uCount.value = count;
@@ -345,7 +345,7 @@ export class SplatMesh extends Mesh<InstancedBufferGeometry, RawShaderMaterial> 
       this.#mmPerUnit,
     );
     const p = camera.projectionMatrix.elements;
-    uniforms.uDepthToClip.value.set(-p[10]!, p[14]! / scale);
+    uniforms.uDepthToClip.value.set(-p[10], p[14] / scale);
     uniforms.uClip.value = this.clip;
     this.material.uniformsNeedUpdate = true;
   }

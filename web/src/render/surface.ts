@@ -109,7 +109,7 @@ export class Surface {
     draw.uniforms.uDepth.value = picture.depthTexture;
     draw.uniforms.uRays.value = faces.fine ? kRays : 1;
     const p = camera.projectionMatrix.elements;
-    draw.uniforms.uDepthToClip.value.set(-p[10]!, 1000 * p[14]!);
+    draw.uniforms.uDepthToClip.value.set(-p[10], 1000 * p[14]);
     this.#surface.setSize(columns, rows);
     draw.render(this.#renderer, this.#surface);
     this.#means.setSize(Math.ceil(width / block), Math.ceil(height / block));

@@ -116,12 +116,12 @@ function files(parent: Json, length: number, where: string, archive: ReadonlyMap
   if (!Array.isArray(value) || value.length !== length || !value.every((v) => typeof v === "string")) {
     throw new CaseError(`meta.json: ${where}.files is not a list of ${length} file names`);
   }
-  for (const name of value as string[]) {
+  for (const name of value) {
     if (!archive.has(name)) {
       throw new CaseError(`${name} is missing from the case; build or copy it again`);
     }
   }
-  return value as string[];
+  return value;
 }
 
 function paletteMeta(

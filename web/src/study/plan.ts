@@ -131,7 +131,7 @@ function readTexts(reader: JsonReader, key: string): string[] {
   const list = reader.value(key);
   const fits =
     Array.isArray(list) && list.length <= kMostTexts && list.every((one) => typeof one === "string");
-  return fits ? (list as string[]) : reader.fail(key);
+  return fits ? list : reader.fail(key);
 }
 
 function readQuestionnaires(reader: JsonReader): Questionnaire[] {

@@ -12,7 +12,10 @@ const kPadding = 8;
 const kBoxHeight = 24;
 const kPinRadius = 5;
 
-type Place = { x: number; y: number };
+interface Place {
+  x: number;
+  y: number;
+}
 
 /** The colours of the page's panels. */
 interface Colors {

@@ -94,7 +94,7 @@ function rowsOf(clipgs: unknown): number[][] {
   const { world } = (clipgs ?? {}) as { world?: { scene_to_ras_mm?: unknown } };
   const rows = world?.scene_to_ras_mm;
   const isMatrix = Array.isArray(rows) && rows.length === 4 && rows.every(Array.isArray);
-  return isMatrix ? rows : [0, 1, 2].map((i) => [0, 1, 2].map((k) => (i === k ? 1 : 0)));
+  return isMatrix ? (rows as number[][]) : [0, 1, 2].map((i) => [0, 1, 2].map((k) => (i === k ? 1 : 0)));
 }
 
 /** Throws CaseError once another case was asked for. */

@@ -38,10 +38,10 @@ export function setBothEyes(out: BothEyes, eyes: readonly Eye[]): void {
   out.middle.set(0, 0, 0);
   for (const eye of eyes) {
     const p = eye.projectionMatrix.elements;
-    left = Math.min(left, (p[8]! - 1) / p[0]!);
-    right = Math.max(right, (p[8]! + 1) / p[0]!);
-    bottom = Math.min(bottom, (p[9]! - 1) / p[5]!);
-    top = Math.max(top, (p[9]! + 1) / p[5]!);
+    left = Math.min(left, (p[8] - 1) / p[0]);
+    right = Math.max(right, (p[8] + 1) / p[0]);
+    bottom = Math.min(bottom, (p[9] - 1) / p[5]);
+    top = Math.max(top, (p[9] + 1) / p[5]);
     offset.setFromMatrixPosition(eye.matrixWorld);
     out.middle.addScaledVector(offset, 1 / eyes.length);
     const x = offset.applyMatrix4(first.matrixWorldInverse).x;
@@ -58,6 +58,6 @@ export function setBothEyes(out: BothEyes, eyes: readonly Eye[]): void {
   camera.projectionMatrix.makePerspective(left * near, right * near, top * near, bottom * near, near, far);
   // As many px to a tangent as the first eye has.
   const p = first.projectionMatrix.elements;
-  out.width = 0.5 * first.viewport.z * p[0]! * (right - left);
-  out.height = 0.5 * first.viewport.w * p[5]! * (top - bottom);
+  out.width = 0.5 * first.viewport.z * p[0] * (right - left);
+  out.height = 0.5 * first.viewport.w * p[5] * (top - bottom);
 }

@@ -21,7 +21,7 @@ export async function offeredSurroundings(): Promise<Surroundings[]> {
   const { xr } = navigator;
   const all: Surroundings[] = ["immersive-vr", "immersive-ar"];
   const offered = await Promise.all(
-    all.map((one) => xr?.isSessionSupported(one).catch(() => false) ?? false),
+    all.map(async (one) => (await xr?.isSessionSupported(one).catch(() => false)) ?? false),
   );
   return all.filter((_, i) => offered[i]);
 }
@@ -252,7 +252,7 @@ export class Headset {
     this.#lamp.update(this.#hands);
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
     this.#time = time;
-    const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]!);
+    const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]);
     this.stage.update(time, middle, pixelAngle);
     this.panel?.update(time, middle);
     if (this.#shown) {
@@ -339,10 +339,10 @@ export class Headset {
       camera: {
         w,
         h,
-        fl_x: 0.5 * w * p[0]!,
-        fl_y: 0.5 * h * p[5]!,
-        cx: 0.5 * w * (1 - p[8]!),
-        cy: 0.5 * h * (1 + p[9]!),
+        fl_x: 0.5 * w * p[0],
+        fl_y: 0.5 * h * p[5],
+        cx: 0.5 * w * (1 - p[8]),
+        cy: 0.5 * h * (1 + p[9]),
         transform_matrix: [0, 4, 8, 12].map((at) => pose.slice(at, at + 4)),
       },
     };

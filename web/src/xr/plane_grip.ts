@@ -1,5 +1,4 @@
 import { HandleStore, type HandleState } from "@pmndrs/handle";
-import type { PointerEvent } from "@pmndrs/pointer-events";
 import {
   type Intersection,
   Matrix4,
@@ -141,7 +140,7 @@ export class PlaneGrip {
   #apply(state: HandleState<unknown>, target: Object3D): void {
     target.position.copy(state.current.position);
     target.quaternion.copy(state.current.quaternion);
-    const hand = handOf(state.event as PointerEvent | undefined);
+    const hand = handOf(state.event);
     if (state.first && hand) {
       this.#holding = hand;
       this.snap.begin(this.#viewer.cut!.normal);

@@ -1,5 +1,4 @@
 import { HandleStore, type HandleState } from "@pmndrs/handle";
-import type { PointerEvent } from "@pmndrs/pointer-events";
 import {
   BoxGeometry,
   Group,
@@ -188,7 +187,7 @@ export class Stage {
     out.matrixWorld.scale(new Vector3().setScalar(1 / scale));
     out.matrixWorldInverse.copy(out.matrixWorld).invert();
     out.projectionMatrix.copy(camera.projectionMatrix);
-    out.projectionMatrix.elements[14]! *= scale; // that of the near plane
+    out.projectionMatrix.elements[14] *= scale; // that of the near plane
     out.projectionMatrixInverse.copy(out.projectionMatrix).invert();
   }
 
@@ -217,7 +216,7 @@ export class Stage {
     target.position.copy(state.current.position);
     target.quaternion.copy(state.current.quaternion);
     this.scale = state.current.scale.x;
-    const hand = handOf(state.event as PointerEvent | undefined);
+    const hand = handOf(state.event);
     if (state.first) {
       hand?.pulse(0.6, 30);
     } else if (state.last) {

@@ -4,7 +4,13 @@ import WebSocket from "ws";
 
 import { type Browser, inPage, kActions, type Spot, type Tab } from "./tab";
 
-type Message = { id?: number; type: string; result?: unknown; error?: string; message?: string };
+interface Message {
+  id?: number;
+  type: string;
+  result?: unknown;
+  error?: string;
+  message?: string;
+}
 
 /** What is asked over a socket and answered. */
 class Connection {

@@ -614,7 +614,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         const gl = document.querySelector("canvas")!.getContext("webgl2")!;
         // The emulator goes on reading this until the page hears of the loss.
         const read = gl.getParameter.bind(gl);
-        gl.getParameter = (name: number) =>
+        gl.getParameter = (name: number): unknown =>
           name === gl.COLOR_CLEAR_VALUE ? (read(name) ?? [0]) : read(name);
       });
       await loseGpu(page);
@@ -695,7 +695,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         side[axis] = end[axis]!;
         const at = new Vector3(...(await page.evaluate((text) => window.clipgs.headset.find(text)!, letter)));
         const beyond = at.applyMatrix4(toRoom.clone().invert()).sub(new Vector3(...side));
-        const out = beyond.getComponent(axis) * Math.sign(end[axis]! - center[axis]!);
+        const out = beyond.getComponent(axis) * Math.sign(end[axis] - center[axis]);
         expect(out, letter).toBeGreaterThan(0);
         expect(out, letter).toBeLessThan(60);
         expect(beyond.setComponent(axis, 0).length(), letter).toBeLessThan(1);

@@ -115,7 +115,7 @@ export async function renderedAndPrinted(
     ...(shades ? ["--window", shades.join()] : []),
     ...options,
   );
-  return { picture: await readPng(path), printed };
+  return { picture: readPng(path), printed };
 }
 
 /** The value of the phantom at a point, as `clipgs render` prints it. */

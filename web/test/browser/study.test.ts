@@ -348,7 +348,12 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     const file = join(session.folder, "figures.json");
     const report = execFileSync(kProgram, ["study", folder, "--json", file], { encoding: "utf8" });
     expect(report).toMatch(/p004-\w+\.jsonl: is not finished; participant 4 is left out/);
-    type Measure = { measure: string; n: number; first: { mean: number }; second: { mean: number } };
+    interface Measure {
+      measure: string;
+      n: number;
+      first: { mean: number };
+      second: { mean: number };
+    }
     const { measures } = JSON.parse(readFileSync(file, "utf8")) as { measures: Measure[] };
     const means = (name: string) => {
       const { n, first, second } = measures.find(({ measure }) => measure === name)!;

@@ -31,7 +31,7 @@ export interface Browser {
 
 /** A function with what it is given, as an expression for the page whose value is a promise of JSON. */
 export function inPage(what: (given: never) => unknown, given: unknown): string {
-  return `(async () => JSON.stringify((await (${what})(${JSON.stringify(given) ?? ""})) ?? null))()`;
+  return `(async () => JSON.stringify((await (${String(what)})(${JSON.stringify(given) ?? ""})) ?? null))()`;
 }
 
 /** Until `happens` in the page. */
@@ -44,7 +44,7 @@ export async function waitFor<A>(
   const end = Date.now() + milliseconds;
   while (!(await page.evaluate(happens, given))) {
     if (Date.now() > end) {
-      throw new Error(`the page did not come to ${happens}`);
+      throw new Error(`the page did not come to ${String(happens)}`);
     }
     await new Promise((resolve) => setTimeout(resolve, 50));
   }

@@ -1,7 +1,7 @@
 import { afterAll, beforeEach, describe, expect, it, vi } from "vitest";
 
 import { CaseClient } from "../../src/worker/case_client";
-import { kSuperseded, type Reply } from "../../src/worker/protocol";
+import { kSuperseded } from "../../src/worker/protocol";
 
 /** A worker that answers what a test says. */
 class FakeWorker {
@@ -26,7 +26,7 @@ class FakeWorker {
   /** Answers the newest request. */
   load(section: object | null): void {
     const { ticket } = this.asked.at(-1)!;
-    this.onmessage({ data: { kind: "loaded", ticket, section } as unknown as Reply });
+    this.onmessage({ data: { kind: "loaded", ticket, section } });
   }
 }
 

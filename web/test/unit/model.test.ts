@@ -349,6 +349,7 @@ describe("the shaders", () => {
     const value = (text: string, name: string): number => {
       const found = new RegExp(`\\b${name} = ([^;]+);`).exec(text);
       expect(found, name).not.toBeNull();
+      // eslint-disable-next-line @typescript-eslint/no-implied-eval, @typescript-eslint/no-unsafe-call -- of our own source
       return Function(`return ${found![1]!.replace(/(\d)f\b/g, "$1")}`)() as number;
     };
     const twin = [

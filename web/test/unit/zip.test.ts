@@ -9,7 +9,8 @@ const bytes = (text: string) => new TextEncoder().encode(text);
 /** Node 18 does not have it; browsers do. */
 const hasDeflateRaw = (() => {
   try {
-    return new DecompressionStream("deflate-raw") !== null;
+    new DecompressionStream("deflate-raw");
+    return true;
   } catch {
     return false;
   }

@@ -198,7 +198,7 @@ export function findText(root: Container, text: string): Vector3 | null {
     if (
       object instanceof Text &&
       object.isVisible.value &&
-      object.properties.value.text === text &&
+      (object.properties.value as { text?: unknown }).text === text &&
       isEnabled()
     ) {
       object.updateWorldMatrix(true, false);
