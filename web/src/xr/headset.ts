@@ -13,7 +13,8 @@ import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
 import { type Effort, Governor } from "./governor";
 import { Hand } from "./hand";
 import { HeldLamp } from "./held_lamp";
-import type { Panel, PanelHost } from "./panel/panel";
+import type { Panel } from "./panel/panel";
+import type { PanelHost } from "./panel/panel_context";
 import { Stage } from "./stage";
 
 /** What this browser's headset offers; none without one. */

@@ -8,7 +8,8 @@ const kAtlasWidth = 1024;
 /** Glyphs are drawn for so long before the page may go on, ms. */
 const kSliceMs = 6;
 const kFamily = "system-ui, sans-serif";
-const kUsual = [...Array(95).keys()].map((i) => String.fromCharCode(32 + i)).join("") + "°·×±−–…σ\u202f";
+const kUsual =
+  [...Array(95).keys()].map((i) => String.fromCharCode(32 + i)).join("") + "°·×±−–…σ\u202fÄÖÜäöüß";
 
 interface Glyph {
   char: string;

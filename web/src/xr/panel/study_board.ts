@@ -3,6 +3,7 @@ import { computed, signal } from "@preact/signals-core";
 
 import type { Actions } from "../../actions";
 import { clock } from "../../model/values";
+import { texts } from "../../text/text";
 import type { Question, Screen } from "../../study/screen";
 import type { Study } from "../../study/study";
 import type { SdfFont } from "./sdf_font";
@@ -47,7 +48,7 @@ export class StudyBoard {
       ...screen.text.map((text) => label(text, { size: 19 })),
       ...(screen.trouble ? [label(screen.trouble, { size: 19, color: "#ffb3a6" })] : []),
       ...(screen.question ? question(screen.question) : []),
-      ...(screen.entry ? [label("This is typed at the desk.", { quiet: true })] : []),
+      ...(screen.entry ? [label(texts().headset.typedAtDesk, { quiet: true })] : []),
       ...(screen.slides ? this.#slide() : []),
       row(
         ...screen.buttons.map(({ text, enabled, press }) =>
@@ -64,7 +65,7 @@ export class StudyBoard {
         return read();
       });
     return [
-      label(live(() => this.#actions.positionText || "Nothing is cut")),
+      label(live(() => this.#actions.positionText || texts().cut.nothing)),
       slider(
         live(() => this.#actions.position ?? { min: 0, max: 1, value: 0 }),
         (value) => this.#actions.moveTo(value),

@@ -1,5 +1,5 @@
-import { Container, type ContainerProperties, Image, Text } from "@pmndrs/uikit";
-import { computed, type ReadonlySignal } from "@preact/signals-core";
+import { abortableEffect, Container, type ContainerProperties, Image, Text } from "@pmndrs/uikit";
+import { computed, type ReadonlySignal, untracked } from "@preact/signals-core";
 import type { PointerEvent } from "@pmndrs/pointer-events";
 import { type Texture, Vector3 } from "three";
 
@@ -112,6 +112,26 @@ function withDetail(caption: Text, detail: string): Container {
     caption,
     label(detail, { color: kDetail, size: 14 }),
   );
+}
+
+/** Shows an element where this holds. */
+export function when<T extends Container | Text>(shown: Live<boolean>, element: T): T {
+  element.setProperties({ display: computed(() => (shown.value ? "flex" : "none")) });
+  return element;
+}
+
+/** Shows in `parent` what `make` makes of this, anew whenever it is another. */
+export function each<T>(parent: Container, of: Live<T>, make: (of: T) => (Container | Text)[]): Container {
+  abortableEffect(() => {
+    const now = of.value;
+    untracked(() => replaceChildren(parent, make(now)));
+  }, parent.abortSignal);
+  return parent;
+}
+
+/** As high as it may be; the rest is scrolled to. */
+export function scrolled(content: Container): Container {
+  return new Container({ maxHeight: 420, overflow: "scroll", flexDirection: "column" }).add(content);
 }
 
 /** As wide as a button, where a row would have one. */

@@ -1,0 +1,56 @@
+import type { Object3D, Vector3 } from "three";
+
+import type { Actions } from "../../actions";
+import type { CaseSummary } from "../../model/case_list";
+import type { Follow } from "../../model/follower";
+import type { Look } from "../../model/looks";
+import type { Marking } from "../../model/marking";
+import type { Study } from "../../study/study";
+import type { Viewer } from "../../viewer";
+import type { Governor } from "../governor";
+import type { HeldLamp } from "../held_lamp";
+import type { Stage } from "../stage";
+
+/** What is done for the panel by what is around it. */
+export interface PanelHost {
+  cases(): Promise<CaseSummary[]>;
+  /** Of the volume that is shown; none where it has one alone. */
+  looks(): readonly Look[];
+  /** What the case is where it is not finished, and when there will be a better one. */
+  news(): string;
+  open(name: string): Promise<void>;
+  leave(): void;
+  /** Puts case and panel before the eyes, the case in life size. */
+  place(): void;
+  /** Turns the case so that a side of the patient (RAS) is looked at. */
+  turnTo(side: Vector3): void;
+  /** That is led through, if one is: the panel is its alone then. */
+  readonly study: Study | null;
+  readonly stage: Stage;
+  readonly governor: Governor;
+  readonly lamp: HeldLamp;
+  /** Of bare hands. */
+  readonly wrists: readonly Object3D[];
+  /** Puts the panel before the eyes. */
+  summon(): void;
+}
+
+/** What the panel's tabs show, and what they do things with. */
+export interface PanelContext {
+  readonly viewer: Viewer;
+  readonly actions: Actions;
+  readonly marking: Marking;
+  readonly host: PanelHost;
+  readonly live: Follow;
+  /** Changes what the viewer does not tell of. */
+  set(change: () => void): void;
+  /** Has the letters of texts drawn that are not the viewer's own. */
+  spell(texts: readonly string[]): void;
+  /** Says why something failed; empty: it did not. */
+  tell(message: string): void;
+}
+
+/** Whether cut faces are drawn from the volume, where they are shown. */
+export function isByVolume({ noSection, state }: Viewer): boolean {
+  return !noSection && state.section === "volume";
+}

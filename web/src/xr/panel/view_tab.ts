@@ -1,0 +1,70 @@
+import type { Container } from "@pmndrs/uikit";
+
+import { formatCount } from "../../model/case_list";
+import { texts } from "../../text/text";
+import type { Effort } from "../governor";
+import { kLeastScale, kMostScale } from "../stage";
+import type { PanelContext } from "./panel_context";
+import { button, column, label, row, slider } from "./widgets";
+
+/** Where the panel stands of what the eyes look at. */
+export interface PanelSide {
+  atRight: boolean;
+}
+
+/** How large the case is, where things stand, and what is drawn. */
+export function viewTab({ viewer, host, live, set }: PanelContext, side: PanelSide): Container {
+  const t = texts().headset;
+  const { stage, governor } = host;
+  const changeSide = () => {
+    side.atRight = !side.atRight;
+    host.place();
+  };
+  return column(
+    { gap: 10 },
+    label(live(() => t.scale(scaleText(stage.scale)))),
+    slider(
+      live(() => ({ min: Math.log(kLeastScale), max: Math.log(kMostScale), value: Math.log(stage.scale) })),
+      (value) => set(() => (stage.scale = Math.exp(value))),
+    ),
+    row(
+      button(t.lifeSize, () => set(() => (stage.scale = 1)), { pressed: live(() => stage.scale === 1) }),
+      button(t.beforeMe, () => host.place()),
+    ),
+    row(
+      button(
+        live(() => (side.atRight ? t.panelLeft : t.panelRight)),
+        () => set(changeSide),
+      ),
+      button(t.steady, () => set(() => (governor.enabled = !governor.enabled)), {
+        pressed: live(() => governor.enabled),
+      }),
+      button(t.takeOff, () => host.leave()),
+    ),
+    label(
+      live(() => {
+        const { drawn, total } = viewer.stats;
+        return t.drawn(formatCount(drawn), formatCount(total), effortText(governor.effort));
+      }),
+      { quiet: true, size: 15 },
+    ),
+  );
+}
+
+/** What is given up for frames in time. */
+function effortText({ scale, extent, leastPixels, walls, detail }: Effort): string {
+  const t = texts().headset.effort;
+  const parts = [
+    ...(scale < 1 ? [t.resolution(Math.round(100 * scale))] : []),
+    ...(extent < Infinity ? [t.extent(extent.toFixed(1))] : []),
+    ...(leastPixels > 0 ? [t.from(leastPixels)] : []),
+    ...(walls !== "fine" ? [t.walls[walls]] : []),
+    ...(detail === "outline" ? [t.noSurface] : detail === "splats" ? [t.splatsAlone] : []),
+  ];
+  return parts.length > 0 ? parts.join(", ") : t.full;
+}
+
+function scaleText(scale: number): string {
+  const t = texts().headset;
+  return scale === 1 ? t.isLifeSize : t.timesLifeSize(scale < 1 ? scale.toFixed(2) : scale.toFixed(1));
+}
