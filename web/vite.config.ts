@@ -23,6 +23,21 @@ const preloadPage: Plugin = {
   },
 };
 
+/** The page's styles lie within it: what is seen first waits for nothing else. */
+const inlineStyles: Plugin = {
+  name: "inline-styles",
+  transformIndexHtml: {
+    order: "post",
+    handler(html, { bundle = {} }) {
+      return html.replace(/<link rel="stylesheet"[^>]*href="\.\/([^"]+)">/, (link, file: string) => {
+        const styles = bundle[file];
+        delete bundle[file];
+        return styles?.type === "asset" ? `<style>${String(styles.source)}</style>` : link;
+      });
+    },
+  },
+};
+
 /** Puts FILE.br and FILE.gz beside every file that they make smaller, as the server sends them. */
 const compressFiles: Plugin = {
   name: "compress-files",
@@ -46,7 +61,7 @@ const compressFiles: Plugin = {
 
 export default defineConfig({
   base: "./",
-  plugins: [preloadPage, compressFiles],
+  plugins: [preloadPage, inlineStyles, compressFiles],
   resolve: {
     alias: {
       "@wasm": out,

@@ -151,19 +151,22 @@ Bytes encode_case(const Case& contents, const Image* thumbnail, const CaseCoding
     block[kStatesKey]["file"] = encode_layers(scene, order, files, meta);
   }
   if (thumbnail != nullptr) {
-    files.push_back(std::move(picture));
     block["thumbnail"] = kThumbnailFile;
   }
   if (section) {
-    const size_t rest =
-        total_bytes(files) + text_of(meta).size() + text_of(block).size() + kDirectoryBytes;
+    const size_t rest = picture.bytes.size() + total_bytes(files) + text_of(meta).size() +
+                        text_of(block).size() + kDirectoryBytes;
     CodedSection coded = section->best(coding.bytes - std::min(coding.bytes, rest));
     block[kSectionKey] = std::move(coded.block);
     files.push_back(std::move(coded.file));
   }
   meta["clipgs"].update(block);
   const std::string text = text_of(meta);
-  files.push_back({kMetaFile, Bytes(text.begin(), text.end())});
+  // What a viewer shows first is what comes first: the picture, then the splats, then the section.
+  files.insert(files.begin(), {kMetaFile, Bytes(text.begin(), text.end())});
+  if (thumbnail != nullptr) {
+    files.insert(files.begin(), std::move(picture));
+  }
   return write_zip(files);
 }
 

@@ -130,11 +130,19 @@ TEST(Case, OnlyKnownKeysAreWritten) {
   EXPECT_THAT(keys_of(look), ::testing::UnorderedElementsAre("volume", "title", "description"));
 }
 
-TEST(Case, MetaIsTheLastEntry) {
-  const Bytes bytes = encode_case({random_scene(2, 0, 3)}, nullptr);
+TEST(Case, WhatIsShownFirstComesFirst) {
+  const Image picture(16, 16, 3);
+  const Bytes bytes = encode_case({layered_scene(200, 2, 3), test::ball_section()}, &picture);
   const std::string text(bytes.begin(), bytes.end());
-  const size_t directory_meta = text.rfind("meta.json");
-  EXPECT_EQ(directory_meta + std::string("meta.json").size() + 22, text.size());
+  size_t at = 0;
+  for (const char* file :
+       {"thumbnail.webp", "meta.json", "means_l.webp", "means_u.webp", "scales.webp", "quats.webp",
+        "sh0.webp", "shN_centroids.webp", "shN_labels.webp", "layers.webp", "section.webp"}) {
+    const size_t found = text.find(std::string("PK\3\4"), at);
+    ASSERT_NE(found, std::string::npos) << file;
+    EXPECT_EQ(text.substr(found + 30, std::string(file).size()), file);
+    at = text.find(file, found) + 1;
+  }
 }
 
 TEST(Case, SameBytesAtAnyThreadCount) {

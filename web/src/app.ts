@@ -22,6 +22,7 @@ import { FullScreen } from "./ui/full_screen";
 import { firstHint } from "./ui/first_hint";
 import { helpDialog } from "./ui/help";
 import { download } from "./ui/download";
+import { LoadingCard } from "./ui/loading_card";
 import { MarksOverlay } from "./ui/marks_overlay";
 import { markCard, marksPanel } from "./ui/marks_panel";
 import { OrientationCube } from "./ui/orientation_cube";
@@ -63,12 +64,18 @@ export interface Host {
   address?(): string;
 }
 
+/** What is opened; more of it may be known before it is there. */
+type OpenedCase = Pick<CaseSummary, "name" | "file" | "error"> &
+  Partial<Pick<CaseSummary, "title" | "thumbnail" | "bytes">>;
+
 /** The viewer's canvas and the panels around it. */
 export class App {
   readonly host: Host;
   readonly viewer: Viewer;
   readonly headset: Headset;
   readonly actions: Actions;
+  /** What is seen while a case is on its way. */
+  readonly loading: LoadingCard;
   readonly marking = new Marking(
     (shape) => this.viewer.hasValues(shape) && this.viewer.store.addMark(makeMark(shape)),
   );
@@ -82,7 +89,7 @@ export class App {
   readonly #cube: OrientationCube;
   readonly #announcer: Announcer;
   readonly #help = helpDialog();
-  readonly #title = h("span", { class: "title" }, texts().page.noCase);
+  readonly #title = h("span", { class: "title" }, texts().page.loading);
   readonly #lookName = h("span", { class: "look-name" });
   readonly #lookButton = h(
     "button",
@@ -101,11 +108,6 @@ export class App {
     "aria-live": "off",
   });
   readonly #news = h("output", { class: "news", "aria-label": texts().page.quality, hidden: true });
-  readonly #progress = h("div", {
-    class: "progress",
-    role: "progressbar",
-    "aria-label": texts().page.loading,
-  });
   readonly #message = h("div", { class: "message", role: "alert", hidden: true });
   readonly #headsetButtons = h("span", { class: "group" });
   readonly #fullScreen: FullScreen;
@@ -122,9 +124,10 @@ export class App {
   #card: StudyCard | null = null;
 
   /** Throws CaseError where the browser cannot draw. */
-  constructor(root: HTMLElement, host: Host, client = new CaseClient()) {
+  constructor(root: HTMLElement, host: Host, client = new CaseClient(), loading = new LoadingCard()) {
     this.#root = root;
     this.host = host;
+    this.loading = loading;
     const { signal } = this.#ended;
     const canvas = h("canvas", {
       class: "stage",
@@ -180,7 +183,7 @@ export class App {
       this.#panel,
       this.#cube.element,
       h("footer", {}, h("strong", { class: "warning" }, texts().notForDiagnosis), this.#news, this.#stats),
-      this.#progress,
+      this.loading.element,
       this.#message,
       this.#help,
       this.#announcer.element,
@@ -191,7 +194,7 @@ export class App {
       () => host.takesWheel(),
     );
     this.viewer.failed = (error) => {
-      this.#title.textContent = texts().page.noCase;
+      this.endLoading();
       this.offerLooks();
       this.fail(error.message, this.#again);
       this.headset.panel?.tell(error.message);
@@ -248,33 +251,35 @@ export class App {
    * Shows a case, in the view and cut that there are; the first one as it starts, unless `link` says more. Rejects with
    * CaseError, after saying so here and offering to do it `again`.
    */
-  async open(
-    { name, file, error }: Pick<CaseSummary, "name" | "file" | "error">,
-    link: Link,
-    again: () => void,
-  ): Promise<void> {
+  async open({ name, file, error, ...said }: OpenedCase, link: Link, again: () => void): Promise<void> {
     const opening = ++this.#opening;
     this.#again = again;
     this.#message.hidden = true;
-    this.#setProgress(0.02);
+    this.loading.begin(file, this.viewer.caseName !== null);
+    this.loading.name({
+      file,
+      title: said.title ?? name,
+      thumbnail: said.thumbnail ?? null,
+      bytes: said.bytes ?? 0,
+    });
     try {
       if (error) {
         throw new CaseError(error);
       }
       const before = this.viewer.info;
-      await this.viewer.open(
-        name,
-        file,
-        (share) => opening === this.#opening && this.#setProgress(0.9 * share),
-        () => before === null && this.#begin(link),
-      );
+      await this.viewer.open(name, file, this.loading, () => {
+        this.#title.textContent = this.title;
+        if (before === null) {
+          this.#begin(link);
+        }
+      });
       if (!isSameVolume(before, this.viewer.info!)) {
         await this.#bringMarks(name);
         this.actions.forget();
       }
     } catch (error) {
       if (opening === this.#opening) {
-        this.#title.textContent = this.title || texts().page.noCase;
+        this.endLoading();
         this.offerLooks();
         this.#update();
         this.fail(failureText(name, error), again);
@@ -282,7 +287,7 @@ export class App {
       throw error;
     } finally {
       if (opening === this.#opening) {
-        this.#setProgress(null);
+        this.loading.end();
       }
     }
     this.#title.textContent = this.title;
@@ -306,6 +311,12 @@ export class App {
     } catch (error) {
       console.warn(failureText(name, error));
     }
+  }
+
+  /** Nothing is on its way. */
+  endLoading(): void {
+    this.loading.end();
+    this.#title.textContent = this.title || texts().page.noCase;
   }
 
   /** Says, beside the picture, what the case is and when there will be a better one. */
@@ -704,12 +715,6 @@ export class App {
     await navigator.clipboard.writeText(this.host.address!());
     button.classList.add("done");
     setTimeout(() => button.classList.remove("done"), 900);
-  }
-
-  #setProgress(share: number | null): void {
-    this.#progress.classList.toggle("shown", share !== null);
-    this.#progress.style.setProperty("--share", String(share ?? 1));
-    this.#progress.setAttribute("aria-valuenow", String(Math.round(100 * (share ?? 1))));
   }
 
   #key(event: KeyboardEvent): void {

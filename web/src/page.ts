@@ -9,6 +9,7 @@ import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
 import { CaseMenu } from "./ui/case_menu";
+import type { LoadingCard } from "./ui/loading_card";
 import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";
 
@@ -18,8 +19,13 @@ const kMakingMs = 2000;
 const kUnfinishedMs = 5000;
 
 /** Makes the page in `root`; its first case and the `index` may be on their way already. */
-export function startPage(root: HTMLElement, client: CaseClient, index: Promise<CaseIndex>): ClipgsApi {
-  const page = new Page(root, client);
+export function startPage(
+  root: HTMLElement,
+  client: CaseClient,
+  index: Promise<CaseIndex>,
+  loading: LoadingCard,
+): ClipgsApi {
+  const page = new Page(root, client, loading);
   const ready = page.start(index);
   ready.catch(() => {}); // said on the page; who waits for it hears it too
   return makeApi(page.app, () => ready);
@@ -39,8 +45,8 @@ class Page implements Host {
   #size: Link["size"];
   #linkTimer = 0;
 
-  constructor(root: HTMLElement, client: CaseClient) {
-    this.app = new App(root, this, client);
+  constructor(root: HTMLElement, client: CaseClient, loading: LoadingCard) {
+    this.app = new App(root, this, client, loading);
     root.append(this.#menu.element, this.#looksMenu.element);
     // By now the address may have been written over.
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
@@ -53,6 +59,7 @@ class Page implements Host {
       addEventListener("pagehide", () => this.#index.making && sayGoodbye(this.#name));
       await this.#firstCase();
     } catch (error) {
+      this.app.endLoading();
       this.app.fail((error as CaseError).message, () => location.reload());
       throw error;
     }
@@ -80,6 +87,7 @@ class Page implements Host {
         return;
       }
       this.app.tell(texts().news.coming(coming[0]!.quality));
+      this.app.loading.say(this.app.news);
       await new Promise((resolve) => setTimeout(resolve, kMakingMs / 4));
       this.#index = await fetchIndex(this.#name);
     }
@@ -132,6 +140,7 @@ class Page implements Host {
       await this.open(plan.case);
       await beginStudy(plan, this.app);
     } catch (error) {
+      this.app.endLoading();
       this.app.fail((error as CaseError).message, () => location.reload());
       throw error;
     }
@@ -221,6 +230,7 @@ class Page implements Host {
     const wanted = this.#opening?.name ?? app.viewer.caseName;
     const name = link.case ?? wanted ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {
+      app.endLoading();
       await this.#showMenu();
       return;
     }

@@ -19,9 +19,9 @@ import { kAtRest, kMoving, OpenCase, type SortResult } from "./render/open_case"
 import { Picking } from "./render/picking";
 import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
-import type { Section } from "./sog/section";
+import { type Section, SectionError } from "./sog/section";
 import { CaseError } from "./sog/zip";
-import type { CaseClient, DecodedSection } from "./worker/case_client";
+import type { CaseClient, DecodedSection, LoadListener } from "./worker/case_client";
 import { kSuperseded, type LoadedCase } from "./worker/protocol";
 
 /** What splats are sorted for: without those that reach no farther than `leastPixels`. */
@@ -30,6 +30,11 @@ interface SortFrame {
   width: number;
   height: number;
   leastPixels: number;
+}
+
+/** Who waits for a case also hears when it is seen, whole. */
+export interface OpeningListener extends LoadListener {
+  pictured?(): void;
 }
 
 /** Why there is no picture, to whoever waited for it. */
@@ -199,15 +204,16 @@ export class Viewer {
   /**
    * Shows the case at `url`. The view and plane stay, and of another look of the same volume the camera itself, the
    * window and the marks, too, unless `begin`, called before the first picture, says otherwise.
-   * The body is shown, uncut, before its section is there; resolves with the first picture after. Rejects with CaseError.
+   * The body is shown, uncut, before its section is there; resolves with the first picture after. Where there is another
+   * case to be seen, that stays until all of this one's file is there, and good. Rejects with CaseError.
    */
   async open(
     name: string,
     url: string,
-    progress: (share: number) => void = () => {},
+    listener: OpeningListener | null = null,
     begin: () => void = () => {},
   ): Promise<void> {
-    const loaded = await this.#client.load(url, progress);
+    const loaded = await this.#client.load(url, listener, this.#case === null);
     const opened = await this.#alone(async () => {
       if (this.#disposed) {
         throw new CaseError("the viewer is gone");
@@ -218,10 +224,13 @@ export class Viewer {
       begin();
       return fresh;
     });
-    void this.#nextPicture().then(() => this.#case === opened && performance.mark(kPictureMark));
-    if (loaded.section) {
-      await this.#complete(opened, loaded.ticket);
-    }
+    void this.#nextPicture().then(() => {
+      if (this.#case === opened) {
+        performance.mark(kPictureMark);
+        listener?.pictured?.();
+      }
+    });
+    await this.#complete(opened, loaded.ticket);
     await this.#nextPicture();
     if (this.#case !== opened) {
       throw opened.refusal ?? new CaseError(kSuperseded);
@@ -238,14 +247,14 @@ export class Viewer {
     if (!before) {
       return false;
     }
-    const loaded = await this.#client.load(url, () => {});
+    const loaded = await this.#client.load(url, null, false);
     const fresh = new OpenCase(before.name, loaded, this.#client);
     const isWanted = () => this.#case === before && !this.#disposed;
     try {
       if (loaded.sectionProblem) {
         throw new CaseError(loaded.sectionProblem);
       }
-      const decoded = loaded.section && (await this.#client.section(loaded.ticket));
+      const decoded = await this.#client.section(loaded.ticket);
       if (decoded) {
         await fresh.setSection(decoded, this.#renderer, () => this.#case === fresh && this.#relit());
         await fresh.light(this.state);
@@ -325,19 +334,17 @@ export class Viewer {
     this.#firstFrame.splice(0).forEach((resolve) => resolve());
   }
 
-  /** Gives a case its section, after its first picture: both wait for the GPU. */
+  /** Gives a case the rest of it, after its first picture: both wait for the GPU. Throws CaseError. */
   async #complete(opened: OpenCase, ticket: number): Promise<void> {
     await this.#nextPicture();
-    let decoded: DecodedSection;
+    let decoded: DecodedSection | null;
     try {
       decoded = await this.#client.section(ticket);
     } catch (error) {
-      const { message } = error as CaseError;
-      if (message === kSuperseded) {
-        throw error;
-      }
-      opened.loseSection(message);
-      this.#touch();
+      this.#lackRest(opened, error as CaseError);
+      return;
+    }
+    if (!decoded) {
       return;
     }
     if (this.#case === opened) {
@@ -349,6 +356,19 @@ export class Viewer {
       this.stats.sectionBytes = opened.faces?.bytes ?? 0;
       this.stats.sectionMs = decoded.milliseconds;
       this.#touch();
+    }
+  }
+
+  /** Without its section a case can be shown; of a file that is broken nothing is. Throws what is wrong with the file. */
+  #lackRest(opened: OpenCase, error: CaseError): void {
+    if (error instanceof SectionError || error.message === kSuperseded) {
+      opened.loseSection(error.message);
+      this.#touch();
+    } else {
+      this.#refuse(opened, error);
+    }
+    if (!(error instanceof SectionError)) {
+      throw error;
     }
   }
 

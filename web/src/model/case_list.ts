@@ -1,4 +1,5 @@
 import { CaseError } from "../sog/zip";
+import { texts } from "../text/text";
 import type { CaseInMaking } from "./case_news";
 
 /** Which volume a case shows, and how (docs/format.md). */
@@ -95,6 +96,15 @@ export function failureText(name: string, error: unknown): string {
 /** 4.2 MB. */
 export function formatBytes(bytes: number): string {
   return bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} KB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}
+
+/** "2.1 of 3.9 MB"; of 0 bytes, which nobody knows, "2.1 MB". */
+export function amountText(loaded: number, total: number): string {
+  if (total <= 0) {
+    return formatBytes(loaded);
+  }
+  const unit = total < 1e6 ? 1e3 : 1e6;
+  return texts().loading.amount((loaded / unit).toFixed(total < 1e6 ? 0 : 1), formatBytes(total));
 }
 
 /** 83 412: thousands apart. */

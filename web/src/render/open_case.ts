@@ -85,8 +85,8 @@ export class OpenCase {
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
-    this.awaitsSection = loaded.section !== null;
-    this.noSection = loaded.section ? null : kHasNone;
+    this.awaitsSection = loaded.hasSection;
+    this.noSection = loaded.hasSection ? null : kHasNone;
     if (loaded.sectionProblem) {
       this.loseSection(loaded.sectionProblem);
     }

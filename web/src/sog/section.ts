@@ -2,7 +2,7 @@ import type { Triple } from "../model/geometry";
 import { requireChecksum } from "./checksum";
 import { JsonReader } from "./json_reader";
 import type { Texels } from "./sog";
-import { CaseError } from "./zip";
+import { type Archive, CaseError } from "./zip";
 
 export const kCodes = 256;
 /** Air around the body has code 0, everything else codes from this on. */
@@ -14,6 +14,11 @@ const kBlock = 16;
 export const kErrorBands = 16;
 /** 2: with a tone curve, which viewers that know version 1 alone would leave out. */
 const kVersions = new Set<unknown>([1, 2]);
+/** What is wrong with a section alone: splats can be shown all the same. */
+export class SectionError extends CaseError {
+  override name = "SectionError";
+}
+
 const kMaxExtinction = 1e6;
 const kMaxReflectance = 100;
 
@@ -175,7 +180,7 @@ function readTone(lights: JsonReader): ToneCurve {
 }
 
 /** The section that the `clipgs` block of a case names; null where there is none. Throws CaseError. */
-export function parseSection(clipgs: unknown, archive: ReadonlyMap<string, unknown>): SectionInfo | null {
+export function parseSection(clipgs: unknown, archive: Pick<Archive, "has">): SectionInfo | null {
   const block = (clipgs as { section?: unknown } | null | undefined)?.section;
   if (block === undefined) {
     return null;

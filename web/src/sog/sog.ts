@@ -1,5 +1,5 @@
 import { JsonReader } from "./json_reader";
-import { CaseError } from "./zip";
+import { type Archive, CaseError } from "./zip";
 
 /** Splats that a case may hold: its textures stay within what every WebGL 2 device can make. */
 export const kMaxSplats = 4 << 20;
@@ -111,7 +111,7 @@ function integer(parent: Json, key: string, min: number, max: number, where: str
   return value as number;
 }
 
-function files(parent: Json, length: number, where: string, archive: ReadonlyMap<string, unknown>): string[] {
+function files(parent: Json, length: number, where: string, archive: Pick<Archive, "has">): string[] {
   const value = parent["files"];
   if (!Array.isArray(value) || value.length !== length || !value.every((v) => typeof v === "string")) {
     throw new CaseError(`meta.json: ${where}.files is not a list of ${length} file names`);
@@ -129,7 +129,7 @@ function paletteMeta(
   key: string,
   bands: [number, number],
   coefficients: (bands: number) => number,
-  archive: ReadonlyMap<string, unknown>,
+  archive: Pick<Archive, "has">,
 ): PaletteMeta | null {
   if (meta[key] === undefined) {
     return null;
@@ -144,7 +144,7 @@ function paletteMeta(
 }
 
 /** Of the `clipgs` block, whose states may have layers. */
-function layersMeta(block: unknown, archive: ReadonlyMap<string, unknown>): LayersMeta | null {
+function layersMeta(block: unknown, archive: Pick<Archive, "has">): LayersMeta | null {
   if (!isObject(block) || !isObject(block["states"]) || block["states"]["file"] === undefined) {
     return null;
   }
@@ -157,7 +157,7 @@ function layersMeta(block: unknown, archive: ReadonlyMap<string, unknown>): Laye
 }
 
 /** Checks meta.json of an archive. Throws CaseError. */
-export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta {
+export function parseSogMeta(archive: Archive): SogMeta {
   const text = archive.get("meta.json");
   if (!text) {
     throw new CaseError("there is no meta.json in the archive; this is not a SOG scene");
@@ -198,6 +198,13 @@ export function parseSogMeta(archive: ReadonlyMap<string, Uint8Array>): SogMeta 
     layers: layersMeta(meta["clipgs"], archive),
     clipgs: meta["clipgs"],
   };
+}
+
+/** The images of the splats that meta.json names. */
+export function splatFiles({ means, scales, quats, sh0, shN, faces, layers }: SogMeta): string[] {
+  const palettes = [...(shN?.files ?? []), ...(faces?.files ?? [])];
+  const own = [means, scales, quats, sh0].flatMap(({ files }) => files);
+  return [...own, ...palettes, ...(layers ? [layers.file] : [])];
 }
 
 function requireTexels(image: Texels, count: number, name: string): void {

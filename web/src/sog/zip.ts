@@ -5,14 +5,17 @@ export class CaseError extends Error {
 
 const kEndSignature = 0x06054b50;
 const kCentralSignature = 0x02014b50;
-const kLocalSignature = 0x04034b50;
+export const kLocalSignature = 0x04034b50;
 const kEndSize = 22;
 const kMaxComment = 0xffff;
 
-const kStored = 0;
+export const kStored = 0;
 const kDeflated = 8;
-const kMaxEntries = 256;
+export const kMaxEntries = 256;
 const kMaxTotal = 1 << 30; // bytes
+
+/** Files by their names. */
+export type Archive = Pick<ReadonlyMap<string, Uint8Array>, "get" | "has">;
 
 /**
  * Entries of a ZIP archive by name, stored (as SOG writes them) or deflated (as other tools repack them). Every

@@ -34,6 +34,10 @@ export const german: Texts = {
     directions: (left, right, top, bottom, mm) =>
       `Richtungen des Patienten: links ${left}, rechts ${right}, oben ${top}, unten ${bottom}. Maßstab: ${mm} mm`,
   },
+  loading: {
+    amount: (loaded, total) => `${loaded} von ${total}`,
+    prepares: "Wird vorbereitet…",
+  },
   sides: {
     anterior: "anterior",
     left: "links",

@@ -32,6 +32,10 @@ export const english = {
     directions: (left: string, right: string, top: string, bottom: string, mm: number) =>
       `Directions of the patient: left ${left}, right ${right}, top ${top}, bottom ${bottom}. Scale bar: ${mm} mm`,
   },
+  loading: {
+    amount: (loaded: string, total: string) => `${loaded} of ${total}`,
+    prepares: "Preparing…",
+  },
   sides: {
     anterior: "anterior",
     left: "left",

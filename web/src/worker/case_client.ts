@@ -1,5 +1,6 @@
-import type { Section } from "../sog/section";
+import { type Section, SectionError } from "../sog/section";
 import { CaseError } from "../sog/zip";
+import type { Cover } from "./arriving";
 import { LightClient } from "./light_client";
 import {
   type CodedSection,
@@ -30,6 +31,14 @@ export interface DecodedSection {
 
 type Decoded = Pick<DecodedSection, "section" | "light">;
 
+/** Who waits for a case hears how it comes. */
+export interface LoadListener {
+  /** Bytes that are there, of how many; 0: nobody knows. */
+  progress(loaded: number, total: number): void;
+  /** Before the case itself, if its file begins with it. */
+  cover?(cover: Cover): void;
+}
+
 /** One end of a promise. */
 interface Waiting<T> {
   resolve: (value: T) => void;
@@ -40,20 +49,21 @@ interface Waiting<T> {
 interface Expected {
   url: string;
   loaded: Promise<LoadedCase>;
-  progress: (share: number) => void;
 }
 
-/** A section that is being decoded, by a worker of its own. */
-interface Decoding {
+/** What is still to come of a case, or to be decoded, by a worker of its own. */
+interface Rest {
   ticket: number;
-  decoded: Promise<Decoded>;
+  decoded: Promise<Decoded | null>;
 }
 
 /** The main thread's end of case_worker.ts and section_worker.ts. */
 export class CaseClient {
   #worker: Worker | null; // null after it failed: the next case to be loaded has another one
-  readonly #loads = new Map<number, Waiting<LoadedCase> & { progress: (share: number) => void }>();
-  #decoding: Decoding | null = null; // of the case that was loaded last
+  readonly #loads = new Map<number, Waiting<LoadedCase>>();
+  #listener: LoadListener | null = null; // to the load that was begun last
+  #rest: Rest | null = null; // of the case that was loaded last
+  #coming: (Waiting<Decoded | null> & { ticket: number }) | null = null; // who waits for that to be there
   #stopDecoding: (message: string) => void = () => {};
   #sorted: Waiting<Sorted> | null = null;
   #sorting: Promise<void> | null = null;
@@ -66,37 +76,36 @@ export class CaseClient {
   }
 
   /** Begins to load what the first load() will ask for. */
-  expect(url: string): void {
-    const expected: Expected = {
-      url,
-      progress: () => {},
-      loaded: this.#load(url, (share) => expected.progress(share)),
-    };
+  expect(url: string, listener: LoadListener): void {
+    const expected: Expected = { url, loaded: this.#load(url, listener, true) };
     this.#expected = expected;
     // Who asks for it after it failed has it tried anew: a case may be made meanwhile.
     expected.loaded.catch(() => this.#expected === expected && (this.#expected = null));
   }
 
-  /** Fetches and decodes; `progress` is told the share that is there, 0…1. Rejects with CaseError. */
-  load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+  /**
+   * Fetches and decodes, as is told to `listener`. `early`: what is seen first is given as soon as it is there, whether
+   * the rest comes or not. Rejects with CaseError.
+   */
+  load(url: string, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
     const expected = this.#expected;
     this.#expected = null;
-    if (expected?.url !== url) {
-      return this.#load(url, progress);
-    }
-    expected.progress = progress;
-    return expected.loaded;
+    return expected?.url === url ? expected.loaded : this.#load(url, listener, early);
   }
 
-  /** The section of the case that was loaded last and has one, once. Rejects with CaseError. */
-  async section(ticket: number): Promise<DecodedSection> {
+  /**
+   * The section of the case that was loaded last, once, when all of that is there; null: it has none. Rejects with
+   * SectionError where it alone is broken, or CaseError.
+   */
+  async section(ticket: number): Promise<DecodedSection | null> {
     const start = performance.now();
-    if (this.#decoding?.ticket !== ticket) {
+    if (this.#rest?.ticket !== ticket) {
       throw new CaseError(kSuperseded);
     }
-    const { decoded } = this.#decoding;
-    this.#decoding = null; // its voxels are the caller's
-    return { ...(await decoded), milliseconds: performance.now() - start };
+    const { decoded } = this.#rest;
+    this.#rest = null; // its voxels are the caller's
+    const section = await decoded;
+    return section && { ...section, milliseconds: performance.now() - start };
   }
 
   /** Fetches what may be loaded next. */
@@ -127,7 +136,7 @@ export class CaseClient {
 
   dispose(): void {
     this.#disposed = true;
-    this.#dropDecoding(kGone);
+    this.#dropRest(kGone);
     this.#stop(kGone);
   }
 
@@ -145,6 +154,7 @@ export class CaseClient {
     const error = new CaseError(message);
     this.#loads.forEach(({ reject }) => reject(error));
     this.#loads.clear();
+    this.#coming?.reject(error);
     this.#endSorting()?.reject(error);
   }
 
@@ -156,15 +166,16 @@ export class CaseClient {
     return waiting;
   }
 
-  #load(url: string, progress: (share: number) => void): Promise<LoadedCase> {
+  #load(url: string, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
     if (this.#disposed) {
       return Promise.reject(new CaseError(kGone));
     }
     const ticket = this.#tickets++;
+    this.#listener = listener;
     this.#worker ??= this.#startWorker();
     return new Promise((resolve, reject) => {
-      this.#loads.set(ticket, { resolve, reject, progress });
-      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href });
+      this.#loads.set(ticket, { resolve, reject });
+      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href, early });
     });
   }
 
@@ -172,65 +183,115 @@ export class CaseClient {
     this.#worker?.postMessage(message, transfer);
   }
 
-  /** Begins to decode a section. Its worker goes on as that of its light, or ends. */
-  #decode(ticket: number, coded: CodedSection): void {
-    const worker = new Worker(new URL("./section_worker.ts", import.meta.url), { type: "module" });
-    const decoded = new Promise<Decoded>((resolve, reject) => {
-      const forget = (): void => {
-        if (this.#stopDecoding === end) {
-          this.#stopDecoding = () => {}; // it would hold what was decoded
-        }
-      };
-      const end = (message: string): void => {
-        worker.terminate();
-        reject(new CaseError(message));
-        forget();
-      };
-      this.#stopDecoding = end;
-      worker.onerror = () => end(`${coded.info.file} cannot be decoded: its worker stopped; reload the page`);
-      worker.onmessage = ({ data }: MessageEvent<SectionReply>) => {
-        if (data.kind === "section") {
-          resolve({ section: data.section, light: new LightClient(worker) });
-          forget();
-        } else if (data.kind === "failed") {
-          end(data.message);
-        }
-      };
+  /** From now on the rest of a case is waited for. */
+  #awaitRest(ticket: number): void {
+    const decoded = new Promise<Decoded | null>((resolve, reject) => {
+      this.#coming = { ticket, resolve, reject };
     });
     decoded.catch(() => {}); // said when it is asked for
-    this.#decoding = { ticket, decoded };
+    this.#rest = { ticket, decoded };
+  }
+
+  /** Begins to decode a section. Its worker goes on as that of its light, or ends. */
+  #decode(coded: CodedSection, { resolve, reject }: Waiting<Decoded>): void {
+    const worker = new Worker(new URL("./section_worker.ts", import.meta.url), { type: "module" });
+    const forget = (): void => {
+      if (this.#stopDecoding === stop) {
+        this.#stopDecoding = () => {}; // it would hold what was decoded
+      }
+    };
+    const end = (error: CaseError): void => {
+      worker.terminate();
+      reject(error);
+      forget();
+    };
+    const stop = (message: string): void => end(new CaseError(message));
+    const fail = (message: string): void => end(new SectionError(message));
+    this.#stopDecoding = stop;
+    worker.onerror = () => fail(`${coded.info.file} cannot be decoded: its worker stopped; reload the page`);
+    worker.onmessage = ({ data }: MessageEvent<SectionReply>) => {
+      if (data.kind === "section") {
+        resolve({ section: data.section, light: new LightClient(worker) });
+        forget();
+      } else if (data.kind === "failed") {
+        fail(data.message);
+      }
+    };
     worker.postMessage({ kind: "decode", coded } satisfies SectionRequest, [coded.webp.buffer]);
   }
 
   /** Ends the worker of a section that nobody has asked for. */
-  #dropDecoding(message: string): void {
+  #dropRest(message: string): void {
+    this.#coming?.reject(new CaseError(message));
+    this.#coming = null;
     this.#stopDecoding(message);
-    this.#decoding?.decoded.then(
-      ({ light }) => light.dispose(),
+    this.#rest?.decoded.then(
+      (section) => section?.light.dispose(),
       () => {},
     );
-    this.#decoding = null;
+    this.#rest = null;
   }
 
   #receive(reply: Reply): void {
-    if (reply.kind === "sorted") {
-      this.#endSorting()?.resolve(reply);
-      return;
-    }
-    const { ticket } = reply;
-    const load = this.#loads.get(ticket);
-    if (reply.kind === "progress") {
-      load?.progress(reply.total > 0 ? reply.loaded / reply.total : 0);
-    } else if (reply.kind === "loaded") {
-      this.#loads.delete(ticket);
-      this.#dropDecoding(kSuperseded);
-      if (reply.section) {
-        this.#decode(ticket, reply.section);
+    switch (reply.kind) {
+      case "sorted":
+        this.#endSorting()?.resolve(reply);
+        break;
+      case "progress":
+        if (this.#isNewest(reply.ticket)) {
+          this.#listener?.progress(reply.loaded, reply.total);
+        }
+        break;
+      case "cover":
+        if (this.#isNewest(reply.ticket)) {
+          this.#listener?.cover?.(reply);
+        }
+        break;
+      case "loaded":
+        this.#dropRest(kSuperseded);
+        this.#awaitRest(reply.ticket);
+        this.#endLoad(reply.ticket)?.resolve(reply);
+        break;
+      case "rest":
+        this.#takeRest(reply);
+        break;
+      case "failed": {
+        const error = new CaseError(reply.message);
+        this.#endLoad(reply.ticket)?.reject(error);
+        this.#endComing(reply.ticket)?.reject(error);
       }
-      load?.resolve(reply);
-    } else {
-      this.#loads.delete(ticket);
-      load?.reject(new CaseError(reply.message));
     }
+  }
+
+  #isNewest(ticket: number): boolean {
+    return ticket === this.#tickets - 1;
+  }
+
+  #takeRest({ ticket, section, sectionProblem }: Extract<Reply, { kind: "rest" }>): void {
+    const coming = this.#endComing(ticket);
+    if (!coming) {
+      return; // of a case before
+    }
+    if (section) {
+      this.#decode(section, coming);
+    } else if (sectionProblem) {
+      coming.reject(new SectionError(sectionProblem));
+    } else {
+      coming.resolve(null);
+    }
+  }
+
+  /** Who waits for a load. */
+  #endLoad(ticket: number): Waiting<LoadedCase> | undefined {
+    const waiting = this.#loads.get(ticket);
+    this.#loads.delete(ticket);
+    return waiting;
+  }
+
+  /** Who waits for the rest of a case. */
+  #endComing(ticket: number): Waiting<Decoded | null> | null {
+    const coming = this.#coming?.ticket === ticket ? this.#coming : null;
+    this.#coming = coming ? null : this.#coming;
+    return coming;
   }
 }

@@ -8,7 +8,8 @@ import { hullOf } from "../sog/hull";
 import { parseSection, type SectionInfo } from "../sog/section";
 import { packScene, parseSogMeta, type SogImages, type SogMeta, type Texels } from "../sog/sog";
 import { WebpDecoder } from "../sog/webp";
-import { CaseError, readZip } from "../sog/zip";
+import { type Archive, CaseError } from "../sog/zip";
+import { arrive } from "./arriving";
 import { FileCache } from "./file_cache";
 import { kSuperseded, type Reply, type Request } from "./protocol";
 import { SplatOrder } from "./splat_order";
@@ -53,11 +54,7 @@ async function compile(url: string): Promise<WebAssembly.Module> {
   }
 }
 
-function decodeImages(
-  decoder: WebpDecoder,
-  meta: SogMeta,
-  archive: ReadonlyMap<string, Uint8Array>,
-): SogImages {
+function decodeImages(decoder: WebpDecoder, meta: SogMeta, archive: Archive): SogImages {
   const decode = (name: string): Texels =>
     decoder.decode(archive.get(name)!, name, ({ width, height, rgba }) => {
       requireTexelChecksum(meta.clipgs, rgba, name);
@@ -78,10 +75,7 @@ function decodeImages(
 }
 
 /** The section of a case, or what is wrong with it: its splats can be shown all the same. */
-function sectionOf(
-  clipgs: unknown,
-  archive: ReadonlyMap<string, unknown>,
-): { info: SectionInfo | null; problem: string | null } {
+function sectionOf(clipgs: unknown, archive: Archive): { info: SectionInfo | null; problem: string | null } {
   try {
     return { info: parseSection(clipgs, archive), problem: null };
   } catch (error) {
@@ -104,16 +98,25 @@ function checkNewest(ticket: number): void {
   }
 }
 
-async function load(ticket: number, url: string): Promise<void> {
+async function load({ ticket, url, early }: Extract<Request, { kind: "load" }>): Promise<void> {
   newest.superseded.abort();
   newest = { ticket, superseded: new AbortController() };
   const { signal } = newest.superseded;
   try {
-    const [bytes, [splatOrder, libwebp]] = await Promise.all([
-      files.get(url, (loaded, total) => reply({ kind: "progress", ticket, loaded, total }), signal),
-      fetchModules(),
-    ]);
-    const archive = await readZip(bytes);
+    const arriving = arrive(
+      (progress) =>
+        files.get(
+          url,
+          (loaded, total, bytes) => {
+            reply({ kind: "progress", ticket, loaded, total });
+            progress(loaded, total, bytes);
+          },
+          signal,
+        ),
+      early,
+      (cover) => reply({ kind: "cover", ticket, ...cover }, [cover.thumbnail.buffer]),
+    );
+    const [archive, [splatOrder, libwebp]] = await Promise.all([arriving.splats, fetchModules()]);
     const meta = parseSogMeta(archive);
     const { info, problem } = sectionOf(meta.clipgs, archive);
     checkNewest(ticket);
@@ -121,11 +124,7 @@ async function load(ticket: number, url: string): Promise<void> {
     const order = new SplatOrder(splatOrder); // an instance for each, whose memory goes with it
     order.load(scene);
     scenes = [...scenes.filter((scene) => scene.ticket === sorted), { ticket, order }];
-    const section = info && { info, webp: archive.get(info.file)!.slice(), libwebp };
     const transfer = [scene.packed.buffer, scene.sh0.buffer];
-    if (section) {
-      transfer.push(section.webp.buffer);
-    }
     if (scene.shN) {
       transfer.push(scene.shN.centroids.rgba.buffer);
     }
@@ -136,23 +135,30 @@ async function load(ticket: number, url: string): Promise<void> {
       transfer.push(scene.layers.buffer);
     }
     const { clipgs } = meta;
-    const { length } = bytes;
     reply(
       {
         kind: "loaded",
         ticket,
         scene,
         hull: hullOf(scene, rowsOf(clipgs)),
-        section,
+        hasSection: info !== null,
         sectionProblem: problem,
         clipgs,
-        bytes: length,
       },
       transfer,
     );
+    giveRest(ticket, clipgs, await arriving.whole, libwebp);
   } catch (error) {
     fail(ticket, error);
   }
+}
+
+/** What is not shown at first. */
+function giveRest(ticket: number, clipgs: unknown, archive: Archive, libwebp: WebAssembly.Module): void {
+  const { info, problem } = sectionOf(clipgs, archive);
+  const webp = info && archive.get(info.file)!.slice();
+  const section = info && webp && { info, webp, libwebp };
+  reply({ kind: "rest", ticket, section, sectionProblem: problem }, webp ? [webp.buffer] : []);
 }
 
 function sort(request: Extract<Request, { kind: "sort" }>): void {
@@ -170,7 +176,7 @@ function sort(request: Extract<Request, { kind: "sort" }>): void {
 worker.onmessage = (event) => {
   const request = event.data;
   if (request.kind === "load") {
-    void load(request.ticket, request.url);
+    void load(request);
   } else if (request.kind === "prefetch") {
     void files.prefetch(request.url);
   } else {

@@ -4,11 +4,13 @@ import { kSuperseded } from "./protocol";
 /** Of files that are kept, together: a dozen cases. */
 const kMostBytes = 64e6;
 
-type Progress = (loaded: number, total: number) => void;
+/** Told how much there is, of how much (0: nobody knows), and what there is. */
+export type Progress = (loaded: number, total: number, bytes: Uint8Array) => void;
 
 /** A download, and how many want it: it ends when nobody does. */
 interface Running {
   readonly bytes: Promise<Uint8Array>;
+  readonly told: Set<Progress>;
   readonly unwanted: AbortController;
   wanted: number;
 }
@@ -44,9 +46,11 @@ export class FileCache {
   }
 
   #want(url: string, progress: Progress, signal: AbortSignal): Promise<Uint8Array> {
-    const running = this.#running.get(url) ?? this.#start(url, progress);
+    const running = this.#running.get(url) ?? this.#start(url);
     ++running.wanted;
+    running.told.add(progress);
     signal.addEventListener("abort", () => {
+      running.told.delete(progress);
       if (--running.wanted === 0) {
         this.#forget(url, running); // who wants it again meanwhile begins anew
         running.unwanted.abort();
@@ -55,10 +59,12 @@ export class FileCache {
     return running.bytes;
   }
 
-  #start(url: string, progress: Progress): Running {
+  #start(url: string): Running {
     const unwanted = new AbortController();
-    const bytes = this.#download(url, progress, unwanted.signal);
-    const running = { bytes, unwanted, wanted: 0 };
+    const told = new Set<Progress>();
+    const tell: Progress = (...how) => told.forEach((progress) => progress(...how));
+    const bytes = this.#download(url, tell, unwanted.signal);
+    const running = { bytes, told, unwanted, wanted: 0 };
     const end = (): void => this.#forget(url, running);
     bytes.then(end, end);
     this.#running.set(url, running);
@@ -134,7 +140,7 @@ async function readBody(
       }
       bytes.set(part.value, loaded);
       loaded += part.value.length;
-      progress(loaded, total);
+      progress(loaded, total, bytes.subarray(0, loaded));
     }
   } catch {
     throw new CaseError(

@@ -2,6 +2,7 @@ import { kMaxPlanes } from "../model/cut";
 import type { LightRig, Section, SectionInfo } from "../sog/section";
 import type { Hull } from "../sog/hull";
 import type { PackedScene } from "../sog/sog";
+import type { Cover } from "./arriving";
 
 /** Why there is nothing of a case, to whoever waited for it. */
 export const kSuperseded = "another case was chosen meanwhile";
@@ -55,17 +56,19 @@ export type SectionReply =
   | { kind: "openings"; openings: OpeningsInfo | null }
   | { kind: "lit"; light: CutLightTexels };
 
-/** A case, decoded, but for its section: that takes longer, and has a worker of its own. */
+/**
+ * A case, decoded, but for its section: that takes longer, and has a worker of its own. Its file need not be whole yet.
+ */
 export interface LoadedCase {
   ticket: number;
   scene: PackedScene;
   hull: Hull;
-  section: CodedSection | null;
+  /** Whether its section is still to come. */
+  hasSection: boolean;
   /** What is wrong with the section that it has, if something is: splats show the case without it. */
   sectionProblem: string | null;
   /** The `clipgs` block of meta.json, unchecked. */
   clipgs: unknown;
-  bytes: number;
 }
 
 /** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. By layers, what they cannot draw is cut exactly. */
@@ -77,15 +80,21 @@ export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 2 + 4 * kMaxPlanes;
 
 /** To the worker. */
 export type Request =
-  | { kind: "load"; ticket: number; url: string }
+  /** `early`: it is answered as soon as its splats are there. */
+  | { kind: "load"; ticket: number; url: string; early: boolean }
   /** Fetches what may be loaded next; nothing answers. */
   | { kind: "prefetch"; url: string }
   /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */
   | { kind: "sort"; scene: number; view: Float32Array; clip: number; order: Uint32Array };
 
-/** From the worker. A ticket is that of the request that is answered; `count` is −1 if the scene is gone. */
+/**
+ * From the worker. A ticket is that of the request that is answered; `count` is −1 if the scene is gone. A case that is
+ * loaded is whole with what is the rest of it, which may say that its section is missing.
+ */
 export type Reply =
+  | ({ kind: "cover"; ticket: number } & Cover)
   | { kind: "progress"; ticket: number; loaded: number; total: number }
   | ({ kind: "loaded" } & LoadedCase)
+  | { kind: "rest"; ticket: number; section: CodedSection | null; sectionProblem: string | null }
   | { kind: "failed"; ticket: number; message: string }
   | { kind: "sorted"; scene: number; order: Uint32Array; count: number; milliseconds: number };

@@ -86,7 +86,7 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
 
   /** What the page shows of a case, on black. */
   async function shown(page: Page): Promise<Picture> {
-    await page.addStyleTag({ content: "footer, .message, .progress { display: none !important }" });
+    await page.addStyleTag({ content: "footer, .message, .loading { display: none !important }" });
     await page.evaluate(
       () => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))),
     );
@@ -201,7 +201,7 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
     await page.evaluate(() => (location.hash = "#case=solid&view=12,34&size=64x64"));
     await page.waitForTimeout(200);
     release();
-    await expect.poll(() => page.locator(".progress.shown").count()).toBe(0);
+    await expect.poll(() => page.locator(".loading:visible").count()).toBe(0);
     const { case: name, view } = await page.evaluate(() => window.clipgs.state);
     expect([name, view.azimuth, view.elevation]).toEqual(["solid", 12, 34]);
     await page.close();

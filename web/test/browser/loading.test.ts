@@ -20,6 +20,37 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
     await session.stop();
   });
 
+  it("shows what is coming, then the body, before the file is there", async () => {
+    const proxy = await startSlowProxy(session.url, "/cases/phantom.sog", 80_000);
+    const visitor = await session.openPage(`${proxy.url}#case=phantom`, errors);
+    const loading = visitor.getByRole("progressbar", { name: "Loading" });
+    await expect.poll(() => loading.textContent()).toMatch(/Torso phantom\d+ of \d+ KB/);
+    expect(await visitor.locator("footer .warning").isVisible()).toBe(true);
+    expect(await loading.locator("img").isVisible()).toBe(true);
+    await visitor.waitForFunction(() => performance.getEntriesByName("clipgs: picture").length > 0);
+    expect(proxy.given()).toBeLessThan(proxy.whole());
+    await visitor.evaluate(() => window.clipgs.ready);
+    expect(proxy.given()).toBe(proxy.whole());
+    expect(await loading.isVisible()).toBe(false);
+    expect(await visitor.evaluate(() => window.clipgs.stats.sectionBytes)).toBeGreaterThan(0);
+    await visitor.close();
+    proxy.stop();
+  });
+
+  it("shows nothing of a file that ends too early, not even what was seen of it", async () => {
+    const whole = readFileSync(join(session.cases, "phantom.sog"));
+    const visitor = await session.openPage("about:blank", errors);
+    await visitor.route("**/cases/phantom.sog*", (route) =>
+      route.fulfill({ body: whole.subarray(0, whole.length - 1000) }),
+    );
+    await visitor.goto(`${session.url}#case=phantom`);
+    await expect
+      .poll(() => visitor.getByRole("alert").textContent())
+      .toContain("phantom: the file ends too early");
+    expect(await visitor.evaluate(() => window.clipgs.state.case)).toBe(null);
+    await visitor.close();
+  });
+
   it("shows the body before its section is there, once", async () => {
     const opened = await session.open("#case=phantom", errors);
     const times = await opened.evaluate(async () => {

@@ -1,13 +1,14 @@
 import { createServer, request } from "node:http";
 import type { AddressInfo } from "node:net";
 
-const kPart = 8192; // bytes
-const kPause = 50; // ms
+const kPart = 4096; // bytes
+/** As of a file of 8 KiB twenty times a second. */
+const kUsualRate = 163_840;
 
-/** A server that passes on what another one answers, all but one file at once, and counts what it gives of that. */
+/** A server that passes on what another one answers, some of it slowly, and counts what it gives of that. */
 export interface SlowProxy {
   url: string;
-  /** Bytes of that file, of its last answer: given, and all. */
+  /** Bytes of the last slow answer to what `counted` begins with: given, and all. */
   given(): number;
   whole(): number;
   /** Once that answer is over, however it ended. */
@@ -15,10 +16,22 @@ export interface SlowProxy {
   stop(): void;
 }
 
-export async function startSlowProxy(url: string, slowPath: string): Promise<SlowProxy> {
+/** What begins with `slowPath` shares `rate` bytes a second; what begins with `counted` of it is counted. */
+export async function startSlowProxy(
+  url: string,
+  slowPath: string,
+  rate = kUsualRate,
+  counted = slowPath,
+): Promise<SlowProxy> {
   let given = 0;
   let whole = 0;
   let ended = Promise.resolve();
+  let free = 0; // when the next bytes may go, ms
+  const turn = async (bytes: number): Promise<void> => {
+    const now = performance.now();
+    free = Math.max(now, free) + (1000 * bytes) / rate;
+    await new Promise((resume) => setTimeout(resume, free - now));
+  };
   const server = createServer((incoming, response) => {
     const options = { method: incoming.method, headers: { ...incoming.headers, host: new URL(url).host } };
     const forwarded = request(new URL(incoming.url!, url), options, async (answer) => {
@@ -27,16 +40,22 @@ export async function startSlowProxy(url: string, slowPath: string): Promise<Slo
         answer.pipe(response);
         return;
       }
-      ended = new Promise((done) => response.once("close", done));
+      const counts = incoming.url!.startsWith(counted);
+      if (counts) {
+        ended = new Promise((done) => response.once("close", done));
+        given = 0;
+      }
       const parts: Buffer[] = [];
       for await (const part of answer) {
         parts.push(part as Buffer);
       }
       const file = Buffer.concat(parts);
-      whole = file.length;
-      for (given = 0; given < whole && !response.destroyed; given += kPart) {
-        response.write(file.subarray(given, given + kPart));
-        await new Promise((resume) => setTimeout(resume, kPause));
+      whole = counts ? file.length : whole;
+      for (let at = 0; at < file.length && !response.destroyed; at += kPart) {
+        const part = file.subarray(at, at + kPart);
+        await turn(part.length);
+        response.write(part);
+        given += counts ? part.length : 0;
       }
       response.end();
     });
