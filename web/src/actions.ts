@@ -1,7 +1,7 @@
 import type { Vector3 } from "three";
 
 import { canDraw, type Cut } from "./model/cut";
-import { flipped, type Plane, projectBox } from "./model/geometry";
+import { flipped, type Plane, planeThrough, projectBox } from "./model/geometry";
 import { isSameWindow } from "./model/grey";
 import { History } from "./model/history";
 import { freeAxis, kAxes, type Orientation, planeAcross, planePosition } from "./model/planes";
@@ -78,6 +78,13 @@ export class Actions {
   orient(name: Orientation): void {
     if (!this.isUniaxial) {
       this.#cutAcross(kAxes[name]);
+    }
+  }
+
+  /** Cuts through a point. */
+  orientThrough(name: Orientation, point: Vector3): void {
+    if (!this.isUniaxial) {
+      this.#cutAcross(kAxes[name], point);
     }
   }
 
@@ -230,6 +237,12 @@ export class Actions {
     }
   }
 
+  /** Slices beside the picture, or none. */
+  toggleSlices(): void {
+    const { state, store } = this.#viewer;
+    store.showSlices(state.slices ? null : state.cuts.length > 0 ? "plane" : "axial");
+  }
+
   /** Faces cinematic or grey, wholly. */
   toggleGrey(): void {
     this.#viewer.store.setGrey(this.#viewer.state.grey > 0 ? 0 : 1);
@@ -322,9 +335,10 @@ export class Actions {
     return info && planeAcross(axis, info.bounds, this.lookingFrom());
   }
 
-  /** Turns the plane, or makes it. */
-  #cutAcross(axis: Vector3): void {
-    const plane = this.#planeAcross(axis);
+  /** Turns the plane, or makes it: through the middle, unless it is said where. */
+  #cutAcross(axis: Vector3, point?: Vector3): void {
+    const middle = this.#planeAcross(axis);
+    const plane = middle && point ? planeThrough(middle.normal, point) : middle;
     if (plane && this.#viewer.cut) {
       this.#viewer.store.movePlane(plane);
     } else if (plane) {

@@ -30,6 +30,7 @@ import { PointerControls } from "./ui/pointer";
 import type { StudyCard } from "./ui/study_card";
 import { savePicture } from "./ui/save_picture";
 import { level, sidePanel } from "./ui/side_panel";
+import { slicesButton, SlicesPart } from "./ui/slices";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { ViewKeys } from "./ui/view_keys";
 import { Viewer } from "./viewer";
@@ -83,6 +84,7 @@ export class App {
   readonly #panel: HTMLElement;
   readonly #overlay: FaceOverlay;
   readonly #marks: MarksOverlay;
+  readonly #slices: SlicesPart;
   readonly #keeper = new MarksKeeper();
   readonly #keys: ViewKeys;
   readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
@@ -153,8 +155,12 @@ export class App {
       const { chosen, texts: said } = marks;
       const files = { save: () => this.#saveMarks(), open: (file: File) => void this.#openMarks(file) };
       const listed = marksPanel(this.viewer, this.marking, live, chosen, said, files, this.#keeper.trouble);
+      const context = { viewer: this.viewer, actions: this.actions, marking: this.marking, marks, live };
+      const slices = new SlicesPart(context, (why) => this.fail(why, () => this.actions.toggleSlices()));
       return {
         marks,
+        slices,
+        slicesButton: slicesButton(this.viewer, this.actions, live, "wide"),
         panel: sidePanel(this.viewer, this.actions, live, listed),
         card: markCard(this.viewer, live, chosen, said),
         theme: this.#themeChoice(),
@@ -162,6 +168,7 @@ export class App {
     });
     this.#panel = parts.panel;
     this.#marks = parts.marks;
+    this.#slices = parts.slices;
     this.#endParts = endParts;
     this.#cube = new OrientationCube((azimuth, elevation) =>
       this.viewer.store.setView({ azimuth, elevation }),
@@ -172,13 +179,14 @@ export class App {
       this.#overlay.element,
       firstHint(root),
       this.#marks.element,
+      parts.slices.element,
       parts.card,
       h(
         "header",
         { class: "bar", part: "bar" },
         this.#caseTitle(),
         this.#lookButton,
-        this.#buttons(parts.theme),
+        this.#buttons(parts.theme, parts.slicesButton),
       ),
       this.#panel,
       this.#cube.element,
@@ -202,6 +210,7 @@ export class App {
     this.viewer.drawnFrame = () => {
       this.#overlay.update();
       this.#marks.update();
+      this.#slices.update();
       this.#statsTimer ||= window.setTimeout(() => this.#updateStats(), kStatsIntervalMs);
     };
     const captured = { capture: true, signal };
@@ -212,6 +221,7 @@ export class App {
     addEventListener("pagehide", () => this.#keeper.flush(), { signal });
     this.#resized.observe(canvas);
     this.#resized.observe(this.#panel);
+    this.#resized.observe(this.#slices.free);
     host.keys.addEventListener("keydown", (event) => this.#key(event as KeyboardEvent), { signal });
     navigator.xr?.addEventListener("devicechange", () => void this.#offerHeadset(), { signal });
     void this.#offerHeadset();
@@ -393,6 +403,7 @@ export class App {
     this.viewer.store.setHandle(!hidden("handle"));
     this.viewer.store.setBackdrop(link.background ?? null);
     this.viewer.store.setDepthCue(link.depthCue ?? 0);
+    this.viewer.store.showSlices(link.slices?.shown ?? null, link.slices);
     if (link.window) {
       this.viewer.store.setWindow(link.window);
     }
@@ -421,17 +432,19 @@ export class App {
   get link(): Link {
     const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, marks } =
       this.viewer.state;
-    const { active, backdrop, depthCue, handle, layers } = this.viewer.state;
+    const { active, backdrop, depthCue, handle, layers, slices } = this.viewer.state;
     const name = this.viewer.caseName ?? undefined;
     const cut = mode === "uniaxial" ? { state: this.viewer.store.planeState } : { cuts, active };
     const style = {
-      ...(grey > 0 ? { grey, window: window ?? undefined } : {}),
+      ...(grey > 0 ? { grey } : {}),
+      ...(window && (grey > 0 || slices) ? { window } : {}),
       ...(grey > 0 && openings !== "cinematic" ? { openings } : {}),
       ...(rig ? { rig } : {}),
       ...(turn ? { turn } : {}),
       ...(lamp ? { lamp } : {}),
       ...(backdrop ? { background: backdrop } : {}),
       ...(depthCue ? { depthCue } : {}),
+      ...(slices ? { slices } : {}),
     };
     const hidden = Object.entries({ ...layers, handle }).flatMap(([one, shown]) =>
       shown ? [] : [one as Hidden],
@@ -532,7 +545,7 @@ export class App {
       : h("span", { class: "case-title" }, brand, this.#title);
   }
 
-  #buttons(theme: HTMLElement): HTMLElement {
+  #buttons(theme: HTMLElement, slices: HTMLElement): HTMLElement {
     const { host } = this;
     const link = h(
       "button",
@@ -543,6 +556,7 @@ export class App {
       "span",
       { class: "buttons" },
       this.#headsetButtons,
+      slices,
       this.#fullScreen.button,
       h(
         "button",
@@ -568,10 +582,25 @@ export class App {
     const shown = box.width > 0;
     const below = box.width >= clientWidth;
     const card = this.#card?.isAside ? this.#card.element.getBoundingClientRect() : null;
-    this.viewer.resize({
-      right: shown && !below ? stage.right - box.left : 0,
-      bottom: card ? stage.bottom - card.top : shown && below ? stage.bottom - box.top : 0,
-    });
+    if (below && !this.#panel.classList.contains("open")) {
+      this.#root.style.setProperty("--sheet", `${box.height}px`);
+    }
+    const free = this.#slices.free.getBoundingClientRect();
+    const sliced = free.width > 0;
+    this.#root.classList.toggle("sliced", sliced);
+    const inset = {
+      right: sliced ? stage.right - free.right : shown && !below ? stage.right - box.left : 0,
+      bottom: sliced
+        ? stage.bottom - free.bottom
+        : card
+          ? stage.bottom - card.top
+          : shown && below
+            ? stage.bottom - box.top
+            : 0,
+    };
+    this.#root.style.setProperty("--free-right", `${inset.right}px`);
+    this.#root.style.setProperty("--free-bottom", `${inset.bottom}px`);
+    this.viewer.resize(inset);
   }
 
   /** A button that goes from theme to theme. */
@@ -752,6 +781,7 @@ export class App {
       e: () => this.actions.activate(),
       x: () => this.actions.remove(),
       b: () => this.actions.toggleSlab(),
+      q: () => this.viewer.section && this.actions.toggleSlices(),
       g: () => this.actions.toggleGrey(),
       w: () => this.actions.nextWindow(),
       i: () => this.#marks.mark("point"),

@@ -48,9 +48,14 @@ const kFrameMs = 30;
 const kMinScale = 0.35;
 const kMaxPixelRatio = 2;
 
-/** Whether what differs lies over the picture, which stays as it is. */
+/** What lies over the picture, or beside it. */
+const kBesides: readonly (keyof ViewerState)[] = ["marks", "slices"];
+
+/** Whether the picture stays as it is. */
 function isSamePicture(a: ViewerState, b: ViewerState): boolean {
-  return (Object.keys(a) as (keyof ViewerState)[]).every((key) => key === "marks" || a[key] === b[key]);
+  return (Object.keys(a) as (keyof ViewerState)[]).every(
+    (key) => kBesides.includes(key) || a[key] === b[key],
+  );
 }
 
 /**

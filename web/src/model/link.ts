@@ -9,6 +9,7 @@ import { type GreyOpenings, kGreyOpenings } from "./face_style";
 import type { Window } from "./grey";
 import { isShape, kMostCorners, kMostMarks, makeMark, type Mark, type MarkKind } from "./marks";
 import { kRigs } from "./rigs";
+import { kSliceChoices, type Slices } from "./slice";
 import { type View, viewFrom } from "./view";
 
 /** What can be left out of the picture. */
@@ -40,6 +41,8 @@ export interface Link {
   /** One of kBackdrops. */
   background?: string;
   depthCue?: number;
+  /** Beside the picture; where the crosshair is may be missing. */
+  slices?: Pick<Slices, "shown" | "linked"> & Partial<Pick<Slices, "at">>;
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -121,7 +124,7 @@ function parseMarks(parameters: URLSearchParams): Mark[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&active=k&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&hide=…&pin=r,a,s&length=…&angle=…&region=…&outline=…&name=…&note=…&background=…&depth-cue=…&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&active=k&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&hide=…&pin=r,a,s&length=…&angle=…&region=…&outline=…&name=…&note=…&background=…&depth-cue=…&slices=…&cross=r,a,s&size=WxH`,
  * planes, slabs and marks any number of times, names and notes after their marks; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -201,6 +204,10 @@ export function parseLink(hash: string): Link {
   if (depthCue !== undefined && depthCue > 0 && depthCue <= 1) {
     link.depthCue = depthCue;
   }
+  const slices = parseSlices(parameters);
+  if (slices) {
+    link.slices = slices;
+  }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
     const width = Number(size[1]);
@@ -210,6 +217,15 @@ export function parseLink(hash: string): Link {
     }
   }
   return link;
+}
+
+/** `axial` or `axial,unlinked`, and `cross=r,a,s`. */
+function parseSlices(parameters: URLSearchParams): Link["slices"] {
+  const [kind, unlinked] = parameters.get("slices")?.split(",") ?? [];
+  const shown = kSliceChoices.find((one) => one === kind);
+  const at = numbers(parameters.get("cross"), 3, 3);
+  const point = at && { at: new Vector3().fromArray(at) };
+  return shown && { shown, linked: unlinked !== "unlinked", ...point };
 }
 
 function rounded(value: number, digits: number): string {
@@ -298,6 +314,11 @@ export function formatLink(link: Link): string {
   }
   if (link.depthCue) {
     parts.push(`depth-cue=${rounded(link.depthCue, 2)}`);
+  }
+  if (link.slices) {
+    const { shown, linked, at } = link.slices;
+    parts.push(`slices=${shown}${linked ? "" : ",unlinked"}`);
+    parts.push(...(at ? [`cross=${at.toArray().map((mm) => rounded(mm, 2))}`] : []));
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

@@ -7,11 +7,12 @@ import { type CaseInfo, isSameVolume } from "./case_info";
 import { canDraw, type Cut } from "./cut";
 import type { GreyOpenings } from "./face_style";
 import type { FaceSource } from "./faces";
-import type { Plane, Triple } from "./geometry";
+import { type Plane, projectOnto, signedDistance, type Triple } from "./geometry";
 import type { Window } from "./grey";
 import { kAllLayers, type Layers } from "./layers";
 import { type Mark, withMark, withoutMark, withWords } from "./marks";
 import { kRigs, type Lighting } from "./rigs";
+import type { SliceChoice, Slices } from "./slice";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./states";
 import { reframed, type View, viewFrom } from "./view";
 
@@ -35,7 +36,11 @@ export interface ViewerState extends Style {
   handle: boolean; // whether the plane is drawn
   marks: readonly Mark[]; // the oldest first
   backdrop: string | null; // what lies behind the case, one of kBackdrops; null: as the page is
+  slices: Slices | null; // beside the picture; null: none
 }
+
+/** A crosshair that is nearer to the cut lies in it, mm. */
+const kInCut = 1e-6;
 
 const kFirst: ViewerState = {
   view: viewFrom(0, 0),
@@ -55,6 +60,7 @@ const kFirst: ViewerState = {
   depthCue: 0,
   marks: [],
   backdrop: null,
+  slices: null,
 };
 
 /**
@@ -87,6 +93,7 @@ export class ViewerStore {
         this.#set({ view: reframed(this.#state.peek().view, before.sphere, info.sphere) });
       } else if (info) {
         this.#set({ window: null, marks: [] });
+        this.showSlices(this.#state.peek().slices?.shown ?? null, { at: boxMiddle(info) });
       }
       this.#keepToStates();
     });
@@ -238,13 +245,43 @@ export class ViewerStore {
     this.#set({ depthCue: Math.min(1, Math.max(0, strength)) });
   }
 
+  /** Shows slices beside the picture; null: none. The crosshair and its link stay unless it is said what they are. */
+  showSlices(shown: SliceChoice | null, { at, linked }: Partial<Omit<Slices, "shown">> = {}): void {
+    const { slices } = this.#state.peek();
+    const info = this.#info.peek();
+    const point = at ?? slices?.at ?? (info ? boxMiddle(info) : new Vector3());
+    this.#set({ slices: shown && { shown, at: point, linked: linked ?? slices?.linked ?? true } });
+  }
+
+  /** Moves the crosshair of the slices, and with it the active cut where that is linked. */
+  setCrosshair(at: Vector3): void {
+    const { slices } = this.#state.peek();
+    const { cut } = this;
+    if (!slices) {
+      return;
+    }
+    batch(() => {
+      this.#set({ slices: { ...slices, at, linked: false } });
+      if (slices.linked && cut) {
+        this.movePlane({ normal: cut.normal, offset: cut.normal.dot(at) });
+      }
+      this.linkSlices(slices.linked);
+    });
+  }
+
+  /** Whether the active cut goes through the crosshair of the slices, whatever moves either. */
+  linkSlices(linked: boolean): void {
+    const { slices } = this.#state.peek();
+    this.#set({ slices: slices && { ...slices, linked } });
+  }
+
   /** As it was. */
   restore(part: Partial<ViewerState>): void {
     this.#set(part);
   }
 
   #set(part: Partial<ViewerState>): void {
-    this.#state.value = { ...this.#state.peek(), ...part };
+    this.#state.value = withCrosshair({ ...this.#state.peek(), ...part });
   }
 
   /** Of what is cut, the uniaxial mode keeps the active plane, at the nearest state. */
@@ -254,4 +291,16 @@ export class ViewerStore {
       this.#set({ cuts: [stateCut(states, planeState)], active: 0 });
     }
   }
+}
+
+function boxMiddle({ bounds: { min, max } }: CaseInfo): Vector3 {
+  return new Vector3().addVectors(min, max).multiplyScalar(0.5);
+}
+
+/** The crosshair of linked slices follows the active cut. */
+function withCrosshair(state: ViewerState): ViewerState {
+  const { slices, cuts, active } = state;
+  const cut = cuts[active];
+  const follows = slices?.linked && cut && Math.abs(signedDistance(cut, slices.at)) > kInCut;
+  return follows ? { ...state, slices: { ...slices, at: projectOnto(cut, slices.at) } } : state;
 }

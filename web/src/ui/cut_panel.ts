@@ -8,6 +8,7 @@ import type { Viewer } from "../viewer";
 import { each, h, icon, kIcons, type Live } from "./dom";
 import { range } from "./range";
 import { choices, segments } from "./segments";
+import { slicesButton } from "./slices";
 
 /** Where the cut is and what it removes: its planes, their orientation and position. */
 export class CutPanel {
@@ -54,6 +55,7 @@ export class CutPanel {
         icon(kIcons.plus),
         t.more,
       ),
+      slicesButton(this.#viewer, actions, this.#live, "narrow"),
       h(
         "button",
         {

@@ -146,7 +146,10 @@ export class MarksOverlay {
         const faded = !mark.points.some((point) => picking.isSeen(point));
         label.classList.toggle("faded", faded);
         lines.classList.toggle("faded", faded);
-        lines.setAttribute("d", pathOf(mark, this.#viewer));
+        lines.setAttribute(
+          "d",
+          pathOf(linesOf(mark), (point) => camera.project(point)),
+        );
         places.forEach((place, i) => {
           dots[i]!.setAttribute("transform", `translate(${place.x.toFixed(1)},${place.y.toFixed(1)})`);
           dots[i]!.classList.toggle("faded", faded);
@@ -283,7 +286,11 @@ export class MarksOverlay {
     const text = shape ? begunText(shape) : "";
     this.#begunText.hidden = !at || text === "";
     if (shape && at) {
-      this.#begun.setAttribute("d", pathOf(shape, this.#viewer));
+      const { camera } = this.#viewer;
+      this.#begun.setAttribute(
+        "d",
+        pathOf(linesOf(shape), (point) => camera.project(point)),
+      );
       this.#begunText.textContent = text;
       this.#begunText.style.translate = `${(at.x + 14).toFixed(1)}px ${(at.y - 26).toFixed(1)}px`;
     }
@@ -299,16 +306,20 @@ function nearest({ x, y }: Place, box: Place & Size): Place {
 }
 
 /** What it measures so far, without the volume's values: those take time. */
-function begunText(shape: MarkShape): string {
+export function begunText(shape: MarkShape): string {
   const isWhole = shape.kind !== "angle" || shape.points.length === 3;
   const known = shape.kind !== "outline" || shape.points.length > 2;
   return isWhole && known ? measureText(measure(shape, null)) : "";
 }
 
-function pathOf(mark: MarkShape, { camera }: Viewer): string {
-  return linesOf(mark)
+/** Through points where they are seen; of a line of which one is not, nothing. */
+export function pathOf(
+  lines: readonly (readonly Vector3[])[],
+  placeOf: (point: Vector3) => Place | null,
+): string {
+  return lines
     .map((line) => {
-      const places = line.map((point) => camera.project(point));
+      const places = line.map(placeOf);
       return places.every((place) => place !== null)
         ? places.map(({ x, y }, i) => `${i === 0 ? "M" : "L"}${x.toFixed(1)} ${y.toFixed(1)}`).join("")
         : "";

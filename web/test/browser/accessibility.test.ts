@@ -81,6 +81,10 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
       expect(inside.filter((one) => one.name.trim() === "")).toEqual([]);
       await page.keyboard.press("Escape");
     }
+    await page.keyboard.press("q");
+    await page.getByRole("slider", { name: / slice$/ }).waitFor();
+    expect((await controls()).filter((one) => one.name.trim() === "")).toEqual([]);
+    await page.keyboard.press("q");
   });
 
   it("is gone through in reading order", async () => {

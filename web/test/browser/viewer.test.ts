@@ -936,6 +936,83 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect((await cuts()).length).toBe(1);
   });
 
+  it("shows slices beside it, which go with the cut and say what is read of the volume", async () => {
+    await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 5], clip: "exact", shades: [40, 400] });
+    await page.keyboard.press("q");
+    const pane = page.getByRole("slider", { name: "Axial slice" });
+    await pane.waitFor();
+    await settled(page);
+    expect(await pane.getAttribute("aria-valuetext")).toBe("S −5.0 mm");
+    expect(await page.locator(".slice .edge").allTextContents()).toEqual(["R", "L", "A", "P"]);
+    const { x, y, width, height } = (await pane.boundingBox())!;
+    const reading = page.locator(".slice-reading");
+    let read = 0;
+    for (const [right, down] of [
+      [0.5, 0.5],
+      [0.44, 0.41],
+      [0.57, 0.48],
+    ] as const) {
+      // In the middle of a pixel, of which this page has few.
+      const { at, pixel } = await pane.evaluate(
+        (canvas: HTMLCanvasElement, shares) => {
+          const [i, j] = [Math.floor(shares.right * canvas.width), Math.floor(shares.down * canvas.height)];
+          const px = canvas.clientWidth / canvas.width;
+          const { data } = canvas.getContext("2d")!.getImageData(i, j, 1, 1);
+          return { at: { x: (i + 0.5) * px, y: (j + 0.5) * px }, pixel: data[0]! };
+        },
+        { right, down },
+      );
+      await page.mouse.move(x + at.x, y + at.y);
+      const said = /^(−?\d+) ± \S+ HU · R (\S+) A (\S+) S (\S+) mm$/.exec((await reading.textContent())!);
+      if (said) {
+        const numbers = said.slice(1).map((text) => Number(text.replace("−", "-")));
+        const shade = Math.min(1, Math.max(0, (numbers[0]! - 40) / 400 + 0.5));
+        expect(Math.abs(pixel - 255 * shade)).toBeLessThan(2);
+        expect(numbers[3]).toBe(-5);
+        ++read;
+      }
+    }
+    expect(read).toBeGreaterThan(1);
+
+    // Slices and the cut go together, by the wheel, by keys and by the crosshair.
+    const cut = () => page.evaluate(() => window.clipgs.state.plane!);
+    await page.mouse.wheel(0, 120);
+    expect((await cut()).offset).toBeGreaterThan(5.3);
+    const below = (await cut()).offset;
+    await pane.press("ArrowUp");
+    expect((await cut()).offset).toBeLessThan(below - 0.3);
+    const shown = page.getByRole("group", { name: "Which slice is shown" });
+    await shown.getByRole("button", { name: "Coronal" }).click();
+    expect(Math.abs((await cut()).normal[1])).toBe(1);
+    const coronal = page.getByRole("slider", { name: "Coronal slice" });
+    await coronal.waitFor();
+    await page.getByRole("button", { name: "The cut goes through the crosshair" }).click();
+    const before = await cut();
+    await coronal.press("Shift+ArrowDown");
+    expect(await cut()).toEqual(before);
+
+    // What is marked in a slice lies in it.
+    await page.keyboard.press("Escape");
+    await page.getByRole("group", { name: "Mark" }).getByRole("button", { name: "Length" }).click();
+    await page.mouse.click(x + 0.45 * width, y + 0.5 * height);
+    await page.mouse.click(x + 0.55 * width, y + 0.5 * height);
+    const [mark] = await page.evaluate(() => window.clipgs.marks);
+    const mm = Number(/[\d.]+/.exec((await page.locator(".slice-scale span").textContent())!)![0]);
+    const bar = (await page.locator(".slice-scale i").boundingBox())!.width;
+    expect(mark!.mm! / ((0.1 * width * mm) / bar)).toBeCloseTo(1, 1);
+    expect(mark!.points[0]![1]).toBeCloseTo(mark!.points[1]![1], 6);
+    await page.getByRole("region", { name: "Slices" }).getByRole("button", { name: "mm" }).waitFor();
+    await removeMarks();
+
+    await page.waitForFunction(() => location.hash.includes("slices=coronal,unlinked&cross="));
+    const linked = await session.open(await hashOf(page), errors);
+    await linked.getByRole("slider", { name: "Coronal slice" }).waitFor();
+    await linked.close();
+    await page.getByRole("button", { name: "Close the slices (Q)" }).click();
+    await coronal.waitFor({ state: "hidden" });
+    await page.waitForFunction(() => !location.hash.includes("slices"));
+  });
+
   it("says what it is not for, and keeps the view in the address", async () => {
     expect(await page.locator("footer").getByText("Not for diagnosis").isVisible()).toBe(true);
     await show(page, { view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
