@@ -62,7 +62,8 @@ Bytes with_meta(const Bytes& bytes, const json& meta) {
 
 TEST(Case, RoundTripKeepsEveryField) {
   Scene written = random_scene(500, 2, 21);
-  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone."};
+  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone.", Modality::kMr,
+                  BodyPart::kKnee};
   write_case(temporary("a.sog"), {written}, nullptr);
   const Scene read = read_case(temporary("a.sog")).scene;
   EXPECT_EQ(read.gaussians.size(), 500u);
@@ -125,9 +126,10 @@ TEST(Case, OnlyKnownKeysAreWritten) {
   EXPECT_THAT(keys_of(block), ::testing::UnorderedElementsAre(
                                   "axis", "bounds", "checksums", "created", "extent", "generator",
                                   "preset", "sphere", "title", "version", "world"));
-  scene.look = {"0123456789abcdef", "Bone", "Bone alone."};
+  scene.look = {"0123456789abcdef", "Bone", "Bone alone.", Modality::kCt, BodyPart::kHead};
   const json look = meta_of(encode_case({scene}, nullptr))["clipgs"]["look"];
-  EXPECT_THAT(keys_of(look), ::testing::UnorderedElementsAre("volume", "title", "description"));
+  EXPECT_THAT(keys_of(look), ::testing::UnorderedElementsAre("volume", "title", "description",
+                                                             "modality", "region"));
 }
 
 TEST(Case, WhatIsShownFirstComesFirst) {

@@ -35,8 +35,8 @@ std::string digest_of_values(const VoxelValues& values) {
 }
 
 std::string digest_of_voxels(const Volume& volume) {
-  [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, values,
-                                scanned, rgb, labels, label_numbers, hints] = volume;
+  [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, part,
+                                values, scanned, rgb, labels, label_numbers, hints] = volume;
   Digest digest;
   digest.add(dims).add(spacing).add(origin).add(upsampling).add(modality);
   for (int k = 0; k < 3; ++k) {
@@ -162,8 +162,12 @@ DatasetClaims claims_of(const Volume& volume, const Preset& preset, const Datase
   return claims;
 }
 
-std::string volume_digest(const DatasetClaims& claims) {
-  return claims.pictures.at(kVolumeKey).get<std::string>();
+VolumeLook look_of(const DatasetClaims& claims, const Volume& volume, const Preset& preset) {
+  VolumeLook look = make_volume_look(claims.pictures.at(kVolumeKey).get<std::string>(),
+                                     preset.title, preset.description);
+  look.modality = volume.modality;
+  look.part = volume.part;
+  return look;
 }
 
 }  // namespace clipgs

@@ -4,6 +4,7 @@
 
 #include "cinema/make_dataset.h"
 #include "core/claim.h"
+#include "core/volume_look.h"
 
 namespace clipgs {
 
@@ -18,7 +19,8 @@ struct DatasetClaims {
 /// from.
 DatasetClaims claims_of(const Volume& volume, const Preset& preset, const DatasetOptions& options);
 
-/// Of the volume alone: the same for every preset and whatever is made of it.
-std::string volume_digest(const DatasetClaims& claims);
+/// How the preset shows the volume: the digest in it is of the volume alone, the same for every
+/// preset and whatever is made of it.
+VolumeLook look_of(const DatasetClaims& claims, const Volume& volume, const Preset& preset);
 
 }  // namespace clipgs

@@ -273,6 +273,13 @@ void make_pictures(TracedVolume& source, const Preset& preset, const VolumeLook&
   write_text(folder / kIndexFile, json.dump(1));
 }
 
+/// Pictures are kept where only words about them are others now.
+void write_look(const fs::path& index, const VolumeLook& look) {
+  OrderedJson json = OrderedJson::parse(read_text(index));
+  json[kLookKey] = volume_look_json(look);
+  write_text(index, json.dump(1));
+}
+
 }  // namespace
 
 Dataset make_dataset(const Volume& volume, const Preset& preset, const fs::path& folder,
@@ -296,14 +303,17 @@ Dataset make_dataset(TracedVolume& source, const Preset& preset, const fs::path&
   }
   const Step pictures("pictures", folder / "transforms", claims.pictures, {folder / kIndexFile},
                       {folder / kStateFile});
-  const VolumeLook look = make_volume_look(volume_digest(claims), preset.title, preset.description);
+  const VolumeLook look = look_of(claims, volume, preset);
   if (!pictures.done()) {
     make_pictures(source, preset, look, folder, options);
     pictures.finish();
     fs::remove(folder / kStateFile);
   }
   Dataset dataset = load_dataset(folder);
-  dataset.look = look;  // pictures are kept where the preset has other words
+  if (dataset.look != look) {
+    write_look(folder / kIndexFile, look);
+    dataset.look = look;
+  }
   return dataset;
 }
 

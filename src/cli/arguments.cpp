@@ -8,6 +8,8 @@
 #include <fmt/ranges.h>
 
 #include "core/error.h"
+#include "core/utf8.h"
+#include "splat/scene.h"
 
 namespace clipgs {
 
@@ -37,6 +39,31 @@ std::vector<float> parse_numbers(const std::string& text, size_t least, size_t m
     }
   }
   return numbers;
+}
+
+namespace {
+
+/// What is wrong with a title, in a line, or nothing.
+std::string title_problem(const std::string& title) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  if (title.size() > kMostTitle) {
+    return fmt::format("a title of {} bytes is longer than the {} that a case holds; shorten it",
+                       title.size(), kMostTitle);
+  }
+  if (!is_utf8(title)) {
+    return "the title is not UTF-8 text; write it in a terminal of UTF-8";
+  }
+  if (std::ranges::any_of(title, is_control)) {
+    return "the title has a line break, a tab or another control character in it; leave it out";
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_title_option(CLI::App& command, std::string& title, const std::string& usual) {
+  command.add_option("--title", title, "Title of the case (default: " + usual + ")")
+      ->check(CLI::Validator(title_problem, ""));
 }
 
 CLI::Validator ends_in(std::vector<std::string> endings) {

@@ -55,6 +55,10 @@ Cut parse_cut(const CutArguments& arguments);
 /// lists the names for another.
 Window parse_window(const std::string& text, const Section& section);
 
+/// Adds --title, which must be text that fits into a case; `usual` says what is taken without it.
+/// `title` must outlive the parsing.
+void add_title_option(CLI::App& command, std::string& title, const std::string& usual);
+
 /// Checks that a file's name ends in one of these: what a command writes does not depend on the
 /// name, so a name that promises something else is refused.
 CLI::Validator ends_in(std::vector<std::string> endings);

@@ -103,7 +103,8 @@ void add_build_options(CLI::App& command, BuildArguments& arguments) {
       .add_option("--quality", arguments.quality,
                   "instant (seconds, nothing trained), draft, standard or high")
       ->capture_default_str();
-  command.add_option("--title", arguments.title, "Title of the case (default: the preset's name)");
+  add_title_option(command, arguments.title,
+                   "region of the body and look, e.g. \"Head, skin and bone\"");
   command.add_option("--seed", arguments.seed, "Seed of everything random")->capture_default_str();
   add_section_options(command, arguments.section);
   add_section_coding(command, arguments.section);

@@ -324,6 +324,28 @@ TEST_F(BuildTest, BuildOfAnUnusableVolumeLeavesNothing) {
   EXPECT_FALSE(fs::exists(at("zero.sog")));
 }
 
+TEST_F(BuildTest, CasesAreCalledByRegionAndLookNeverByTheVolumesFile) {
+  ASSERT_EQ(run_clipgs({"phantom", at("Miller.nii.gz"), "--size", "64"}).status, 0);
+  const auto info_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> build = {"build",        at("Miller.nii.gz"), "-o",
+                                      at("case.sog"), "--quality",         "instant",
+                                      "--preset",     "skin-and-bone"};
+    build.insert(build.end(), more.begin(), more.end());
+    EXPECT_EQ(run_clipgs(build).status, 0);
+    EXPECT_THAT(read_text(at("case.sog")), Not(HasSubstr("Miller")));
+    return nlohmann::json::parse(run_clipgs({"info", at("case.sog"), "--json"}).out);
+  };
+  const nlohmann::json knee = info_of({"--region", "knee"});
+  EXPECT_EQ(knee.at("title"), "Knee, skin and bone");
+  EXPECT_EQ(knee.at("region"), "knee");
+  EXPECT_EQ(knee.at("look").at("modality"), "CT");
+  const nlohmann::json seen = info_of({});
+  EXPECT_EQ(seen.at("title"), "Trunk, skin and bone");
+  const Finished failed = run_clipgs({"info", at("Miller.nii.gz"), "--region", "Miller"});
+  EXPECT_EQ(failed.status, 2);
+  EXPECT_THAT(failed.err, HasSubstr("give one of head, "));
+}
+
 TEST_F(BuildTest, InstantCasesNeedNoWork) {
   const Finished made = run_clipgs({"phantom", at("p.nii.gz"), "--size", "64"});
   ASSERT_EQ(made.status, 0) << made.err;
@@ -336,6 +358,13 @@ TEST_F(BuildTest, InstantCasesNeedNoWork) {
   const Finished info = run_clipgs({"info", at("now.sog"), "--json"});
   EXPECT_EQ(nlohmann::json::parse(info.out).at("title"), "At once");
   const std::string first = read_text(at("now.sog"));
+  for (const std::string& title :
+       {std::string(9000, 'x'), std::string("a\nb"), std::string("M\xfcller")}) {
+    const Finished failed =
+        run_clipgs({"build", at("p.nii.gz"), "-o", at("now.sog"), "--title", title});
+    EXPECT_EQ(failed.status, 2);
+    EXPECT_THAT(failed.err, HasSubstr("--title: "));
+  }
   for (const auto& [option, value] :
        {std::pair{"--steps", "5"}, {"--work", "w"}, {"--model", "clipgs"}, {"--test-size", "64"}}) {
     std::vector<std::string> wrong = build;

@@ -91,6 +91,9 @@ Json describe_volume(const InfoOptions& options) {
   json["axes_ras"] = {list_of(volume.direction[0]), list_of(volume.direction[1]),
                       list_of(volume.direction[2])};
   json["modality"] = modality_name(volume.modality);
+  if (volume.part != BodyPart::kUnknown) {
+    json["region"] = body_part_name(volume.part);
+  }
   json["values"] = {low, high};
   const Identity identity = identify(volume);
   json["looks_like"] = identity.what;

@@ -18,9 +18,12 @@ Json rounded_list(const Vec3& v) { return {json_number(v.x), json_number(v.y), j
 
 void describe_common(const Scene& scene, bool has_layers, Json& json) {
   json["title"] = scene.title;
+  if (scene.look.part != BodyPart::kUnknown) {
+    json["region"] = body_part_name(scene.look.part);
+  }
   json["preset"] = scene.preset;
-  if (!scene.look.volume.empty()) {
-    json[kLookKey] = volume_look_json(scene.look);
+  if (nlohmann::json look = volume_look_json(scene.look); !look.is_null()) {
+    json[kLookKey] = std::move(look);
   }
   json["created"] = scene.created;
   json["trained"] = json_number(scene.trained);

@@ -6,6 +6,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/section_options.h"
+#include "cli/volume_options.h"
 #include "core/file.h"
 
 namespace clipgs {
@@ -16,14 +17,21 @@ struct PackArguments {
   std::string scene;
   std::string output;
   std::string title;
+  BodyPart part = BodyPart::kUnknown;
   SectionChoice section;
 };
 
 void run_pack(const PackArguments& arguments) {
   require_writable(arguments.output);
   Case contents = load_case(arguments.scene);
+  Scene& scene = contents.scene;
+  if (arguments.part != BodyPart::kUnknown) {
+    scene.look.part = arguments.part;
+  }
   if (!arguments.title.empty()) {
-    contents.scene.title = arguments.title;
+    scene.title = arguments.title;
+  } else if (scene.title.empty()) {
+    scene.title = usual_title(scene.look, scene.preset);
   }
   if (arguments.section.none) {
     contents.section.reset();
@@ -45,7 +53,9 @@ void add_pack_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Case to write (.sog)")
       ->required()
       ->check(ends_in({".sog"}));
-  command->add_option("--title", arguments->title, "Title of the case (default: the scene's)");
+  add_title_option(*command, arguments->title,
+                   "the scene's, else region of the body and look, e.g. \"Head, skin and bone\"");
+  add_region_option(*command, arguments->part);
   add_section_options(*command, arguments->section);
   add_section_coding(*command, arguments->section);
   command->footer("Example: clipgs pack scene.ply -o case.sog --title \"Chest, bone\"");

@@ -8,6 +8,7 @@
 
 #include "cinema/scene.h"
 #include "cli/arguments.h"
+#include "core/body_part.h"
 #include "volume/load.h"
 #include "volume/metal.h"
 
@@ -57,8 +58,28 @@ inline void add_prepare_options(CLI::App& command, PrepareOptions& options) {
       ->type_name("SIGMA|auto");
 }
 
+/// Adds --region. `part` must outlive the parsing.
+inline void add_region_option(CLI::App& command, BodyPart& part) {
+  command
+      .add_option_function<std::string>(
+          "--region",
+          [&part](const std::string& word) {
+            const std::optional<BodyPart> known = body_part_of_term(word);
+            if (!known) {
+              throw CLI::ValidationError(
+                  "--region", fmt::format("\"{}\" is no region of the body; give one of {}", word,
+                                          body_part_words()));
+            }
+            part = *known;
+          },
+          "What it shows of the body, for the case to say, instead of what a DICOM header or a CT "
+          "itself tells: " +
+              body_part_words())
+      ->type_name("WORD");
+}
+
 inline constexpr const char* kVolumeOptions[] = {
-    "--series",     "--frame", "--gaps",         "--hu",   "--modality",
+    "--series",     "--frame", "--gaps",         "--hu",   "--modality",      "--region",
     "--keep-table", "--crop",  "--soften-metal", "--bias", "--denoise-volume"};
 
 /// Adds VOLUME, the path of what is read.
@@ -106,6 +127,7 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
           "What made the pictures, instead of what is guessed: ct, mr, pet, us (ultrasound) or "
           "photo, e.g. --modality mr")
       ->check(CLI::IsMember({"ct", "mr", "pet", "us", "photo"}));
+  add_region_option(command, options.part);
   command.add_flag("--keep-table", options.keep_table,
                    "Leave the scanner's table and cushions in a CT's pictures");
   add_prepare_options(command, options.prepare);

@@ -74,9 +74,9 @@ bool JsonReader::boolean(const char* key) const {
   return value.get<bool>();
 }
 
-std::string JsonReader::text(const char* key) const {
+std::string JsonReader::text(const char* key, size_t most) const {
   const json& value = at(key);
-  if (!value.is_string() || value.get_ref<const std::string&>().size() > kMostText) {
+  if (!value.is_string() || value.get_ref<const std::string&>().size() > most) {
     fail(key);
   }
   return value.get<std::string>();

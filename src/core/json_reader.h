@@ -29,8 +29,8 @@ class JsonReader {
   /// Exactly `count` finite numbers.
   std::vector<float> numbers(const char* key, size_t count) const;
   bool boolean(const char* key) const;
-  static constexpr size_t kMostText = 256;  ///< bytes
-  std::string text(const char* key) const;  ///< at most kMostText
+  static constexpr size_t kMostText = 256;                           ///< bytes
+  std::string text(const char* key, size_t most = kMostText) const;  ///< `most`: bytes
 
   template <int N>
   glm::vec<N, float> vector(const char* key) const {

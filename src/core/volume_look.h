@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/body_part.h"
 #include "core/json_reader.h"
+#include "core/modality.h"
 
 namespace clipgs {
 
@@ -13,6 +15,8 @@ struct VolumeLook {
   std::string volume;       ///< 16 hexadecimal digits, the same for all looks of a volume; or empty
   std::string title;        ///< the preset's
   std::string description;  ///< the preset's, a sentence
+  Modality modality = Modality::kUnknown;
+  BodyPart part = BodyPart::kUnknown;
 
   bool operator==(const VolumeLook&) const = default;
 };
@@ -23,7 +27,11 @@ inline constexpr const char* kLookKey = "look";
 VolumeLook make_volume_look(const std::string& digest, const std::string& title,
                             const std::string& description);
 
-/// As the value of kLookKey; null if the volume is not known.
+/// What a case of it is called that nobody has named: "Head, skin and bone", or, where the part of
+/// the body is not known, "CT, skin and bone". `preset`: its name, for looks without a title.
+std::string usual_title(const VolumeLook& look, const std::string& preset);
+
+/// As the value of kLookKey; null if neither the volume nor what it shows of the body is known.
 nlohmann::json volume_look_json(const VolumeLook& look);
 /// From the object's kLookKey; all empty where it has none. Throws Error.
 VolumeLook read_volume_look(const JsonReader& object);

@@ -9,7 +9,9 @@ namespace clipgs {
 namespace {
 
 TEST(VolumeLook, IsReadAsItWasWritten) {
-  const VolumeLook look = make_volume_look(std::string(64, 'a'), "Haut", "Haut über Knochen.");
+  VolumeLook look = make_volume_look(std::string(64, 'a'), "Haut", "Haut über Knochen.");
+  look.modality = Modality::kMr;
+  look.part = BodyPart::kWholeBody;
   EXPECT_EQ(look.volume, std::string(16, 'a'));
   const nlohmann::json object = {{kLookKey, volume_look_json(look)}};
   EXPECT_EQ(read_volume_look(JsonReader(object, "x")), look);
@@ -20,6 +22,37 @@ TEST(VolumeLook, IsEmptyWhereNoneIsSaid) {
        {nlohmann::json{{"title", "x"}}, nlohmann::json{{kLookKey, volume_look_json({})}}}) {
     EXPECT_EQ(read_volume_look(JsonReader(object, "x")), VolumeLook());
   }
+}
+
+TEST(VolumeLook, WordsThatAreNotKnownSayNothing) {
+  const nlohmann::json look = {{"volume", "aa"},
+                               {"title", "Haut"},
+                               {"description", ""},
+                               {"modality", "OCT"},
+                               {"region", "Miller"}};
+  const nlohmann::json object = {{kLookKey, look}};
+  EXPECT_EQ(read_volume_look(JsonReader(object, "x")), (VolumeLook{"aa", "Haut", ""}));
+}
+
+TEST(VolumeLook, UsualTitlesSayWhatIsShownAndHow) {
+  struct Row {
+    BodyPart part;
+    Modality modality;
+    const char* look;
+    const char* title;
+  };
+  for (const Row& row :
+       {Row{BodyPart::kHead, Modality::kCt, "Skin and bone", "Head, skin and bone"},
+        Row{BodyPart::kWholeBody, Modality::kPet, "PET (hot metal)", "Whole body, PET (hot metal)"},
+        Row{BodyPart::kUnknown, Modality::kCt, "Skin and bone", "CT, skin and bone"},
+        Row{BodyPart::kUnknown, Modality::kCt, "X-ray", "CT, X-ray"},
+        Row{BodyPart::kUnknown, Modality::kUnknown, "Any scan", "Volume, any scan"},
+        Row{BodyPart::kUnknown, Modality::kMr, "MR", "MR"},
+        Row{BodyPart::kUnknown, Modality::kPhoto, "Photographs", "Photographs"},
+        Row{BodyPart::kKnee, Modality::kMr, "", "Knee, surgery"}}) {
+    EXPECT_EQ(usual_title({"", row.look, "", row.modality, row.part}, "surgery"), row.title);
+  }
+  EXPECT_EQ(usual_title({}, ""), "Volume");
 }
 
 TEST(VolumeLook, LongTextsEndAfterAWholeCharacter) {

@@ -51,6 +51,7 @@ Claim unlearnt_claim(const char* step, int revision, const Volume& volume, const
   claim["pictures"] = digest_of(claims_of(volume, preset, dataset_options(build)).pictures);
   claim["section_size"] = build.section.none ? 0 : build.section.size;
   claim["title"] = build.title;
+  claim["region"] = body_part_name(volume.part);
   return claim;
 }
 
@@ -205,6 +206,7 @@ void write_last(const fs::path& output, const Case& contents, const BuildOptions
   claim["scene"] = digest_of(read_claim(work / "scene"));
   claim["title"] = options.title;
   claim["look"] = look.title + "\n" + look.description;
+  claim["region"] = body_part_name(look.part);
   claim["bytes"] = coding.bytes;
   claim["section_quality"] = coding.section_quality.value_or(0);
   const fs::path written = work / "case.digest";

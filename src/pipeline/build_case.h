@@ -21,7 +21,7 @@ struct BuildOptions {
   SectionChoice section;
   TrainOptions training;    ///< of the explicit scene; the papers' way shares its steps and seed
   bool papers_way = false;  ///< a neural model, baked into layers, that are refined
-  std::string title;        ///< of the case; empty: the preset's name
+  std::string title;        ///< of the case; empty: the usual one of its look
 };
 
 /// The instant case of a build, into its file, unless that holds it or a finished case already.

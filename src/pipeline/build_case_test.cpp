@@ -106,6 +106,9 @@ TEST_F(BuildCaseTest, WhatDependsOnAChangeIsMadeAgainAndNothingElse) {
     EXPECT_THAT(said_, HasSubstr(fmt::format("{}: done before", step)));
   }
   expect_again("title", [](Input& i) { i.options.title = "Ball"; }, {});
+  expect_again("region", [](Input& i) { i.volume.part = BodyPart::kKnee; }, {});
+  EXPECT_EQ(look_.part, BodyPart::kKnee);
+  EXPECT_EQ(load_dataset(folder_ / "work" / "dataset").look, look_);
   expect_again("steps", [](Input& i) { i.options.training.steps = 21; },
                {"training: made again, the steps changed"});
   expect_again("budget",
@@ -227,7 +230,7 @@ TEST_F(BuildCaseTest, LooksOfOneVolumeSayThatTheyAre) {
   input_.preset.description = "Brighter.";
   build(input_);
   EXPECT_THAT(said_, HasSubstr("training: done before"));
-  EXPECT_EQ(look_, (VolumeLook{first.volume, "Second", "Brighter."}));
+  EXPECT_EQ(look_, (VolumeLook{first.volume, "Second", "Brighter.", Modality::kCt}));
 
   input_.preset.surface_strength *= 2;
   build(input_);

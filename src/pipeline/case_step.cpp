@@ -23,8 +23,9 @@ std::string today() {
 }  // namespace
 
 void name_case(Case& contents, const std::string& title) {
-  contents.scene.title = title.empty() ? contents.scene.preset : title;
-  contents.scene.created = today();
+  Scene& scene = contents.scene;
+  scene.title = title.empty() ? usual_title(scene.look, scene.preset) : title;
+  scene.created = today();
 }
 
 bool is_finished_case(const std::filesystem::path& path) {

@@ -7,7 +7,7 @@
 
 namespace clipgs {
 
-/// Gives a case that is made now its title (empty: the preset's name) and its date.
+/// Gives a case that is made now its title (empty: the usual one of its look) and its date.
 void name_case(Case& contents, const std::string& title);
 
 /// Whether there is a case in which all is trained that it is to have. One that is not is written

@@ -94,8 +94,7 @@ Scene scene_of(const Volume& volume, const Preset& preset) {
   scene.bounds = matter.bounds;
   scene.extent = matter.extent(scene.axis);
   scene.preset = preset.name;
-  scene.look = make_volume_look(volume_digest(claims_of(volume, preset, {})), preset.title,
-                                preset.description);
+  scene.look = look_of(claims_of(volume, preset, {}), volume, preset);
   return scene;
 }
 

@@ -15,7 +15,7 @@ namespace clipgs {
 struct InstantOptions {
   SectionChoice section;
   bool upsample = true;  ///< as DatasetOptions::upsample; of small volumes alone, for it takes time
-  std::string title;     ///< empty: the preset's name
+  std::string title;     ///< empty: the usual one of its look
 };
 
 /// A case of a volume in which nothing is learnt (method.md §13): the section, its light, and

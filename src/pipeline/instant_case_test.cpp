@@ -40,7 +40,7 @@ TEST(InstantCase, ShowsTheVolumeWholeAndCut) {
   const Preset preset = load_preset("soft-tissue");
   const Case contents = read_again(make_instant_case(volume, preset, {}));
   EXPECT_TRUE(contents.scene.placed);
-  EXPECT_EQ(contents.scene.title, "soft-tissue");
+  EXPECT_EQ(contents.scene.title, "CT, soft tissue");
   EXPECT_EQ(contents.scene.look.volume.size(), 16u);
   const CinemaScene scene(volume, preset);
   EXPECT_GT(masked_psnr_to_truth(contents, scene, Cut()), 27);

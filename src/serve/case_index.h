@@ -62,8 +62,8 @@ class CaseIndex {
 
 /// {"cases": [{name, version, title, preset, look, created, bytes, splats, sh_degree, trained,
 /// file, thumbnail}, …]}: `version` changes whenever the file does; `file` and `thumbnail` are
-/// addresses, the latter null if there is none; `look` is volume_look_json()'s, `trained` Scene's;
-/// a broken case has name, bytes and error alone.
+/// addresses, the latter null if there is none; `look` is volume_look_json()'s, with the region of
+/// the body, `trained` Scene's; a broken case has name, bytes and error alone.
 nlohmann::json case_index_json(const CaseEntries& entries);
 
 }  // namespace clipgs

@@ -29,7 +29,7 @@ class ServerTest : public ::testing::Test {
     fs::create_directories(folder_ / "cases");
     const Image thumbnail(32, 32, 3);
     Scene head = small_scene("A head");
-    head.look = {"0123456789abcdef", "Bone", "Bone alone."};
+    head.look = {"0123456789abcdef", "Bone", "Bone alone.", Modality::kCt, BodyPart::kHead};
     write_case(case_folder() / "head.sog", {head}, &thumbnail);
     write_case(case_folder() / "two words.sog", {small_scene("Two words")}, nullptr);
     const auto bytes = read_file(case_folder() / "head.sog");
@@ -76,7 +76,9 @@ TEST_F(ServerTest, ListsCasesAndBrokenFiles) {
   EXPECT_EQ(cases[1].at("bytes"), fs::file_size(case_folder() / "head.sog"));
   EXPECT_EQ(cases[1].at("look"), nlohmann::json({{"volume", "0123456789abcdef"},
                                                  {"title", "Bone"},
-                                                 {"description", "Bone alone."}}));
+                                                 {"description", "Bone alone."},
+                                                 {"modality", "CT"},
+                                                 {"region", "head"}}));
   EXPECT_TRUE(cases[2].at("look").is_null());
   EXPECT_EQ(cases[2].at("file"), "cases/two%20words.sog");
   EXPECT_TRUE(cases[2].at("thumbnail").is_null());

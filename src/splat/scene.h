@@ -15,6 +15,9 @@ namespace clipgs {
 
 constexpr int kMaxStates = 65536;  ///< layers have 16 bits
 
+/// Bytes that a title may have: 500 characters of any script.
+inline constexpr size_t kMostTitle = 8192;
+
 /// States of a uniaxial cut, as many as ClipGS-VR has.
 constexpr int kDefaultStates = 200;
 
@@ -66,7 +69,7 @@ struct Scene {
   Box bounds;           ///< bounding box of the visible matter
   Vec3 axis{0, 0, 1};   ///< the uniaxial cut's normal n₀
   Vec2 extent{0};       ///< interval of axis·x over the visible matter, mm
-  std::string title;    ///< chosen by the user or the preset, never read from the input
+  std::string title;    ///< the user's, or usual_title(): nothing of the input's name
   std::string preset;   ///< name of the preset
   std::string created;  ///< ISO 8601 date, or empty
   VolumeLook look;      ///< of the volume that the scene was made of

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_reader.h"
+#include "core/utf8.h"
 #include "splat/ply.h"
 
 namespace clipgs {
@@ -16,6 +17,9 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr std::uintmax_t kMaxJson = std::uintmax_t{16} << 20;
+constexpr const char* kTitleKey = "title";
+// Beside its beginning, which is all that readers of before there were long ones take.
+constexpr const char* kWholeTitleKey = "whole_title";
 constexpr const char* kLayerColumn = "layer";
 constexpr const char* kSplatsKey = "splats";
 constexpr const char* kPlaced = "placed";
@@ -105,12 +109,15 @@ json scene_to_json(const Scene& scene, const Similarity& world) {
        {{"center", json_vector(scene.sphere.center)},
         {"radius", json_number(scene.sphere.radius)}}},
       {"bounds", {{"min", json_vector(scene.bounds.min)}, {"max", json_vector(scene.bounds.max)}}},
-      {"title", scene.title},
+      {kTitleKey, utf8_beginning(scene.title, JsonReader::kMostText)},
       {"preset", scene.preset},
       {"created", scene.created},
   };
-  if (!scene.look.volume.empty()) {
-    result[kLookKey] = volume_look_json(scene.look);
+  if (scene.title.size() > JsonReader::kMostText) {
+    result[kWholeTitleKey] = scene.title;
+  }
+  if (const json look = volume_look_json(scene.look); !look.is_null()) {
+    result[kLookKey] = look;
   }
   if (!scene.face_gain.none()) {
     result["face_gain"] = json::array();
@@ -151,7 +158,8 @@ Similarity scene_from_json(const json& object, const std::string& name, Scene& s
   const JsonReader bounds = reader.child("bounds");
   scene.bounds.min = bounds.vector<3>("min");
   scene.bounds.max = bounds.vector<3>("max");
-  scene.title = reader.text("title");
+  scene.title =
+      reader.has(kWholeTitleKey) ? reader.text(kWholeTitleKey, kMostTitle) : reader.text(kTitleKey);
   scene.preset = reader.text("preset");
   scene.created = reader.text("created");
   scene.look = read_volume_look(reader);

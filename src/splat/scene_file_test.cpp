@@ -25,7 +25,8 @@ std::filesystem::path temporary_scene(const std::string& name) {
 
 TEST(SceneFile, RoundTripKeepsEveryField) {
   Scene written = random_scene(200, 2, 5);
-  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone."};
+  written.look = {"0123456789abcdef", "Bone", "Bone and contrast alone.", Modality::kCt,
+                  BodyPart::kHead};
   write_scene(temporary_scene("a.ply"), written);
   const Scene read = read_scene(temporary_scene("a.ply"));
   EXPECT_EQ(read.sphere.center, written.sphere.center);
@@ -45,6 +46,26 @@ TEST(SceneFile, RoundTripKeepsEveryField) {
     const Vec3 d = fibonacci_sphere(static_cast<int>(i), 200);
     EXPECT_LT(glm::length(sh_color(read.gaussians, i, d) - sh_color(written.gaussians, i, d)),
               1e-5f);
+  }
+}
+
+TEST(SceneFile, TitlesOf500CharactersOfAnyScriptAreKeptWhole) {
+  for (const char* const character : {"x", "ü", "頭", "🫀", "\u0915\u094d\u0937\u093f"}) {
+    Scene written = random_scene(2, 0, 5);
+    written.title.clear();
+    for (int i = 0; i < 500; ++i) {
+      written.title += character;
+    }
+    const nlohmann::json json = scene_to_json(written, scene_to_world());
+    Scene read;
+    scene_from_json(json, "x", read);
+    EXPECT_EQ(read.title, written.title);
+    // What readers of before took.
+    const std::string beginning = json.at("title");
+    EXPECT_LE(beginning.size(), 256u);
+    EXPECT_GE(beginning.size(), 253u);
+    EXPECT_TRUE(written.title.starts_with(beginning));
+    EXPECT_NO_THROW(json.dump());  // which refuses half characters
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/utf8.h"
 
 namespace clipgs {
 
@@ -26,29 +27,6 @@ std::string_view without_blanks(std::string_view text) {
     text.remove_suffix(1);
   }
   return text;
-}
-
-/// Length of the UTF-8 sequence at the beginning; 0 if there is none (surrogates, overlong forms
-/// and what lies beyond U+10FFFF are none).
-size_t utf8_length(std::string_view text) {
-  const auto byte = [&](size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t lead = byte(0);
-  if (lead < 0x80) {
-    return 1;
-  }
-  const size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
-  if (lead < 0xC2 || lead > 0xF4 || text.size() < length) {
-    return 0;
-  }
-  for (size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xC0) != 0x80) {
-      return 0;
-    }
-  }
-  const std::uint8_t next = byte(1);
-  const bool wrong = (lead == 0xE0 && next < 0xA0) || (lead == 0xED && next > 0x9F) ||
-                     (lead == 0xF0 && next < 0x90) || (lead == 0xF4 && next > 0x8F);
-  return wrong ? 0 : length;
 }
 
 /// Goes through a text and counts its lines.

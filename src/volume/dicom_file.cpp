@@ -105,7 +105,7 @@ DicomMarks marks_of(const DicomElements& elements, size_t frame) {
 Hints hints_of(const DicomElements& elements, size_t frame) {
   Hints hints;
   hints.learn_modality(elements.text(DicomTag::kModality));
-  hints.learn_words(elements.text(DicomTag::kBodyPart, frame));
+  hints.learn_part(elements.text(DicomTag::kBodyPart, frame));
   hints.learn_words(elements.text(DicomTag::kSeriesDescription));
   hints.learn_agent(elements.text(DicomTag::kContrastAgent, frame));
   return hints;

@@ -153,13 +153,29 @@ TEST(Dicom, HintsAreMatchedAndNoTextIsKept) {
   const Hints hints = load_volume(folder / "a").hints;
   EXPECT_EQ(hints.modality, Modality::kCt);
   EXPECT_EQ(hints.region, BodyRegion::kHead);
+  EXPECT_EQ(hints.part, BodyPart::kHeadAndNeck);
   EXPECT_TRUE(hints.angiography);
   EXPECT_TRUE(hints.contrast);
   EXPECT_FALSE(hints.shown);
   write_series(folder / "b", even_table(5, 2), FixtureSlice());
   const Hints none = load_volume(folder / "b").hints;
   EXPECT_EQ(none.region, BodyRegion::kUnknown);
+  EXPECT_EQ(none.part, BodyPart::kUnknown);
   EXPECT_FALSE(none.angiography || none.contrast);
+}
+
+TEST(Dicom, PartIsThatOfTheUserElseOfOneFieldOfTheHeader) {
+  const TestFolder folder;
+  FixtureSlice slice;
+  slice.texts = {{0x0008, 0x103e, "HEAD"}, {0x0018, 0x0015, "KNEE"}};
+  write_series(folder / "a", even_table(5, 2), slice);
+  EXPECT_EQ(load_volume(folder / "a").part, BodyPart::kKnee);
+  LoadOptions options;
+  options.part = BodyPart::kFoot;
+  EXPECT_EQ(load_volume(folder / "a", options).part, BodyPart::kFoot);
+  slice.texts = {{0x0008, 0x103e, "HEAD"}, {0x0018, 0x0015, "KNEE Miller"}};
+  write_series(folder / "b", even_table(5, 2), slice);
+  EXPECT_EQ(load_volume(folder / "b").part, BodyPart::kUnknown);
 }
 
 TEST(Dicom, LargestSeriesIsTakenAndTheOthersListed) {

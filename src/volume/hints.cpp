@@ -93,6 +93,13 @@ void Hints::learn_words(std::string_view text) {
   }
 }
 
+void Hints::learn_part(std::string_view text) {
+  learn_words(text);
+  if (part == BodyPart::kUnknown) {
+    part = body_part_of_term(text).value_or(BodyPart::kUnknown);
+  }
+}
+
 void Hints::learn_agent(std::string_view text) {
   const std::string first = capital_words(text).front();
   contrast = !first.empty() && first != "NONE" && first != "NO" && first != "WITHOUT";

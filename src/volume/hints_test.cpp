@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "volume/modality.h"
+#include "core/modality.h"
 
 namespace clipgs {
 namespace {

@@ -368,6 +368,23 @@ Identity identify(const Volume& volume) {
           facts.ct ? facts.ct->doubt : ""};
 }
 
+BodyPart seen_part(const Volume& volume) {
+  const Facts facts = facts_of(volume);
+  switch (facts.ct ? facts.ct->region : BodyRegion::kUnknown) {
+    case BodyRegion::kHead:
+      return BodyPart::kHead;
+    case BodyRegion::kChest:
+      return BodyPart::kChest;
+    case BodyRegion::kAbdomen:  // or pelvis
+    case BodyRegion::kTrunk:
+      return BodyPart::kTrunk;
+    case BodyRegion::kWhole:
+      return BodyPart::kWholeBody;
+    default:  // any limb, or a neck
+      return BodyPart::kUnknown;
+  }
+}
+
 std::optional<Rescale> likely_rescale(const Volume& volume) {
   if (volume.modality != Modality::kUnknown) {
     return std::nullopt;

@@ -32,6 +32,10 @@ struct Identity {
 /// The first row of the table in identify.cpp (docs/presets.md) that fits.
 Identity identify(const Volume& volume);
 
+/// What the voxels of a CT in HU tell of the part of the body, and nothing else: a part, or what is
+/// known to hold it.
+BodyPart seen_part(const Volume& volume);
+
 /// What would make HU of a volume of unknown kind whose values gather as CT's do; nothing for
 /// others, and for micro-CT, which has no use for HU.
 std::optional<Rescale> likely_rescale(const Volume& volume);

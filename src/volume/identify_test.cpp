@@ -11,6 +11,7 @@
 #include "core/random.h"
 #include "volume/load.h"
 #include "volume/phantom.h"
+#include "volume/test_bodies.h"
 #include "volume/test_ct.h"
 #include "volume/test_folder.h"
 
@@ -217,6 +218,17 @@ TEST(RealData, HeadAndContrastAreTold) {
   const Identity veins = identify(load_volume(data / "dicom" / "jpeg2000"));
   EXPECT_EQ(veins.what, "CT of abdomen or pelvis");
   EXPECT_THAT(veins.reason, HasSubstr("153 HU: contrast"));
+}
+
+TEST(Identify, PartsAreSeenInACtAlone) {
+  EXPECT_EQ(seen_part(ct_of(head_hu, kHeadSize)), BodyPart::kHead);
+  EXPECT_EQ(seen_part(ct_of(chest_hu, kTrunkSize)), BodyPart::kChest);
+  EXPECT_EQ(seen_part(ct_of(trunk_hu, kTrunkSize)), BodyPart::kTrunk);  // or the pelvis alone
+  EXPECT_EQ(seen_part(ct_of(whole_hu, kWholeSize)), BodyPart::kWholeBody);
+  EXPECT_EQ(seen_part(ct_of(limb_hu, kHeadSize)), BodyPart::kUnknown);  // which one is not seen
+  Volume mr = ct_of(head_hu, kHeadSize);
+  mr.modality = Modality::kMr;
+  EXPECT_EQ(seen_part(mr), BodyPart::kUnknown);
 }
 
 }  // namespace

@@ -542,6 +542,7 @@ TEST(ImageFile, HeadersHintAtWhatTheyShow) {
       "DICOM_0008_103E_SeriesDescription:=CTA\n0018|0010:=Iohexol\n");
   EXPECT_EQ(converted.modality, Modality::kCt);
   EXPECT_EQ(converted.region, BodyRegion::kChest);
+  EXPECT_EQ(converted.part, BodyPart::kChest);
   EXPECT_TRUE(converted.angiography);
   EXPECT_TRUE(converted.contrast);
 

@@ -133,6 +133,11 @@ void require_possible(const StoredImage& stored, const LoadOptions& options,
   }
 }
 
+/// What the user says, or else the header.
+BodyPart said_part(const Hints& hints, const LoadOptions& options) {
+  return options.part != BodyPart::kUnknown ? options.part : hints.part;
+}
+
 /// What the user says, or else the header. Of CT, 8 bits hold no HU.
 Modality said_modality(const StoredImage& stored, const LoadOptions& options) {
   if (options.hu) {
@@ -216,6 +221,10 @@ LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const s
   prepare(volume, options.prepare, where, loaded.prepared);
   if (options.prepare.crops()) {
     check_cropped(volume, options, where);
+  }
+  volume.part = said_part(hints, options);
+  if (volume.part == BodyPart::kUnknown) {
+    volume.part = seen_part(volume);
   }
   return loaded;
 }

@@ -24,9 +24,10 @@ struct LoadOptions {
   /// --modality: instead of what is guessed, and of what headers say that are no DICOM. Unknown: go
   /// by those.
   Modality modality = Modality::kUnknown;
-  bool keep_table = false;       ///< leave what a CT shows beside the patient
-  PrepareOptions prepare;        ///< what is done to the volume after that
-  std::filesystem::path labels;  ///< segmentation of the volume (add_labels()); empty: none
+  BodyPart part = BodyPart::kUnknown;  ///< --region: instead of what a header or the voxels tell
+  bool keep_table = false;             ///< leave what a CT shows beside the patient
+  PrepareOptions prepare;              ///< what is done to the volume after that
+  std::filesystem::path labels;        ///< segmentation of the volume (add_labels()); empty: none
   /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
   /// more than there is, an Error says so before any voxel is read, and again for what a crop
   /// leaves. Empty: nothing is checked.

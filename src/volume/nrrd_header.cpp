@@ -55,7 +55,9 @@ void learn_key(std::string_view line, size_t colon, Hints& hints) {
   };
   if (is("modality", "0008_0060")) {
     hints.learn_modality(value);
-  } else if (is("bodypartexamined", "0018_0015") || is("seriesdescription", "0008_103e")) {
+  } else if (is("bodypartexamined", "0018_0015")) {
+    hints.learn_part(value);
+  } else if (is("seriesdescription", "0008_103e")) {
     hints.learn_words(value);
   } else if (is("contrastbolusagent", "0018_0010")) {
     hints.learn_agent(value);

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/body_part.h"
 #include "core/geometry.h"
+#include "core/modality.h"
 #include "volume/hints.h"
-#include "volume/modality.h"
 #include "volume/voxel_values.h"
 
 namespace clipgs {
@@ -35,6 +36,7 @@ struct Volume {
   Vec3 origin{0};       ///< RAS mm of the centre of voxel (0, 0, 0)
   IVec3 upsampling{1};  ///< voxels in place of one that was scanned, along each axis (upsample())
   Modality modality = Modality::kUnknown;
+  BodyPart part = BodyPart::kUnknown;  ///< as somebody says, or a CT's voxels tell
   VoxelValues values;
   VoxelValues scanned;
   std::vector<std::uint8_t> rgb;

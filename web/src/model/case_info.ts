@@ -82,7 +82,7 @@ export function parseCaseInfo(block: unknown): CaseInfo {
     placed: readPlaced(reader),
     sphere: { center: vector(sphere, "center"), radius: sphere.number("radius", Number.MIN_VALUE) },
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
-    title: reader.text("title"),
+    title: reader.text(reader.has("whole_title") ? "whole_title" : "title"),
     preset: reader.text("preset"),
     volume: reader.has("look") ? reader.child("look").text("volume") : "",
   };

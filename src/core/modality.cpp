@@ -1,4 +1,4 @@
-#include "volume/modality.h"
+#include "core/modality.h"
 
 #include <algorithm>
 
