@@ -100,6 +100,8 @@ export interface ClipgsApi {
   readonly ready: Promise<void>;
   /** Shows another case: of the server by its name, in an element by its address. */
   open(name: string): Promise<void>;
+  /** Shows a file of the person's own, which is sent nowhere: a case, or splats of other programs (.ply, .spz). */
+  openFile(file: File): Promise<void>;
   setView(view: { azimuth: number; elevation: number; zoom?: number }): void;
   /** Cuts with one plane that keeps dot(normal, x) >= offset; null: nothing is cut. */
   setPlane(plane: { normal: Triple; offset: number } | null): void;

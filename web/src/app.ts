@@ -25,6 +25,7 @@ import { download } from "./ui/download";
 import { LoadingCard } from "./ui/loading_card";
 import { MarksOverlay } from "./ui/marks_overlay";
 import { markCard, marksPanel } from "./ui/marks_panel";
+import { dropZone } from "./ui/open_file";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PointerControls } from "./ui/pointer";
 import type { StudyCard } from "./ui/study_card";
@@ -35,6 +36,7 @@ import { type Theme, ViewerTheme } from "./ui/theme";
 import { ViewKeys } from "./ui/view_keys";
 import { Viewer } from "./viewer";
 import { CaseClient } from "./worker/case_client";
+import type { CaseSource } from "./worker/protocol";
 import { Headset, offeredSurroundings } from "./xr/headset";
 
 /** Fields that keys are typed into. */
@@ -53,6 +55,8 @@ export interface Host {
   /** Of the volume that is shown, as far as is known; none where it has one alone. */
   looks(): readonly Look[];
   open(name: string): Promise<void>;
+  /** Shows a file of the person's own, which is not sent anywhere. */
+  openFile(file: File): Promise<void>;
   /** Lets a person choose a case; absent where there is no choice. */
   choose?(): void;
   /** Lets a person choose another look of the volume, where there are several. */
@@ -61,13 +65,14 @@ export interface Host {
   news?(): string;
   /** Where marks of a case are kept, of a volume or, where that is not known, ""; absent: in the browser. */
   marksPlace?(name: string, volume: string): Promise<MarksPlace>;
-  /** A link to what is shown; absent where no address says it. */
-  address?(): string;
+  /** A link to what is shown, null where it is nobody else's; absent where no address says it. */
+  address?(): string | null;
 }
 
 /** What is opened; more of it may be known before it is there. */
-type OpenedCase = Pick<CaseSummary, "name" | "file" | "error"> &
-  Partial<Pick<CaseSummary, "title" | "thumbnail" | "bytes">>;
+export type OpenedCase = Pick<CaseSummary, "name" | "error"> & { file: CaseSource } & Partial<
+    Pick<CaseSummary, "title" | "thumbnail" | "bytes">
+  >;
 
 /** The viewer's canvas and the panels around it. */
 export class App {
@@ -193,6 +198,7 @@ export class App {
       h("footer", {}, h("strong", { class: "warning" }, texts().notForDiagnosis), this.#news, this.#stats),
       this.loading.element,
       this.#message,
+      dropZone(root, (file) => void this.openFile(file), signal),
       this.#help,
       this.#announcer.element,
     );
@@ -284,7 +290,7 @@ export class App {
         }
       });
       if (!isSameVolume(before, this.viewer.info!)) {
-        await this.#bringMarks(name);
+        await this.#bringMarks(name, file instanceof File);
         this.actions.forget();
       }
     } catch (error) {
@@ -302,11 +308,34 @@ export class App {
     }
     this.#title.textContent = this.title;
     this.offerLooks();
+    this.#tellOfScale();
     this.#update();
     const { sectionProblem } = this.viewer;
     if (sectionProblem) {
       this.fail(sectionProblem, again);
       this.headset.panel?.tell(sectionProblem);
+    }
+  }
+
+  /** Shows a file of the person's own: a case, splats, or marks of what is shown. Says so here where that fails. */
+  async openFile(file: File): Promise<void> {
+    if (this.isInStudy) {
+      return;
+    }
+    if (/\.json$/i.test(file.name)) {
+      await this.#openMarks(file);
+    } else {
+      await this.host.openFile(file).catch(() => {});
+    }
+  }
+
+  /** What is not known of files of other programs. */
+  #tellOfScale(): void {
+    const { noScale } = texts().files;
+    if (!this.viewer.hasWorld) {
+      this.tell(noScale);
+    } else if (this.news === noScale) {
+      this.tell("");
     }
   }
 
@@ -411,12 +440,12 @@ export class App {
     this.#update();
   }
 
-  /** What was marked of it before, unless a link says what is. */
-  async #bringMarks(name: string): Promise<void> {
+  /** What was marked of it before, unless a link says what is; of a person's own file, in this browser alone. */
+  async #bringMarks(name: string, isOwn: boolean): Promise<void> {
     const { store } = this.viewer;
     const { volume } = this.viewer.info!;
     const inBrowser = () => Promise.resolve(new BrowserMarks(volume, name));
-    const place = this.host.marksPlace?.(name, volume) ?? inBrowser();
+    const place = (!isOwn && this.host.marksPlace?.(name, volume)) || inBrowser();
     const kept = await this.#keeper.open(place, this.#marksOf);
     const marks = store.state.marks.length > 0 ? store.state.marks : kept;
     this.#keeper.adopt(marks);
@@ -494,7 +523,7 @@ export class App {
   }
 
   /** Says what went wrong, in a line, and offers what can be done. */
-  fail(text: string, again: () => void): void {
+  fail(text: string, again: (() => void) | null): void {
     const { host } = this;
     this.#message.replaceChildren(
       h(
@@ -514,17 +543,18 @@ export class App {
         host.choose
           ? h("button", { class: "solid", onclick: () => host.choose?.() }, texts().page.chooseCase)
           : null,
-        h(
-          "button",
-          {
-            class: "solid quiet",
-            onclick: () => {
-              this.#message.hidden = true;
-              again();
+        again &&
+          h(
+            "button",
+            {
+              class: "solid quiet",
+              onclick: () => {
+                this.#message.hidden = true;
+                again();
+              },
             },
-          },
-          texts().page.again,
-        ),
+            texts().page.again,
+          ),
       ),
     );
     this.#message.hidden = false;
@@ -741,7 +771,12 @@ export class App {
   }
 
   async #copyLink(button: HTMLElement): Promise<void> {
-    await navigator.clipboard.writeText(this.host.address!());
+    const address = this.host.address!();
+    if (address === null) {
+      this.fail(texts().files.noLink, null);
+      return;
+    }
+    await navigator.clipboard.writeText(address);
     button.classList.add("done");
     setTimeout(() => button.classList.remove("done"), 900);
   }

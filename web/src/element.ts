@@ -1,5 +1,5 @@
 import type { ClipgsApi } from "./api";
-import { App, type Host } from "./app";
+import { App, type Host, type OpenedCase } from "./app";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
 import { chooseLanguage } from "./text/text";
@@ -38,6 +38,7 @@ export class ClipgsViewerElement extends HTMLElement {
     cases: async () => [],
     looks: () => [],
     open: (src) => this.#openOther(src),
+    openFile: (file) => this.#openOwn(file),
   };
   #app: App | null = null;
   #api: ClipgsApi | null = null;
@@ -125,6 +126,14 @@ export class ClipgsViewerElement extends HTMLElement {
     }
   }
 
+  /** In place of what `src` says, until that says something else. */
+  async #openOwn(file: File): Promise<void> {
+    const app = this.#app!;
+    const again = (): void => void app.openFile(file);
+    this.#ready = this.#open(app, { name: file.name, file, error: null }, null, again);
+    await this.#ready;
+  }
+
   async #openOther(src: string): Promise<void> {
     this.src = src;
     await this.#drawn();
@@ -157,19 +166,21 @@ export class ClipgsViewerElement extends HTMLElement {
     const linked = stale.has("link") && this.hasAttribute("link");
     const link = parseLink(linked ? this.getAttribute("link")! : "");
     if (stale.has("src") && this.src) {
-      this.#ready = this.#open(app, this.src, linked ? link : null);
+      const { src } = this;
+      const again = (): void => this.attributeChangedCallback("src");
+      const shown = { name: caseName(src), file: src, error: null };
+      this.#ready = this.#open(app, shown, linked ? link : null, again);
       this.#ready.catch(() => {}); // said in the element; who waits for it hears it too
     } else if (linked) {
       void this.#ready.then(() => app.follow(link)).catch(() => {});
     }
   }
 
-  /** Shows the case at `src`; the view and planes stay unless `link` is another. Tells listeners how that ended. */
-  async #open(app: App, src: string, link: Link | null): Promise<void> {
+  /** Shows a case; the view and planes stay unless `link` is another. Tells listeners how that ended. */
+  async #open(app: App, shown: OpenedCase, link: Link | null, again: () => void): Promise<void> {
     const opening = ++this.#opening;
-    const again = () => this.attributeChangedCallback("src");
     try {
-      await app.open({ name: caseName(src), file: src, error: null }, link ?? {}, again);
+      await app.open(shown, link ?? {}, again);
     } catch (error) {
       if (opening === this.#opening) {
         this.dispatchEvent(new ErrorEvent("error", { message: (error as Error).message }));

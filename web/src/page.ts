@@ -35,13 +35,17 @@ export function startPage(
 class Page implements Host {
   readonly keys = window;
   readonly app: App;
-  readonly #menu = new CaseMenu((name) => void this.open(name).catch(() => {}));
+  readonly #menu = new CaseMenu(
+    (name) => void this.open(name).catch(() => {}),
+    (file) => void this.app.openFile(file),
+  );
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
   readonly #name = crypto.randomUUID?.() ?? String(Math.random()).slice(2); // that the server knows it by
   #index: CaseIndex = { cases: [], making: null, keepsMarks: false };
   #version = ""; // of the case that is shown, or was tried to be
   #newsTimer = 0;
   #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
+  #own: File | null = null; // what is shown, where it is no case of the server's
   #size: Link["size"];
   #linkTimer = 0;
 
@@ -122,6 +126,9 @@ class Page implements Host {
   }
 
   #tellNews(): void {
+    if (this.#own) {
+      return;
+    }
     const name = this.app.viewer.caseName;
     const shown = this.#cases.find((one) => one.name === name);
     this.app.tell(newsText(shown, this.#index.making ?? [], name));
@@ -162,7 +169,16 @@ class Page implements Host {
 
   /** Shows a case by its name. Rejects with CaseError, after saying so on the page. */
   async open(name: string): Promise<void> {
-    const opening = { name, opened: this.#open(name) };
+    await this.#follows(name, this.#open(name));
+  }
+
+  async openFile(file: File): Promise<void> {
+    await this.#follows(file.name, this.#openOwn(file));
+  }
+
+  /** A case is asked for, until it is opened. */
+  async #follows(name: string, opened: Promise<void>): Promise<void> {
+    const opening = { name, opened };
     this.#opening = opening;
     try {
       await opening.opened;
@@ -181,10 +197,22 @@ class Page implements Host {
       parseLink(location.hash),
       again,
     );
+    this.#own = null;
     this.#version = known?.version ?? "";
     document.title = `${this.app.title} · clipgs`;
     this.#prefetchAfter(name);
     this.#watch();
+  }
+
+  /** The address cannot say what is shown then. */
+  async #openOwn(file: File): Promise<void> {
+    const { name } = file;
+    await this.app.open({ name, file, error: null }, {}, () => void this.app.openFile(file));
+    this.#own = file;
+    this.#version = "";
+    clearTimeout(this.#linkTimer);
+    history.replaceState(null, "", location.pathname + location.search);
+    document.title = `${this.app.title} · clipgs`;
   }
 
   marksPlace(name: string, volume: string): Promise<MarksPlace> {
@@ -203,8 +231,8 @@ class Page implements Host {
     void this.#showMenu();
   }
 
-  address(): string {
-    return new URL(this.#link(), location.href).href;
+  address(): string | null {
+    return this.#own ? null : new URL(this.#link(), location.href).href;
   }
 
   changed(): void {
@@ -247,7 +275,7 @@ class Page implements Host {
   }
 
   #writeLink(): void {
-    if (this.app.viewer.caseName !== null) {
+    if (this.app.viewer.caseName !== null && !this.#own) {
       history.replaceState(null, "", this.#link());
     }
   }

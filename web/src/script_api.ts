@@ -49,6 +49,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       viewer.steady = steady;
     },
     open: (name) => app.host.open(name),
+    openFile: (file) => app.host.openFile(file),
     setView: ({ azimuth, elevation, zoom = 1 }) =>
       viewer.store.setView({ azimuth, elevation, zoom, pan: new Vector3(), back: 0 }),
     setPlane: (plane) => {

@@ -22,7 +22,7 @@ import { SplatLayer, type Subject } from "./render/splat_layer";
 import { type Section, SectionError } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import type { CaseClient, DecodedSection, LoadListener } from "./worker/case_client";
-import { kSuperseded, type LoadedCase } from "./worker/protocol";
+import { type CaseSource, kSuperseded, type LoadedCase } from "./worker/protocol";
 
 /** What splats are sorted for: without those that reach no farther than `leastPixels`. */
 interface SortFrame {
@@ -185,6 +185,11 @@ export class Viewer {
     return this.#case?.noSection ?? null;
   }
 
+  /** Whether the case's file says how it lies in the patient. */
+  get hasWorld(): boolean {
+    return this.#case?.hasWorld ?? true;
+  }
+
   /** What is wrong with the section that the case should have; null: nothing. */
   get sectionProblem(): string | null {
     return this.#case?.sectionProblem ?? null;
@@ -207,18 +212,18 @@ export class Viewer {
   }
 
   /**
-   * Shows the case at `url`. The view and plane stay, and of another look of the same volume the camera itself, the
+   * Shows the case of `source`. The view and plane stay, and of another look of the same volume the camera itself, the
    * window and the marks, too, unless `begin`, called before the first picture, says otherwise.
    * The body is shown, uncut, before its section is there; resolves with the first picture after. Where there is another
    * case to be seen, that stays until all of this one's file is there, and good. Rejects with CaseError.
    */
   async open(
     name: string,
-    url: string,
+    source: CaseSource,
     listener: OpeningListener | null = null,
     begin: () => void = () => {},
   ): Promise<void> {
-    const loaded = await this.#client.load(url, listener, this.#case === null);
+    const loaded = await this.#client.load(source, listener, this.#case === null);
     const opened = await this.#alone(async () => {
       if (this.#disposed) {
         throw new CaseError("the viewer is gone");

@@ -65,6 +65,8 @@ export class OpenCase {
   windows: ReadonlyMap<string, Window> = new Map();
   /** Whether its splats have layers, which can be clipped by. */
   readonly hasLayers: boolean;
+  /** Whether its file says how it lies in the patient. */
+  readonly hasWorld: boolean;
   readonly #client: CaseClient;
   readonly #ticket: number;
   readonly #view = new Float32Array(kViewFloats); // that the worker is told
@@ -85,6 +87,7 @@ export class OpenCase {
     this.mesh.matrix.multiplyMatrices(kWorldFromPatient, sceneToPatient);
     this.mesh.matrixWorld.copy(this.mesh.matrix);
     this.hasLayers = scene.hasLayers;
+    this.hasWorld = loaded.hasWorld;
     this.awaitsSection = loaded.hasSection;
     this.noSection = loaded.hasSection ? null : kHasNone;
     if (loaded.sectionProblem) {

@@ -4,7 +4,7 @@ import { type Archive, CaseError } from "./zip";
 /** Splats that a case may hold: its textures stay within what every WebGL 2 device can make. */
 export const kMaxSplats = 4 << 20;
 const kCodebookSize = 256;
-const kPaletteRow = 64;
+export const kPaletteRow = 64;
 const kShCoefficients = [0, 3, 8, 15] as const;
 /** Of face colours: SH of degree 1 in the plane's normal. */
 export const kFaceCoefficients = 4;

@@ -38,6 +38,14 @@ export const german: Texts = {
     amount: (loaded, total) => `${loaded} von ${total}`,
     prepares: "Wird vorbereitet…",
   },
+  files: {
+    open: "Eine Datei öffnen…",
+    openHint:
+      "Ein Fall (.sog) oder Splats anderer Programme (.ply, .spz) von diesem Rechner: hochgeladen wird nichts",
+    drop: "Loslassen, um sie zu öffnen: .sog, .ply oder .spz. Hochgeladen wird nichts.",
+    noScale: "Maßstab und Seiten sind nicht bekannt: 1 Einheit gilt als 1 m",
+    noLink: "Kein Link kann nennen, was gezeigt wird: Es ist eine Datei nur dieses Rechners.",
+  },
   sides: {
     anterior: "anterior",
     left: "links",

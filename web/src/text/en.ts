@@ -36,6 +36,14 @@ export const english = {
     amount: (loaded: string, total: string) => `${loaded} of ${total}`,
     prepares: "Preparing…",
   },
+  files: {
+    open: "Open a file…",
+    openHint:
+      "A case (.sog), or splats of other programs (.ply, .spz), of this computer: nothing is uploaded",
+    drop: "Drop it to open it: .sog, .ply or .spz. Nothing is uploaded.",
+    noScale: "No scale or sides are known of it: 1 unit is taken as 1 m",
+    noLink: "No link can name what is shown: it is a file of this computer alone.",
+  },
   sides: {
     anterior: "anterior",
     left: "left",

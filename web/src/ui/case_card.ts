@@ -2,6 +2,7 @@ import { type CaseSummary, formatBytes, formatCount } from "../model/case_list";
 import { type CaseGroup, countText, groupCases, type Look } from "../model/looks";
 import { texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
+import { openFileButton } from "./open_file";
 
 /** The cases of the server as cards with their pictures, those of one volume together. */
 export class CaseMenu {
@@ -9,9 +10,13 @@ export class CaseMenu {
   readonly #cards = h("div", { class: "cards" });
   readonly #choose: (name: string) => void;
 
-  constructor(choose: (name: string) => void) {
+  constructor(choose: (name: string) => void, openFile: (file: File) => void) {
     this.#choose = choose;
-    this.element = sheetDialog("sheet menu", texts().menu.title, texts().menu.title, this.#cards);
+    const ownFile = openFileButton((file) => {
+      this.element.close();
+      openFile(file);
+    });
+    this.element = sheetDialog("sheet menu", texts().menu.title, texts().menu.title, this.#cards, ownFile);
   }
 
   show(cases: CaseSummary[], current: string | null): void {

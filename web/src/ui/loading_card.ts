@@ -2,6 +2,7 @@ import { amountText } from "../model/case_list";
 import { texts } from "../text/text";
 import type { Cover } from "../worker/arriving";
 import type { LoadListener } from "../worker/case_client";
+import type { CaseSource } from "../worker/protocol";
 import { h } from "./dom";
 
 /** What is seen of a case while it is on its way: its picture, what it is called, and how much of it is there. */
@@ -17,12 +18,12 @@ export class LoadingCard implements LoadListener {
     h("span", { class: "amount" }),
     this.#said,
   );
-  #file: string | null = null;
+  #file: CaseSource | null = null;
   #bytes = 0; // of the case, where the server says so
   #own = ""; // the address of a picture that came with the case
 
   /** The case of a file is on its way; that it is may be said twice. `over`: another one is seen meanwhile. */
-  begin(file: string, over: boolean): void {
+  begin(file: CaseSource, over: boolean): void {
     if (this.#file !== file) {
       this.end();
       this.#file = file;
@@ -38,7 +39,7 @@ export class LoadingCard implements LoadListener {
     thumbnail,
     bytes,
   }: {
-    file: string;
+    file: CaseSource;
     title: string;
     thumbnail: string | null;
     bytes: number;

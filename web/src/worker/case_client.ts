@@ -3,6 +3,7 @@ import { CaseError } from "../sog/zip";
 import type { Cover } from "./arriving";
 import { LightClient } from "./light_client";
 import {
+  type CaseSource,
   type CodedSection,
   kSuperseded,
   type LoadedCase,
@@ -47,7 +48,7 @@ interface Waiting<T> {
 
 /** A load that nobody has asked for yet. */
 interface Expected {
-  url: string;
+  source: CaseSource;
   loaded: Promise<LoadedCase>;
 }
 
@@ -77,7 +78,7 @@ export class CaseClient {
 
   /** Begins to load what the first load() will ask for. */
   expect(url: string, listener: LoadListener): void {
-    const expected: Expected = { url, loaded: this.#load(url, listener, true) };
+    const expected: Expected = { source: url, loaded: this.#load(url, listener, true) };
     this.#expected = expected;
     // Who asks for it after it failed has it tried anew: a case may be made meanwhile.
     expected.loaded.catch(() => this.#expected === expected && (this.#expected = null));
@@ -87,10 +88,10 @@ export class CaseClient {
    * Fetches and decodes, as is told to `listener`. `early`: what is seen first is given as soon as it is there, whether
    * the rest comes or not. Rejects with CaseError.
    */
-  load(url: string, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
+  load(source: CaseSource, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
     const expected = this.#expected;
     this.#expected = null;
-    return expected?.url === url ? expected.loaded : this.#load(url, listener, early);
+    return expected?.source === source ? expected.loaded : this.#load(source, listener, early);
   }
 
   /**
@@ -166,7 +167,7 @@ export class CaseClient {
     return waiting;
   }
 
-  #load(url: string, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
+  #load(source: CaseSource, listener: LoadListener | null, early: boolean): Promise<LoadedCase> {
     if (this.#disposed) {
       return Promise.reject(new CaseError(kGone));
     }
@@ -175,7 +176,8 @@ export class CaseClient {
     this.#worker ??= this.#startWorker();
     return new Promise((resolve, reject) => {
       this.#loads.set(ticket, { resolve, reject });
-      this.#post({ kind: "load", ticket, url: new URL(url, location.href).href, early });
+      const whole = typeof source === "string" ? new URL(source, location.href).href : source;
+      this.#post({ kind: "load", ticket, source: whole, early });
     });
   }
 

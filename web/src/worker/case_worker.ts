@@ -6,12 +6,20 @@ import splatOrderUrl from "@wasm/splat_order.wasm?url";
 import { requireTexelChecksum } from "../sog/checksum";
 import { hullOf } from "../sog/hull";
 import { parseSection, type SectionInfo } from "../sog/section";
-import { packScene, parseSogMeta, type SogImages, type SogMeta, type Texels } from "../sog/sog";
+import {
+  type PackedScene,
+  packScene,
+  parseSogMeta,
+  type SogImages,
+  type SogMeta,
+  type Texels,
+} from "../sog/sog";
 import { WebpDecoder } from "../sog/webp";
 import { type Archive, CaseError } from "../sog/zip";
 import { arrive } from "./arriving";
-import { FileCache } from "./file_cache";
-import { kSuperseded, type Reply, type Request } from "./protocol";
+import { FileCache, type Progress } from "./file_cache";
+import { kindOf, readWholeFile } from "./own_file";
+import { type CaseSource, kSuperseded, type LoadedCase, type Reply, type Request } from "./protocol";
 import { SplatOrder } from "./splat_order";
 
 // What a worker's global object has of DedicatedWorkerGlobalScope, whose types clash with the page's.
@@ -98,59 +106,84 @@ function checkNewest(ticket: number): void {
   }
 }
 
-async function load({ ticket, url, early }: Extract<Request, { kind: "load" }>): Promise<void> {
+async function load({ ticket, source, early }: Extract<Request, { kind: "load" }>): Promise<void> {
   newest.superseded.abort();
   newest = { ticket, superseded: new AbortController() };
   const { signal } = newest.superseded;
   try {
-    const arriving = arrive(
-      (progress) =>
-        files.get(
-          url,
-          (loaded, total, bytes) => {
-            reply({ kind: "progress", ticket, loaded, total });
-            progress(loaded, total, bytes);
-          },
-          signal,
-        ),
-      early,
-      (cover) => reply({ kind: "cover", ticket, ...cover }, [cover.thumbnail.buffer]),
-    );
-    const [archive, [splatOrder, libwebp]] = await Promise.all([arriving.splats, fetchModules()]);
-    const meta = parseSogMeta(archive);
-    const { info, problem } = sectionOf(meta.clipgs, archive);
-    checkNewest(ticket);
-    const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
-    const order = new SplatOrder(splatOrder); // an instance for each, whose memory goes with it
-    order.load(scene);
-    scenes = [...scenes.filter((scene) => scene.ticket === sorted), { ticket, order }];
-    const transfer = [scene.packed.buffer, scene.sh0.buffer];
-    if (scene.shN) {
-      transfer.push(scene.shN.centroids.rgba.buffer);
+    const kind = typeof source === "string" ? "case" : await kindOf(source);
+    if (typeof source !== "string" && kind !== "case") {
+      await loadSplats(ticket, source, kind);
+    } else {
+      await loadCase(ticket, source, early, signal);
     }
-    if (scene.faces) {
-      transfer.push(scene.faces.labels.buffer, scene.faces.palette.rgba.buffer);
-    }
-    if (scene.layers) {
-      transfer.push(scene.layers.buffer);
-    }
-    const { clipgs } = meta;
-    reply(
-      {
-        kind: "loaded",
-        ticket,
-        scene,
-        hull: hullOf(scene, rowsOf(clipgs)),
-        hasSection: info !== null,
-        sectionProblem: problem,
-        clipgs,
-      },
-      transfer,
-    );
-    giveRest(ticket, clipgs, await arriving.whole, libwebp);
   } catch (error) {
     fail(ticket, error);
   }
+}
+
+/** A file of other programs: splats alone. */
+async function loadSplats(ticket: number, file: File, kind: "ply" | "spz"): Promise<void> {
+  const { readSplatFile } = await import("../splats/splat_file");
+  const [{ scene, clipgs }, [splatOrder]] = await Promise.all([readSplatFile(file, kind), fetchModules()]);
+  checkNewest(ticket);
+  giveScene(ticket, scene, splatOrder, { clipgs, hasWorld: false, hasSection: false, sectionProblem: null });
+  reply({ kind: "rest", ticket, section: null, sectionProblem: null });
+}
+
+async function loadCase(
+  ticket: number,
+  source: CaseSource,
+  early: boolean,
+  signal: AbortSignal,
+): Promise<void> {
+  const arriving = arrive(
+    (progress) => {
+      const tell: Progress = (loaded, total, bytes) => {
+        reply({ kind: "progress", ticket, loaded, total });
+        progress(loaded, total, bytes);
+      };
+      return typeof source === "string" ? files.get(source, tell, signal) : readWholeFile(source, tell);
+    },
+    early,
+    (cover) => reply({ kind: "cover", ticket, ...cover }, [cover.thumbnail.buffer]),
+  );
+  const [archive, [splatOrder, libwebp]] = await Promise.all([arriving.splats, fetchModules()]);
+  const meta = parseSogMeta(archive);
+  const { info, problem } = sectionOf(meta.clipgs, archive);
+  checkNewest(ticket);
+  const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
+  giveScene(ticket, scene, splatOrder, {
+    clipgs: meta.clipgs,
+    hasWorld: true,
+    hasSection: info !== null,
+    sectionProblem: problem,
+  });
+  giveRest(ticket, meta.clipgs, await arriving.whole, libwebp);
+}
+
+/** Sorts a scene from now on, and gives it away. */
+function giveScene(
+  ticket: number,
+  scene: PackedScene,
+  splatOrder: WebAssembly.Module,
+  said: Omit<LoadedCase, "ticket" | "scene" | "hull">,
+): void {
+  const order = new SplatOrder(splatOrder); // an instance for each, whose memory goes with it
+  order.load(scene);
+  scenes = [...scenes.filter((scene) => scene.ticket === sorted), { ticket, order }];
+  const transfer = [scene.packed.buffer, scene.sh0.buffer];
+  if (scene.shN) {
+    transfer.push(scene.shN.centroids.rgba.buffer);
+  }
+  if (scene.faces) {
+    transfer.push(scene.faces.labels.buffer, scene.faces.palette.rgba.buffer);
+  }
+  if (scene.layers) {
+    transfer.push(scene.layers.buffer);
+  }
+  const hull = hullOf(scene, rowsOf(said.clipgs));
+  reply({ kind: "loaded", ticket, scene, hull, ...said }, transfer);
 }
 
 /** What is not shown at first. */

@@ -4,6 +4,9 @@ import type { Hull } from "../sog/hull";
 import type { PackedScene } from "../sog/sog";
 import type { Cover } from "./arriving";
 
+/** Where a case is: an address, or a file of the person's own. */
+export type CaseSource = string | File;
+
 /** Why there is nothing of a case, to whoever waited for it. */
 export const kSuperseded = "another case was chosen meanwhile";
 
@@ -69,6 +72,8 @@ export interface LoadedCase {
   sectionProblem: string | null;
   /** The `clipgs` block of meta.json, unchecked. */
   clipgs: unknown;
+  /** Whether that says how it lies in the patient: files of other programs do not, and one unit is taken as a metre. */
+  hasWorld: boolean;
 }
 
 /** The clip operators, numbered as in shaders/gaussian.glsl and wasm/splat_order.cpp. By layers, what they cannot draw is cut exactly. */
@@ -81,7 +86,7 @@ export const kViewFloats = 9 + 3 + 2 + 2 + 1 + 1 + 1 + 1 + 2 + 4 * kMaxPlanes;
 /** To the worker. */
 export type Request =
   /** `early`: it is answered as soon as its splats are there. */
-  | { kind: "load"; ticket: number; url: string; early: boolean }
+  | { kind: "load"; ticket: number; source: CaseSource; early: boolean }
   /** Fetches what may be loaded next; nothing answers. */
   | { kind: "prefetch"; url: string }
   /** `scene` is the ticket of the load that made it; `order` a buffer to reuse for the answer. */

@@ -51,6 +51,57 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
     await visitor.close();
   });
 
+  it("opens files that are dropped or chosen, and sends them nowhere", async () => {
+    const visitor = await session.open("#case=solid&view=20,10", errors, { width: 700, height: 500 });
+    await visitor.evaluate(() => window.clipgs.ready);
+    const sent: string[] = [];
+    visitor.on("request", (request) => request.method() !== "GET" && sent.push(request.url()));
+    const drop = (name: string, bytes: Buffer) =>
+      visitor.evaluate(
+        async ([name, base64]) => {
+          const bytes = await (await fetch(`data:;base64,${base64}`)).blob();
+          const dataTransfer = new DataTransfer();
+          dataTransfer.items.add(new File([bytes], name!));
+          for (const type of ["dragenter", "dragover", "drop"]) {
+            const event = new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true });
+            document.querySelector("canvas")!.dispatchEvent(event);
+          }
+        },
+        [name, bytes.toString("base64")],
+      );
+    const shows = (name: string) =>
+      visitor.waitForFunction((name) => window.clipgs.state.case === name, name);
+
+    const scene = readFileSync(join(session.folder, "scene.ply"));
+    await drop("scene.ply", scene);
+    await shows("scene.ply");
+    await expect.poll(() => visitor.getByText("1 unit is taken as 1 m").isVisible()).toBe(true);
+    expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
+    expect(new URL(visitor.url()).hash).toBe("");
+    const alert = visitor.getByRole("alert");
+    await visitor.getByRole("button", { name: "Copy a link" }).click();
+    expect(await alert.textContent()).toContain("a file of this computer alone");
+
+    // Points without splats: what was shown stays.
+    await drop("points.ply", readFileSync(join(session.folder, "dataset", "points.ply")));
+    await expect
+      .poll(() => alert.textContent())
+      .toContain('points.ply: has no splats: its points have no "scale_0"');
+    expect(await visitor.evaluate(() => window.clipgs.state.case)).toBe("scene.ply");
+
+    await visitor.keyboard.press("m");
+    const chooser = visitor.waitForEvent("filechooser");
+    await visitor.getByRole("button", { name: "Open a file" }).click();
+    await (await chooser).setFiles(join(session.cases, "photo.sog"));
+    await shows("photo.sog");
+    await expect.poll(() => visitor.evaluate(() => window.clipgs.stats.sectionBytes)).toBeGreaterThan(0);
+    expect(await visitor.getByText("1 unit is taken").isVisible()).toBe(false);
+    await visitor.evaluate(() => window.clipgs.open("solid"));
+    await expect.poll(() => new URL(visitor.url()).hash).toContain("case=solid");
+    expect(sent).toEqual([]);
+    await visitor.close();
+  });
+
   it("shows the body before its section is there, once", async () => {
     const opened = await session.open("#case=phantom", errors);
     const times = await opened.evaluate(async () => {
