@@ -8,7 +8,7 @@ import { formatLink, type Link, parseLink } from "./model/link";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
-import { CaseMenu } from "./ui/case_menu";
+import { CaseMenu } from "./ui/case_card";
 import type { LoadingCard } from "./ui/loading_card";
 import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";

@@ -25,7 +25,7 @@ export function makeBackdrop(): BackdropUniform {
 }
 
 /** `DepthCue` of shaders/depth_cue.glsl. */
-interface CueUniform {
+export interface CueUniform {
   strength: number;
   center: Vector3;
   radius: number;

@@ -1,6 +1,6 @@
 import type { Look } from "../model/looks";
 import { texts } from "../text/text";
-import { caseCard, sheetDialog } from "./case_menu";
+import { caseCard, sheetDialog } from "./case_card";
 import { h } from "./dom";
 
 /** The looks of one volume with their pictures, and what each shows. */
