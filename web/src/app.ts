@@ -16,6 +16,7 @@ import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
 import type { Study } from "./study/study";
 import { Announcer } from "./ui/announcer";
+import { type BesideCase, BesidePart } from "./ui/beside";
 import { follow, h, icon, kIcons, owned } from "./ui/dom";
 import { FaceOverlay } from "./ui/face_overlay";
 import { FullScreen } from "./ui/full_screen";
@@ -59,6 +60,8 @@ export interface Host {
   openFile(file: File): Promise<void>;
   /** Lets a person choose a case; absent where there is no choice. */
   choose?(): void;
+  /** Lets a person choose a case to be beside this one; absent where there is no choice. */
+  chooseBeside?(): void;
   /** Lets a person choose another look of the volume, where there are several. */
   chooseLook?(): void;
   /** What the case is where it is not finished, and when there will be a better one; "": it is. */
@@ -90,6 +93,7 @@ export class App {
   readonly #overlay: FaceOverlay;
   readonly #marks: MarksOverlay;
   readonly #slices: SlicesPart;
+  readonly #beside: BesidePart;
   readonly #keeper = new MarksKeeper();
   readonly #keys: ViewKeys;
   readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
@@ -174,6 +178,11 @@ export class App {
     this.#panel = parts.panel;
     this.#marks = parts.marks;
     this.#slices = parts.slices;
+    const takesWheel = () => host.takesWheel();
+    this.#beside = new BesidePart(this.viewer, this.actions, takesWheel, () => {
+      this.#resize();
+      host.changed();
+    });
     this.#endParts = endParts;
     this.#cube = new OrientationCube((azimuth, elevation) =>
       this.viewer.store.setView({ azimuth, elevation }),
@@ -184,6 +193,7 @@ export class App {
       this.#overlay.element,
       firstHint(root),
       this.#marks.element,
+      this.#beside.element,
       parts.slices.element,
       parts.card,
       h(
@@ -202,11 +212,7 @@ export class App {
       this.#help,
       this.#announcer.element,
     );
-    new PointerControls(
-      this.viewer,
-      (mm) => this.actions.step(mm),
-      () => host.takesWheel(),
-    );
+    new PointerControls(this.viewer, (mm) => this.actions.step(mm), takesWheel);
     this.viewer.failed = (error) => {
       this.endLoading();
       this.offerLooks();
@@ -243,6 +249,7 @@ export class App {
     this.#ended.abort();
     this.#keeper.flush();
     this.#study?.dispose();
+    this.#beside.dispose();
     this.#resized.disconnect();
     clearTimeout(this.#statsTimer);
     this.#announcer.dispose();
@@ -356,6 +363,20 @@ export class App {
   endLoading(): void {
     this.loading.end();
     this.#title.textContent = this.title || texts().page.noCase;
+  }
+
+  /** Shows another case beside this one, seen and cut alike; null: none. Says so where that fails. */
+  async showBeside(one: BesideCase | null): Promise<void> {
+    try {
+      await this.#beside.show(one);
+    } catch (error) {
+      this.fail((error as Error).message, () => void this.showBeside(one));
+    }
+  }
+
+  /** Of the case beside this one; null: none. */
+  get besideName(): string | null {
+    return this.#beside.name;
   }
 
   /** Says, beside the picture, what the case is and when there will be a better one. */
@@ -478,7 +499,8 @@ export class App {
     const hidden = Object.entries({ ...layers, handle }).flatMap(([one, shown]) =>
       shown ? [] : [one as Hidden],
     );
-    return { case: name, view, ...cut, clip, section, ...style, hidden, marks };
+    const beside = this.besideName ?? undefined;
+    return { case: name, view, ...cut, clip, section, ...style, hidden, marks, beside };
   }
 
   /** A fixed size leaves the picture alone, on black. */
@@ -628,6 +650,11 @@ export class App {
             ? stage.bottom - box.top
             : 0,
     };
+    const { width, height } = stage;
+    const half = this.#beside.place(width - inset.right, height - inset.bottom);
+    this.#root.classList.toggle("has-beside", half.right + half.bottom > 0);
+    inset.right += half.right;
+    inset.bottom += half.bottom;
     this.#root.style.setProperty("--free-right", `${inset.right}px`);
     this.#root.style.setProperty("--free-bottom", `${inset.bottom}px`);
     this.viewer.resize(inset);
@@ -648,6 +675,7 @@ export class App {
 
   #showTheme(): void {
     this.viewer.setGlow(this.#pictureOnly ? null : this.#theme.shown.value);
+    this.#beside?.update();
     this.#showInk();
   }
 
@@ -751,6 +779,7 @@ export class App {
     }
     this.#follower.refresh();
     this.#cube.update(this.viewer.state.view);
+    this.#beside.update();
     this.#announcer.update();
     this.host.changed();
   }
@@ -817,6 +846,7 @@ export class App {
       x: () => this.actions.remove(),
       b: () => this.actions.toggleSlab(),
       q: () => this.viewer.section && this.actions.toggleSlices(),
+      y: () => (this.besideName ? void this.showBeside(null) : this.host.chooseBeside?.()),
       g: () => this.actions.toggleGrey(),
       w: () => this.actions.nextWindow(),
       i: () => this.#marks.mark("point"),

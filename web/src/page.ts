@@ -36,7 +36,7 @@ class Page implements Host {
   readonly keys = window;
   readonly app: App;
   readonly #menu = new CaseMenu(
-    (name) => void this.open(name).catch(() => {}),
+    (name, beside) => (beside ? this.#showBeside(name) : void this.open(name).catch(() => {})),
     (file) => void this.app.openFile(file),
   );
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
@@ -231,6 +231,10 @@ class Page implements Host {
     void this.#showMenu();
   }
 
+  chooseBeside(): void {
+    void this.#showMenu(true);
+  }
+
   address(): string | null {
     return this.#own ? null : new URL(this.#link(), location.href).href;
   }
@@ -268,6 +272,14 @@ class Page implements Host {
       await this.open(name);
     }
     app.follow(link);
+    if ((link.beside ?? null) !== app.besideName) {
+      this.#showBeside(link.beside ?? null);
+    }
+  }
+
+  #showBeside(name: string | null): void {
+    const known = this.#cases.find((one) => one.name === name);
+    void this.app.showBeside(name === null ? null : (known ?? { name, file: caseFile(name), error: null }));
   }
 
   #link(): string {
@@ -280,11 +292,11 @@ class Page implements Host {
     }
   }
 
-  async #showMenu(): Promise<void> {
+  async #showMenu(beside = false): Promise<void> {
     try {
-      this.#menu.show(await this.cases(), this.app.viewer.caseName);
+      this.#menu.show(await this.cases(), this.app.viewer.caseName, beside);
     } catch (error) {
-      this.app.fail((error as CaseError).message, () => void this.#showMenu());
+      this.app.fail((error as CaseError).message, () => void this.#showMenu(beside));
     }
   }
 }

@@ -43,6 +43,8 @@ export interface Link {
   depthCue?: number;
   /** Beside the picture; where the crosshair is may be missing. */
   slices?: Pick<Slices, "shown" | "linked"> & Partial<Pick<Slices, "at">>;
+  /** The case that is beside it. */
+  beside?: string;
   /** Fixed size of the picture, px. */
   size?: { width: number; height: number };
 }
@@ -124,7 +126,7 @@ function parseMarks(parameters: URLSearchParams): Mark[] {
 }
 
 /**
- * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&active=k&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&hide=…&pin=r,a,s&length=…&angle=…&region=…&outline=…&name=…&note=…&background=…&depth-cue=…&slices=…&cross=r,a,s&size=WxH`,
+ * Reads `#case=…&view=az,el[,zoom]&pan=r,a,s&back=mm&state=k|off&plane=nx,ny,nz,c|off&slab=nx,ny,nz,c,t&active=k&clip=…&section=…&grey=…&openings=…&rig=…&turn=…&lamp=r,a,s&window=c,w&hide=…&pin=r,a,s&length=…&angle=…&region=…&outline=…&name=…&note=…&background=…&depth-cue=…&slices=…&cross=r,a,s&beside=…&size=WxH`,
  * planes, slabs and marks any number of times, names and notes after their marks; what is not valid is left out.
  */
 export function parseLink(hash: string): Link {
@@ -207,6 +209,10 @@ export function parseLink(hash: string): Link {
   const slices = parseSlices(parameters);
   if (slices) {
     link.slices = slices;
+  }
+  const beside = parameters.get("beside");
+  if (beside) {
+    link.beside = beside;
   }
   const size = /^(\d{1,4})(?:x(\d{1,4}))?$/.exec(parameters.get("size") ?? "");
   if (size) {
@@ -319,6 +325,9 @@ export function formatLink(link: Link): string {
     const { shown, linked, at } = link.slices;
     parts.push(`slices=${shown}${linked ? "" : ",unlinked"}`);
     parts.push(...(at ? [`cross=${at.toArray().map((mm) => rounded(mm, 2))}`] : []));
+  }
+  if (link.beside) {
+    parts.push(`beside=${encodeURIComponent(link.beside)}`);
   }
   if (link.size) {
     parts.push(`size=${link.size.width}x${link.size.height}`);

@@ -215,6 +215,15 @@ export const german: Texts = {
     close: "Schnittbilder schließen (Q)",
     ownWindow: "Eigenes",
   },
+  beside: {
+    title: "Daneben",
+    canvas: "Ein anderer Fall in drei Dimensionen, gesehen und geschnitten wie der erste",
+    way: "Wo er gezeigt wird",
+    ways: { instead: "Zeigen", beside: "Daneben zeigen" },
+    close: "Den Fall daneben schließen (Y)",
+    samePlaces: "Dieselben Orte im Patienten",
+    relativePlaces: "Orte zählen von der Mitte eines jeden",
+  },
   layers: {
     title: "Ebenen des Bilds",
     names: { body: "Körper", faces: "Flächen", marks: "Marken" },
@@ -367,6 +376,7 @@ export const german: Texts = {
       ["O", "den Körper zeigen oder verbergen: nur Schnittflächen"],
       ["1  2  3  4", "harter, weicher, genauer Schnitt, nach Schichten"],
       ["Q", "Schnittbilder neben dem Fall"],
+      ["Y", "einen anderen Fall daneben, oder keinen"],
       ["R", "wie am Anfang"],
       ["Strg + Z, Strg + Umschalt + Z", "rückgängig und wieder, was mit Schnitt und Marken getan ist"],
       ["D", "ein Bild dessen speichern, was zu sehen ist (PNG)"],

@@ -206,6 +206,15 @@ export const english = {
     close: "Close the slices (Q)",
     ownWindow: "Own",
   },
+  beside: {
+    title: "Beside it",
+    canvas: "Another case in three dimensions, seen and cut as the first",
+    way: "Where it is shown",
+    ways: { instead: "Show", beside: "Show beside" },
+    close: "Close what is beside (Y)",
+    samePlaces: "The same places of the patient",
+    relativePlaces: "Places count from the middle of each",
+  },
   layers: {
     title: "Layers",
     names: { body: "Body", faces: "Cut faces", marks: "Marks" },
@@ -361,6 +370,7 @@ export const english = {
       ["O", "show or hide the body: cut faces alone"],
       ["1  2  3  4", "hard, soft, exact cut, by layers"],
       ["Q", "slices beside the case"],
+      ["Y", "another case beside it, or none"],
       ["R", "reset"],
       ["Ctrl + Z, Ctrl + Shift + Z", "undo and redo what was done to the cut and to marks"],
       ["D", "save a picture of what is seen (PNG)"],

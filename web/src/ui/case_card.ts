@@ -3,23 +3,36 @@ import { type CaseGroup, countText, groupCases, type Look } from "../model/looks
 import { texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 import { openFileButton } from "./open_file";
+import { segments } from "./segments";
 
 /** The cases of the server as cards with their pictures, those of one volume together. */
 export class CaseMenu {
   readonly element: HTMLDialogElement;
   readonly #cards = h("div", { class: "cards" });
-  readonly #choose: (name: string) => void;
+  readonly #choose: (name: string, beside: boolean) => void;
+  readonly #ways: HTMLElement;
+  #beside = false;
 
-  constructor(choose: (name: string) => void, openFile: (file: File) => void) {
+  /** What is chosen is shown, or shown beside what is. */
+  constructor(choose: (name: string, beside: boolean) => void, openFile: (file: File) => void) {
     this.#choose = choose;
+    const { ways, way } = texts().beside;
+    this.#ways = segments(way, [
+      { text: ways.instead, press: () => this.#setBeside(false) },
+      { text: ways.beside, press: () => this.#setBeside(true) },
+    ]);
     const ownFile = openFileButton((file) => {
       this.element.close();
       openFile(file);
     });
-    this.element = sheetDialog("sheet menu", texts().menu.title, texts().menu.title, this.#cards, ownFile);
+    const { title } = texts().menu;
+    this.element = sheetDialog("sheet menu", title, title, this.#ways, this.#cards, ownFile);
   }
 
-  show(cases: CaseSummary[], current: string | null): void {
+  /** `beside`: for a case beside the one that is shown, unless a person wants it otherwise. */
+  show(cases: CaseSummary[], current: string | null, beside = false): void {
+    this.#ways.hidden = current === null || cases.length < 2;
+    this.#setBeside(beside && !this.#ways.hidden);
     this.#cards.replaceChildren(
       ...(cases.length > 0
         ? groupCases(cases).map((group) => this.#group(group, current))
@@ -36,6 +49,13 @@ export class CaseMenu {
     if (!this.element.open) {
       this.element.showModal();
     }
+  }
+
+  #setBeside(beside: boolean): void {
+    this.#beside = beside;
+    [...this.#ways.children].forEach((way, i) =>
+      way.setAttribute("aria-pressed", String((i === 1) === beside)),
+    );
   }
 
   #group(group: CaseGroup, current: string | null): HTMLElement {
@@ -56,7 +76,7 @@ export class CaseMenu {
     const detail = `${preset}${texts().menu.splats(formatCount(one.splats))} · ${formatBytes(one.bytes)}`;
     return caseCard(one, name, detail, one.name === current, () => {
       this.element.close();
-      this.#choose(one.name);
+      this.#choose(one.name, this.#beside);
     });
   }
 }

@@ -1013,6 +1013,30 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.waitForFunction(() => !location.hash.includes("slices"));
   });
 
+  it("shows another case beside it, and what is done with either is done with both", async () => {
+    await show(page, { view: [20, 15, 1], plane: [0, 0, -1, 5], clip: "exact" });
+    await page.keyboard.press("y");
+    await page.getByRole("dialog", { name: "Cases" }).locator('[data-case="photo"]').click();
+    const beside = page.getByRole("region", { name: "Beside it" });
+    await beside.getByText("Places count from the middle of each").waitFor();
+    expect(await beside.getByText("Not for diagnosis").isVisible()).toBe(true);
+    expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+    await page.waitForFunction(() => location.hash.endsWith("&beside=photo"));
+    const { x, y, height } = (await beside.locator("canvas").boundingBox())!;
+    await page.mouse.move(x + 10, y + height - 60);
+    await page.mouse.down();
+    await page.mouse.move(x + 60, y + height - 60, { steps: 2 });
+    await page.mouse.up();
+    expect(await page.evaluate(() => window.clipgs.state.view.azimuth)).toBeCloseTo(0, 3);
+    const canvas = () => beside.locator("canvas").screenshot();
+    const before = await canvas();
+    await page.evaluate(() => window.clipgs.setPlane({ normal: [1, 0, 0], offset: 0 }));
+    await expect.poll(async () => (await canvas()).equals(before)).toBe(false);
+    await page.keyboard.press("y");
+    await beside.waitFor({ state: "hidden" });
+    await page.waitForFunction(() => !location.hash.includes("beside"));
+  });
+
   it("says what it is not for, and keeps the view in the address", async () => {
     expect(await page.locator("footer").getByText("Not for diagnosis").isVisible()).toBe(true);
     await show(page, { view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });

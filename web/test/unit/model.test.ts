@@ -150,7 +150,7 @@ describe("lights", () => {
 describe("links", () => {
   it("say again what they said", () => {
     const text =
-      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&openings=neutral&rig=rim&turn=-40&lamp=0.6,0,0.8&window=40,400&pin=1.5,-20,3&pin=0,0,9&background=studio&depth-cue=0.4&slices=axial,unlinked&cross=1,-2.5,30&size=512x384";
+      "#case=head%20a&view=30,-12.5,2&pan=1,2,3&plane=0,0.6,-0.8,12.25&clip=soft&section=splats&grey=0.5&openings=neutral&rig=rim&turn=-40&lamp=0.6,0,0.8&window=40,400&pin=1.5,-20,3&pin=0,0,9&background=studio&depth-cue=0.4&slices=axial,unlinked&cross=1,-2.5,30&beside=head%20b&size=512x384";
     expect(formatLink(parseLink(text))).toBe(text);
     expect(formatLink(parseLink("#plane=off"))).toBe("#plane=off");
     expect(formatLink(parseLink("#slices=all"))).toBe("#slices=all");
