@@ -1,4 +1,5 @@
 import { computed, type ReadonlySignal } from "@preact/signals-core";
+import type { Vector3 } from "three";
 
 import { planesOf } from "../model/cut";
 import { isSameWindow } from "../model/grey";
@@ -6,6 +7,8 @@ import { kAxes, kOrientations } from "../model/planes";
 import { lineOfPlane, placeOf, pointOf, sliceLetters, type SliceFrame } from "../model/slice";
 import type { Place } from "../model/label_layout";
 import { barLength, pointText, readSection, valueText } from "../model/values";
+import { drawSlice } from "../render/slice_pixels";
+import type { Section } from "../sog/section";
 import { texts } from "../text/text";
 import { each, follow, h, svg } from "./dom";
 import type { SlicePane } from "./slice_pane";
@@ -134,8 +137,13 @@ function reading(pane: SlicePane): HTMLElement {
     const { section } = viewer;
     const at = pane.pointer.value;
     const reading = frame && section && at ? readSection(section, pointOf(frame, at)) : null;
-    const color = reading && section!.channels === 3 ? pane.colorAt(at!) : null;
-    return reading && { what: color ? `RGB ${color.join(" ")}` : valueText(reading), point: reading.point };
+    const isColor = section?.channels === 3;
+    return (
+      reading && {
+        what: isColor ? colorText(section, frame!, reading.point) : valueText(reading),
+        point: reading.point,
+      }
+    );
   });
   return h(
     "output",
@@ -147,6 +155,13 @@ function reading(pane: SlicePane): HTMLElement {
       live(() => (read.value ? ` · ${pointText(read.value.point)}` : "")),
     ),
   );
+}
+
+/** "RGB 135 96 80": a slice of one pixel. */
+function colorText(section: Section, frame: SliceFrame, point: Vector3): string {
+  const pixel = new Uint8ClampedArray(4);
+  drawSlice(section, null, { ...frame, middle: point, width: 1, height: 1 }, pixel);
+  return `RGB ${pixel.subarray(0, 3).join(" ")}`;
 }
 
 /** The window in use, of those that the case is usually seen through. */

@@ -185,15 +185,6 @@ export class SlicePane {
     return frame !== null && this.context.marking.put({ point, plane: planeOf(frame) }, kind);
   }
 
-  /** As it was drawn last, RGB at a place; null outside the volume. */
-  colorAt({ x, y }: Place): [number, number, number] | null {
-    const pixels = this.#pixels;
-    const ratio = pixels ? pixels.width / this.#size.value.width : 0;
-    const i = pixels ? 4 * (Math.floor(y * ratio) * pixels.width + Math.floor(x * ratio)) : 0;
-    const [r, g, b, a] = pixels?.data.subarray(i, i + 4) ?? [];
-    return a === 255 ? [r!, g!, b!] : null;
-  }
-
   get #frame(): SliceFrame | null {
     const { section, state } = this.context.viewer;
     const { width, height } = this.#size.value;
