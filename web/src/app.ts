@@ -4,7 +4,7 @@ import { Actions } from "./actions";
 import type { Surroundings } from "./api";
 import { kBackdrops } from "./model/backdrop";
 import { isSameVolume } from "./model/case_info";
-import { type CaseSummary, failureText, formatBytes, formatCount } from "./model/case_list";
+import { type CaseSummary, failureText, formatBytes, formatCount, type LoadingCase } from "./model/case_list";
 import type { Hidden, Link } from "./model/link";
 import type { Look } from "./model/looks";
 import { Follower } from "./model/follower";
@@ -35,7 +35,7 @@ import { level, sidePanel } from "./ui/side_panel";
 import { slicesButton, SlicesPart } from "./ui/slices";
 import { type Theme, ViewerTheme } from "./ui/theme";
 import { ViewKeys } from "./ui/view_keys";
-import { Viewer } from "./viewer";
+import { type OpeningListener, Viewer } from "./viewer";
 import { CaseClient } from "./worker/case_client";
 import type { CaseSource } from "./worker/protocol";
 import { Headset, offeredSurroundings } from "./xr/headset";
@@ -279,18 +279,19 @@ export class App {
     this.#again = again;
     this.#message.hidden = true;
     this.loading.begin(file, this.viewer.caseName !== null);
-    this.loading.name({
-      file,
+    const coming = {
       title: said.title ?? name,
       thumbnail: said.thumbnail ?? null,
       bytes: said.bytes ?? 0,
-    });
+    };
+    this.loading.name({ file, ...coming });
+    this.headset.loading.value = { ...coming, share: 0 };
     try {
       if (error) {
         throw new CaseError(error);
       }
       const before = this.viewer.info;
-      await this.viewer.open(name, file, this.loading, () => {
+      await this.viewer.open(name, file, this.#listener(coming, opening), () => {
         this.#title.textContent = this.title;
         if (before === null) {
           this.#begin(link);
@@ -311,6 +312,7 @@ export class App {
     } finally {
       if (opening === this.#opening) {
         this.loading.end();
+        this.headset.loading.value = null;
       }
     }
     this.#title.textContent = this.title;
@@ -357,6 +359,22 @@ export class App {
     } catch (error) {
       console.warn(failureText(name, error));
     }
+  }
+
+  /** What is heard of a case on its way is said here, and in a headset. */
+  #listener(coming: Omit<LoadingCase, "share">, opening: number): OpeningListener {
+    const { loading, headset } = this;
+    return {
+      cover: (cover) => loading.cover(cover),
+      pictured: () => loading.pictured(),
+      progress: (loaded, total) => {
+        loading.progress(loaded, total);
+        const bytes = total || coming.bytes;
+        if (opening === this.#opening) {
+          headset.loading.value = { ...coming, bytes, share: bytes > 0 ? Math.min(1, loaded / bytes) : 0 };
+        }
+      },
+    };
   }
 
   /** Nothing is on its way. */

@@ -26,6 +26,9 @@ export interface CaseSummary {
   error: string | null;
 }
 
+/** A case on its way: so much of it is there, 0 … 1. */
+export type LoadingCase = Pick<CaseSummary, "title" | "thumbnail" | "bytes"> & { share: number };
+
 /** What the server has. */
 export interface CaseIndex {
   cases: CaseSummary[];

@@ -71,7 +71,8 @@ export class PlaneWidget {
   #sphere: Sphere = { center: new Vector3(), radius: 1 };
   #plane: Plane | null = null;
 
-  constructor() {
+  /** `amongThings`: whether there are others beside the case, before and behind it, as hands in a headset. */
+  constructor(amongThings = false) {
     this.#disc = new Mesh(
       new PlaneGeometry(2 * kDisc, 2 * kDisc),
       new RawShaderMaterial({
@@ -81,8 +82,11 @@ export class PlaneWidget {
         uniforms: this.#discUniforms,
         side: DoubleSide,
         transparent: true,
-        depthTest: false,
+        depthTest: amongThings,
         depthWrite: false,
+        polygonOffset: amongThings, // before the face that lies in it
+        polygonOffsetFactor: -1,
+        polygonOffsetUnits: -2000,
         blending: CustomBlending,
         blendSrc: OneFactor,
         blendDst: OneMinusSrcAlphaFactor,

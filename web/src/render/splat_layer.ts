@@ -22,6 +22,7 @@ import {
 import type { Picture } from "../api";
 import { kClipOperators } from "../worker/protocol";
 import { type DepthCue, makeBackdrop } from "./depth_cue";
+import { FaceDepths, kMaxFaces } from "./face_depths";
 import { FullScreenPass, fullScreenTriangle } from "./full_screen";
 import { kHullDirections } from "../sog/hull";
 import { KeptShare } from "./kept_share";
@@ -120,7 +121,12 @@ export class SplatLayer {
   readonly #surface: Surface | null;
   readonly #cover;
   readonly #uniforms: CompositeUniforms;
-  readonly #solidUniforms = { uDepth: { value: null as DepthTexture | null }, uMiddleDepth: { value: 1 } };
+  readonly #faceDepths = new FaceDepths();
+  readonly #solidUniforms = {
+    uDepth: { value: null as DepthTexture | null },
+    uMiddleDepth: { value: 1 },
+    ...this.#faceDepths.uniforms,
+  };
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
   #straight: FullScreenPass<CompositeUniforms> | null = null;
 
@@ -182,7 +188,7 @@ export class SplatLayer {
       vertexShader: shader("full_screen.vert.glsl"),
       fragmentShader: shader("composite.frag.glsl"),
       uniforms,
-      defines: this.#defines({ kStraight: 0, kSolid: solid ? 1 : 0 }),
+      defines: this.#defines({ kStraight: 0, kSolid: solid ? 1 : 0, kMaxFaces }),
       transparent: true,
       depthTest: solid,
       depthWrite: solid,
@@ -192,7 +198,7 @@ export class SplatLayer {
     });
   }
 
-  #defines(how: { kStraight: number; kSolid: number }): Record<string, number> {
+  #defines(how: { kStraight: number; kSolid: number; kMaxFaces?: number }): Record<string, number> {
     const { section } = this.#outlined ?? {};
     return {
       ...how,
@@ -219,6 +225,7 @@ export class SplatLayer {
   drawEye(subject: Subject, eye: PerspectiveCamera, { x, y, z: width, w: height }: Vector4): void {
     this.#draw(subject, eye, this.#moving, width, height);
     this.#solidUniforms.uDepth.value = this.#moving.depthTexture;
+    this.#faceDepths.set(subject.mesh, subject.faces?.ends ?? [], eye);
     this.#show(x, y, width, height);
   }
 

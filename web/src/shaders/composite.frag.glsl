@@ -41,6 +41,17 @@ uniform vec2 uCorner;          // px: where the picture begins in what is drawn 
 uniform sampler2D uDepth;         // of opaque faces
 uniform sampler2D uSurfaceDepth;  // of those and, where there is a surface, of that
 uniform float uMiddleDepth;       // of all else that is seen: as if it were in the body's middle
+uniform vec3 uFaceDepths[kMaxFaces];  // of planes: the z of a place (x, y) of the eye's, xyz·(x, y, 1)
+uniform int uFaceCount;
+const float kFace = 0.001;  // faces are drawn nearer than this, wherever they are
+
+float faceDepth(vec2 at) {
+  float z = -1.0;
+  for (int i = 0; i < uFaceCount; ++i) {
+    z = max(z, dot(uFaceDepths[i], vec3(2.0 * at - 1.0, 1.0)));
+  }
+  return 0.5 + 0.5 * z;
+}
 #endif
 
 // Planes that are seen along themselves end the picture: the twin of KeptShare in src/splat/kept_share.h.
@@ -143,7 +154,8 @@ void main() {
 #if kOutlined == 1
   depth = uHasSurface ? texture(uSurfaceDepth, at).r : depth;
 #endif
-  gl_FragDepth = c.a < 0.5 ? 1.0 : depth < 1.0 ? depth : uMiddleDepth;
+  depth = depth < kFace ? faceDepth(at) : depth < 1.0 ? depth : uMiddleDepth;
+  gl_FragDepth = c.a < 0.5 ? 1.0 : depth;
 #endif
   if (kStraight == 1) {
     c.rgb /= max(c.a, 1e-6);

@@ -299,8 +299,8 @@ export const german: Texts = {
     isLifeSize: "Lebensgröße",
     timesLifeSize: (factor) => `${factor}-facher Lebensgröße`,
     beforeMe: "Vor mich",
-    panelLeft: "Tafel nach links",
-    panelRight: "Tafel nach rechts",
+    handed: { right: "Rechtshändig", left: "Linkshändig" },
+    posture: { standing: "Stehend", seated: "Sitzend" },
     steady: "Flüssig",
     takeOff: "Absetzen",
     drawn: (drawn, total, effort) => `${drawn} von ${total} Splats, ${effort}`,
@@ -317,6 +317,16 @@ export const german: Texts = {
     pageBack: "Zurück",
     pageOn: "Weiter",
     panel: "Tafel",
+    hide: "Verbergen",
+    windowByHand: "Fenster in der Hand",
+    windowHint:
+      "Eine Fläche mit Abzug oder Fingergriff halten oder den Stick drücken: rechts ist weiter, hoch oder vor ist höher.",
+    loading: (percent, size) => `${percent} % von ${size}`,
+    hints: {
+      plane: "Den Ring mit Abzug oder Fingergriff halten: er dreht den Schnitt",
+      body: "Den Körper halten: er bewegt sich; mit beiden Händen wächst er",
+      panel: "A, X oder die Handfläche zu Ihnen holt die Tafel",
+    },
     typedAtDesk: "Das wird am Schreibtisch getippt.",
     help: [
       [

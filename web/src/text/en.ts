@@ -290,8 +290,8 @@ export const english = {
     isLifeSize: "life size",
     timesLifeSize: (factor: string) => `${factor} × life size`,
     beforeMe: "Before me",
-    panelLeft: "Panel to the left",
-    panelRight: "Panel to the right",
+    handed: { right: "Right-handed", left: "Left-handed" },
+    posture: { standing: "Standing", seated: "Seated" },
     steady: "Steady",
     takeOff: "Take off",
     drawn: (drawn: string, total: string, effort: string) => `${drawn} of ${total} splats, ${effort}`,
@@ -308,6 +308,16 @@ export const english = {
     pageBack: "Back",
     pageOn: "On",
     panel: "Panel",
+    hide: "Hide",
+    windowByHand: "Window in the hand",
+    windowHint:
+      "Hold a face by trigger or pinch, or push a stick: to the right is wider, up or forward is higher.",
+    loading: (percent: number, size: string) => `${percent} % of ${size}`,
+    hints: {
+      plane: "Hold the ring by trigger or pinch: it turns the cut",
+      body: "Hold the body: it moves; with both hands it grows",
+      panel: "A, X or a palm turned to you brings the panel",
+    },
     typedAtDesk: "This is typed at the desk.",
     help: [
       [

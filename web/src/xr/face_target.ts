@@ -5,11 +5,15 @@ import type { Marking } from "../model/marking";
 import { type Reading, readSection } from "../model/values";
 import type { Viewer } from "../viewer";
 import { handOf } from "./hand";
+import type { WindowGrip } from "./window_grip";
 
 /** Before the plane and the case, behind the panel. */
 const kOrder = 1.5;
 
-/** The faces of the cut, while points of them are marked: hands point at them, and a press marks a point. */
+/**
+ * The faces of the cut, while points of them are marked or their window is changed: hands point at them, and a press marks
+ * a point, or takes hold of the window.
+ */
 export class FaceTarget extends Object3D {
   /** What is pointed at. */
   reading: Reading | null = null;
@@ -19,7 +23,13 @@ export class FaceTarget extends Object3D {
   readonly #ray = new Ray();
 
   /** The matrices are those of the last frame, each the other's inverse. */
-  constructor(viewer: Viewer, marking: Marking, roomFromPatient: Matrix4, patientFromRoom: Matrix4) {
+  constructor(
+    viewer: Viewer,
+    marking: Marking,
+    window: WindowGrip,
+    roomFromPatient: Matrix4,
+    patientFromRoom: Matrix4,
+  ) {
     super();
     this.#viewer = viewer;
     this.#roomFromPatient = roomFromPatient;
@@ -30,10 +40,17 @@ export class FaceTarget extends Object3D {
     });
     this.addEventListener("pointerout", () => (this.reading = null));
     this.addEventListener("pointerdown", (event: PointerEvent) => {
+      const hand = handOf(event);
+      if (marking.kind === null) {
+        if (hand && window.enabled) {
+          window.begin(hand);
+        }
+        return;
+      }
       const reading = this.#read(event.point);
       const plane = reading && viewer.picking.faceOf(reading.point);
       if (reading && marking.put({ point: reading.point, plane })) {
-        handOf(event)?.pulse(0.6, 20);
+        hand?.pulse(0.6, 20);
       }
     });
   }

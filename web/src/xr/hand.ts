@@ -6,36 +6,29 @@ import {
   type PointerEvent,
 } from "@pmndrs/pointer-events";
 import {
-  CylinderGeometry,
   Group,
-  InstancedMesh,
   type Intersection,
-  Matrix4,
-  Mesh,
-  MeshBasicMaterial,
   type Object3D,
   type PerspectiveCamera,
   Ray,
   type Sphere,
-  SphereGeometry,
   Vector3,
   type WebXRManager,
   type XRHandSpace,
   type XRTargetRaySpace,
 } from "three";
 
+import { InputShape } from "./input_shape";
+import { PointingRay } from "./pointing_ray";
+import { Poke } from "./poke";
+
 /** What a hand reaches for from near, m. */
 const kReach = 0.07;
-/** Of the ray where it meets nothing, m. */
-const kRayLength = 1.5;
 /** Of a controller's buttons, A or X. */
 const kMenuButton = 4;
-/** Of its axes, forward and back; less than this share of the way is none. */
-const kStickAxis = 3;
+/** Of its axes, to the right and back; less than this share of the way is none. */
+const kStickAxes = [2, 3] as const;
 const kDeadZone = 0.15;
-const kColor = 0x7fd8f2;
-const kJoints = 25;
-const kJointRadius = 0.008; // m, where it is not told
 
 /** What is met first: what lies before others by its order, then what is nearest. */
 function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
@@ -50,7 +43,8 @@ function hasExtent(object: Object3D): boolean {
 
 /**
  * A hand in the headset, with a controller or bare: what it is near to or, where that is nothing, points at. Its trigger
- * or pinch goes to everything that listens, its grip button to `held` alone, and A or X calls `menu`.
+ * or pinch goes to everything that listens, its grip button to `held` alone, its fingertip to buttons, and A or X calls
+ * `menu`.
  */
 export class Hand {
   /** In the room. */
@@ -67,14 +61,14 @@ export class Hand {
   readonly #hold: [Pointer, Pointer];
   readonly #pointers = new CombinedPointer(false);
   readonly #holders = new CombinedPointer(false);
-  readonly #ray: Mesh;
-  readonly #joints: InstancedMesh;
+  readonly #poke: Poke;
+  readonly #ray = new PointingRay();
+  readonly #shape: InputShape;
   readonly #held: Object3D;
   readonly #menu: () => void;
   #menuPressed = false;
-  readonly #matrix = new Matrix4(); // scratch
-  readonly #sight = new Ray();
-  readonly #size = new Vector3();
+  #pressed = 0; // buttons
+  readonly #sight = new Ray(); // scratch
 
   constructor(xr: WebXRManager, index: number, camera: PerspectiveCamera, held: Object3D, menu: () => void) {
     this.#held = held;
@@ -94,29 +88,23 @@ export class Hand {
     this.#hold = pointers();
     this.#any.forEach((pointer, i) => this.#pointers.register(pointer, i === 1));
     this.#hold.forEach((pointer, i) => this.#holders.register(pointer, i === 1));
-    const material = new MeshBasicMaterial({ color: kColor, transparent: true, opacity: 0.6 });
-    this.#ray = new Mesh(
-      new CylinderGeometry(0.0012, 0.0012, 1, 8).rotateX(Math.PI / 2).translate(0, 0, -0.5),
-      material,
-    );
-    this.#joints = new InstancedMesh(new SphereGeometry(1, 12, 8), material, kJoints);
-    this.#joints.frustumCulled = false;
-    for (const part of [this.#ray, this.#joints]) {
-      (part as Object3D & { pointerEvents?: string }).pointerEvents = "none";
-      part.visible = false;
-    }
-    this.#far.add(this.#ray);
+    this.#poke = new Poke(this, camera);
+    this.#shape = new InputShape(this.#bare, this.#grip);
+    this.#far.add(this.#ray.ray);
     this.wrist.visible = false;
-    this.object.add(this.#far, this.#grip, this.#bare, this.#near, this.#joints, this.wrist);
+    this.object.add(this.#far, this.#grip, this.#bare, this.#near, this.#poke.tip, this.wrist);
+    this.object.add(this.#shape.object, this.#ray.reticle);
     this.#listen(this.#far);
   }
 
   /**
-   * Moves the pointers to where the hand is now; what they meet in `scene` hears of it. Of `crowd`, many parts in a
-   * sphere, each is asked only where the hand may meet them.
+   * Moves the pointers to where the hand is now; what they meet in `scene`, seen from `eye`, hears of it. Of `crowd`, many
+   * parts in a sphere, each is asked only where the hand may meet them.
    */
-  update(scene: Object3D, timeStamp: number, crowd: { parts: Object3D; sphere: Sphere }): void {
+  update(scene: Object3D, timeStamp: number, crowd: { parts: Object3D; sphere: Sphere }, eye: Vector3): void {
+    this.#shape.update();
     if (!this.source) {
+      this.#ray.hide();
       return;
     }
     const pressed = this.source.gamepad?.buttons[kMenuButton]?.pressed ?? false;
@@ -124,27 +112,33 @@ export class Hand {
       this.#menu();
     }
     this.#menuPressed = pressed;
-    const bare = this.source.hand ? this.#showJoints() : false;
+    const bare = this.source.hand ? this.#followJoints() : false;
     this.wrist.visible = bare;
     if (!bare) {
       this.#near.position.copy(this.#grip.position);
       this.#near.quaternion.copy(this.#grip.quaternion);
+      this.#poke.tip.position.copy(this.#far.position);
     }
     this.object.updateMatrixWorld();
     crowd.parts.intersectChildren = this.#mayMeet(crowd.sphere);
+    this.#poke.update(scene, timeStamp, bare || !this.source.hand);
     this.#pointers.move(scene, { timeStamp });
     this.#holders.move(this.#held, { timeStamp });
-    const [, ray] = this.#any;
-    const at = ray.getEnabled() ? ray.getIntersection() : undefined;
-    this.#ray.visible = at !== undefined;
-    this.#ray.scale.z =
-      at && !(at.object as { isVoidObject?: boolean }).isVoidObject ? at.distance : kRayLength;
+    this.#showRay(eye);
   }
 
-  /** How far the controller's stick is pushed forward: −1 … 1. */
-  get stick(): number {
-    const back = this.source?.gamepad?.axes[kStickAxis] ?? 0;
-    return Math.abs(back) > kDeadZone ? -back : 0;
+  /** Whether its trigger, pinch or grip is pressed. */
+  get isPressing(): boolean {
+    return this.#pressed > 0;
+  }
+
+  /** How far the controller's stick is pushed to the right and forward: −1 … 1. */
+  get stick(): { right: number; forward: number } {
+    const [right, back] = kStickAxes.map((axis) => {
+      const value = this.source?.gamepad?.axes[axis] ?? 0;
+      return Math.abs(value) > kDeadZone ? value : 0;
+    });
+    return { right: right!, forward: -back! };
   }
 
   /** Of a point before where it takes hold, m, its place in the room. */
@@ -158,58 +152,75 @@ export class Hand {
   }
 
   dispose(): void {
-    for (const part of [this.#ray, this.#joints]) {
-      part.geometry.dispose();
+    this.#shape.dispose();
+    this.#ray.dispose();
+  }
+
+  #showRay(eye: Vector3): void {
+    const [, ray] = this.#any;
+    const at = ray.getEnabled() && !this.#poke.isPressing ? ray.getIntersection() : undefined;
+    if (!at) {
+      this.#ray.hide();
+      return;
     }
-    (this.#ray.material as MeshBasicMaterial).dispose();
-    this.#joints.dispose();
+    const { origin, direction } = this.#aim();
+    const isMet = !(at.object as { isVoidObject?: boolean }).isVoidObject;
+    this.#ray.show(origin, direction, isMet ? at : null, eye, this.isPressing);
+  }
+
+  /** Where it points. */
+  #aim(): Ray {
+    this.#sight.origin.setFromMatrixPosition(this.#far.matrixWorld);
+    this.#sight.direction.set(0, 0, -1).transformDirection(this.#far.matrixWorld);
+    return this.#sight;
   }
 
   /** Whether it is near to a sphere, or points at it. */
   #mayMeet(sphere: Sphere): boolean {
-    const { origin, direction } = this.#sight;
-    const near = sphere.distanceToPoint(origin.setFromMatrixPosition(this.#near.matrixWorld)) < kReach;
-    origin.setFromMatrixPosition(this.#far.matrixWorld);
-    direction.set(0, 0, -1).transformDirection(this.#far.matrixWorld);
-    return near || this.#sight.intersectsSphere(sphere);
+    const place = this.#sight.origin.setFromMatrixPosition(this.#near.matrixWorld);
+    return sphere.distanceToPoint(place) < kReach || this.#aim().intersectsSphere(sphere);
   }
 
   #listen(events: XRTargetRaySpace): void {
-    events.addEventListener("connected", ({ data }) => (this.source = data));
+    events.addEventListener("connected", ({ data }) => this.#use(data));
     events.addEventListener("disconnected", () => {
       [...this.#any, ...this.#hold].forEach((pointer) => pointer.exit({ timeStamp: performance.now() }));
-      this.source = null;
-      this.#ray.visible = this.#joints.visible = this.wrist.visible = false;
+      this.#poke.cancel(performance.now());
+      this.#pressed = 0;
+      this.wrist.visible = false;
+      this.#use(null);
     });
     for (const [name, pointers] of [
       ["select", this.#any],
       ["squeeze", this.#hold],
     ] as const) {
       const event = () => ({ timeStamp: performance.now(), button: 0 });
-      events.addEventListener(`${name}start`, () => pointers.forEach((pointer) => pointer.down(event())));
-      events.addEventListener(`${name}end`, () => pointers.forEach((pointer) => pointer.up(event())));
+      events.addEventListener(`${name}start`, () => {
+        ++this.#pressed;
+        pointers.forEach((pointer) => pointer.down(event()));
+      });
+      events.addEventListener(`${name}end`, () => {
+        this.#pressed = Math.max(0, this.#pressed - 1);
+        pointers.forEach((pointer) => pointer.up(event()));
+      });
     }
   }
 
-  /** Of a bare hand; it takes hold between thumb and forefinger. Returns whether they are seen. */
-  #showJoints(): boolean {
+  #use(source: XRInputSource | null): void {
+    this.source = source;
+    this.#shape.show(source);
+  }
+
+  /** Where a bare hand takes hold, and its fingertip; false: it is not seen. */
+  #followJoints(): boolean {
     const { joints } = this.#bare;
     const thumb = joints["thumb-tip"];
     const finger = joints["index-finger-tip"];
-    let count = 0;
-    for (const joint of Object.values(joints)) {
-      if (joint?.visible && count < kJoints) {
-        this.#matrix.copy(joint.matrix).scale(this.#size.setScalar(joint.jointRadius ?? kJointRadius));
-        this.#joints.setMatrixAt(count++, this.#matrix);
-      }
-    }
-    this.#joints.count = count;
-    this.#joints.visible = count > 0;
-    this.#joints.instanceMatrix.needsUpdate = true;
     if (!thumb?.visible || !finger?.visible) {
       return false;
     }
     this.#near.position.lerpVectors(thumb.position, finger.position, 0.5);
+    this.#poke.tip.position.copy(finger.position);
     const wrist = joints.wrist ?? finger;
     this.#near.quaternion.copy(wrist.quaternion);
     this.wrist.position.copy(wrist.position);

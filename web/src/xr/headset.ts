@@ -1,3 +1,4 @@
+import { signal } from "@preact/signals-core";
 import { ArrayCamera, PerspectiveCamera, Vector3 } from "three";
 
 import type { Actions } from "../actions";
@@ -5,6 +6,7 @@ import type { EyePicture, Surroundings } from "../api";
 import { makeBackdrop } from "../render/depth_cue";
 import type { OpenCase } from "../render/open_case";
 import { pictureOf, type Subject } from "../render/splat_layer";
+import type { LoadingCase } from "../model/case_list";
 import type { Marking } from "../model/marking";
 import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
@@ -15,6 +17,7 @@ import { Hand } from "./hand";
 import { HeldLamp } from "./held_lamp";
 import type { Panel } from "./panel/panel";
 import type { PanelHost } from "./panel/panel_context";
+import { RoomFloor } from "./room_floor";
 import { Stage } from "./stage";
 
 /** What this browser's headset offers; none without one. */
@@ -54,6 +57,8 @@ export class Headset {
   changed: () => void = () => {};
   /** A frame is drawn at `time`, ms, with the head at a place of the room, m, looking along `forward`. */
   framed: (time: number, head: Vector3, forward: Vector3) => void = () => {};
+  /** The case that is on its way. */
+  readonly loading = signal<LoadingCase | null>(null);
   /** Of what is shown here, in the panel's place. */
   study: Study | null = null;
   /** Null until it is worn for the first time. */
@@ -66,6 +71,8 @@ export class Headset {
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
   readonly #lamp: HeldLamp;
+  readonly #floor = new RoomFloor();
+  #seesRoom = false; // of the person who wears it
   readonly #forward = new Vector3();
   readonly #eye = new Vector3(); // scratch
   #placed = false;
@@ -92,7 +99,7 @@ export class Headset {
       (index) => new Hand(xr, index, this.#camera, this.stage.solid, () => this.#placePanel()),
     );
     this.#lamp = new HeldLamp(viewer, this.stage);
-    this.stage.scene.add(...this.#hands.map((hand) => hand.object), this.#lamp.object);
+    this.stage.scene.add(...this.#hands.map((hand) => hand.object), this.#lamp.object, this.#floor.object);
     xr.addEventListener("sessionend", () => this.#takenOff());
     // What a session draws into does not come back.
     viewer.canvas.addEventListener("webglcontextlost", () => void this.leave());
@@ -120,6 +127,7 @@ export class Headset {
       renderer.xr.enabled = true;
       renderer.xr.setReferenceSpaceType("local-floor");
       await renderer.xr.setSession(session);
+      this.#seesRoom = session.environmentBlendMode !== "opaque";
       this.#followHands(session);
     } catch (error) {
       renderer.xr.enabled = false;
@@ -170,6 +178,7 @@ export class Headset {
     this.panel?.dispose();
     this.#hands.forEach((hand) => hand.dispose());
     this.#lamp.dispose();
+    this.#floor.dispose();
   }
 
   /** Its code is large, and wanted here alone. */
@@ -184,6 +193,7 @@ export class Headset {
         looks: () => this.#host.looks(),
         news: () => this.#host.news?.() ?? "",
         open: (name) => this.#host.open(name),
+        loading: this.loading,
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
@@ -194,7 +204,7 @@ export class Headset {
         stage,
         governor: this.governor,
         lamp: this.#lamp,
-        wrists: this.#hands.map((hand) => hand.wrist),
+        hands: this.#hands,
         summon: () => this.#placePanel(),
       });
       stage.scene.add(this.panel.object);
@@ -249,7 +259,7 @@ export class Headset {
       this.#placePanel();
     }
     this.framed(time, middle, this.#forward);
-    this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd));
+    this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd, middle));
     this.#lamp.update(this.#hands);
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
     this.#time = time;
@@ -267,11 +277,16 @@ export class Headset {
     this.#draw(eyes, true);
   }
 
-  /** Sticks slide the plane that is not held, and tick at every state. */
+  /** Sticks slide the plane that is not held, and tick at every state; or change the window, where that is wanted. */
   #slide(seconds: number): void {
-    const { grip } = this.stage;
+    const { grip, windowGrip } = this.stage;
+    windowGrip.update(this.#forward);
     for (const hand of this.#hands) {
-      const { stick } = hand;
+      if (windowGrip.enabled) {
+        windowGrip.push(hand.stick, seconds);
+        continue;
+      }
+      const stick = hand.stick.forward;
       if (stick !== 0 && !grip.holding && !grip.locked) {
         const before = this.#viewer.store.planeState;
         this.#actions.step(stick * Math.abs(stick) * kStickSpeed * seconds);
@@ -309,6 +324,7 @@ export class Headset {
     this.stage.setToolsVisible(tools);
     this.#hands.forEach((hand) => (hand.object.visible = tools));
     this.#lamp.object.visible &&= tools;
+    this.#floor.object.visible = tools && !this.#seesRoom;
     this.panel!.object.visible = tools;
     renderer.xr.enabled = false;
     renderer.clear();

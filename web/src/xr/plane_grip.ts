@@ -39,6 +39,8 @@ export function poseOfPlane(plane: Plane, middle: Vector3, position: Vector3, qu
   position.copy(projectOnto(plane, middle)).applyMatrix4(kWorldFromPatient);
 }
 
+const kFace = { a: 0, b: 1, c: 2, normal: new Vector3(0, 0, 1), materialIndex: 0 };
+
 /** From afar it is met at its rim alone, so that the case can be pointed at through it; from near anywhere. */
 class Disc extends Mesh<PlaneGeometry, MeshBasicMaterial> {
   readonly #rim: Mesh;
@@ -46,6 +48,18 @@ class Disc extends Mesh<PlaneGeometry, MeshBasicMaterial> {
   constructor(material: MeshBasicMaterial) {
     super(new PlaneGeometry(2, 2), material);
     this.#rim = new Mesh(new TorusGeometry(kRim, kRimThickness, 8, 64), material);
+  }
+
+  /** As pointers from near ask for it: what is seen of it is round. */
+  override spherecast({ center, radius }: Pick<Sphere, "center" | "radius">, met: Intersection[]): void {
+    const point = this.worldToLocal(center.clone())
+      .setZ(0)
+      .clampLength(0, kRim)
+      .applyMatrix4(this.matrixWorld);
+    const distance = point.distanceTo(center);
+    if (distance <= radius) {
+      met.push({ object: this, point, distance, face: kFace });
+    }
   }
 
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
@@ -80,6 +94,7 @@ export class PlaneGrip {
   enabled = true;
   #time = 0;
   #holding: Hand | null = null;
+  readonly #at = new Set<number>(); // pointers
   #sphere: Sphere = { center: new Vector3(), radius: 1 };
   #atEnd = false;
 
@@ -97,10 +112,17 @@ export class PlaneGrip {
       apply: (state, target) => this.#apply(state, target),
     }));
     this.#release = this.#store.bind(this.#disc);
+    this.#disc.addEventListener("pointerenter", ({ pointerId }) => this.#at.add(pointerId));
+    this.#disc.addEventListener("pointerleave", ({ pointerId }) => this.#at.delete(pointerId));
   }
 
   get holding(): Hand | null {
     return this.#holding;
+  }
+
+  /** Whether hands hold it, or would. */
+  get isMet(): boolean {
+    return this.#holding !== null || this.#at.size > 0;
   }
 
   setSphere(sphere: Sphere): void {

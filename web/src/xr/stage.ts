@@ -1,10 +1,10 @@
 import { HandleStore, type HandleState } from "@pmndrs/handle";
 import {
-  BoxGeometry,
+  Box3,
+  DirectionalLight,
   Group,
+  HemisphereLight,
   Matrix4,
-  Mesh,
-  MeshBasicMaterial,
   type Object3D,
   type PerspectiveCamera,
   Quaternion,
@@ -13,22 +13,29 @@ import {
 } from "three";
 
 import { isSameVolume } from "../model/case_info";
-import { kWorldFromPatient } from "../model/geometry";
+import { type Box, kWorldFromPatient } from "../model/geometry";
 import type { OpenCase } from "../render/open_case";
 import type { Marking } from "../model/marking";
 import type { Reading } from "../model/values";
 import { cameraAxes } from "../model/view";
 import { PlaneWidget } from "../render/plane_widget";
 import type { Viewer } from "../viewer";
+import { BodyTarget } from "./body_target";
+import { BoundsControl } from "./bounds_control";
 import { FaceTarget } from "./face_target";
 import { handOf } from "./hand";
 import { PlaneGrip } from "./plane_grip";
+import { WindowGrip } from "./window_grip";
+import { posture } from "./preferences";
 
 /** Of life size. */
 export const kLeastScale = 0.1;
 export const kMostScale = 20;
-/** Where a case is put: this far before the eyes and below them, m; never nearer than its radius and kClear. */
-const kAhead = 0.8;
+/**
+ * Where a case is put: this far before the eyes, nearer to who sits, and below them, m; never nearer than its radius and
+ * kClear.
+ */
+const kAhead = { standing: 0.8, seated: 0.6 } as const;
 const kBelow = 0.25;
 const kClear = 0.35;
 
@@ -39,48 +46,72 @@ const kClear = 0.35;
 export class Stage {
   readonly scene = new Scene();
   readonly grip: PlaneGrip;
+  readonly windowGrip: WindowGrip;
   /** Of the last frame. */
   readonly roomFromPatient = new Matrix4();
   readonly #anchor = new Group(); // what hands move: its origin is the middle of the volume's first case
   readonly #body = new Group(); // the viewer's world
-  readonly #box: Mesh<BoxGeometry, MeshBasicMaterial>;
-  readonly #widget = new PlaneWidget();
+  readonly #bodyTarget: BodyTarget;
+  readonly #bounds: BoundsControl;
+  readonly #widget = new PlaneWidget(true);
   readonly #store: HandleStore<unknown>;
   readonly #release: () => void;
   readonly #viewer: Viewer;
   readonly #marking: Marking;
   readonly #faceTarget: FaceTarget;
   readonly #patientFromRoom = new Matrix4();
+  readonly #boxInRoom = new Box3(); // scratch
+  #held = false;
   #case: OpenCase | null = null;
 
   constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
     this.#marking = marking;
-    this.#faceTarget = new FaceTarget(viewer, marking, this.roomFromPatient, this.#patientFromRoom);
+    this.windowGrip = new WindowGrip(viewer);
+    this.#faceTarget = new FaceTarget(
+      viewer,
+      marking,
+      this.windowGrip,
+      this.roomFromPatient,
+      this.#patientFromRoom,
+    );
     this.grip = new PlaneGrip(viewer);
-    const unseen = new MeshBasicMaterial();
-    unseen.visible = false;
-    this.#box = new Mesh(new BoxGeometry(1, 1, 1), unseen);
-    this.#box.matrixAutoUpdate = false;
+    this.#bodyTarget = new BodyTarget(viewer, this.roomFromPatient, this.#patientFromRoom);
+    const move = (state: HandleState<unknown>, target: Object3D) => this.#moveCase(state, target);
+    this.#bounds = new BoundsControl(this.#anchor, this.#bodyTarget, move);
     this.#body.matrixAutoUpdate = false;
-    this.#body.add(this.#box, this.#widget.object, this.grip.object);
+    this.#body.add(this.#bounds.object, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor, this.#faceTarget, viewer.layer.solid);
-    this.#store = new HandleStore(this.#anchor, () => ({
-      scale: { uniform: true },
-      apply: (state, target) => this.#moveCase(state, target),
-    }));
-    this.#release = this.#store.bind(this.#box);
+    this.scene.add(this.#anchor, this.#bodyTarget, this.#faceTarget, viewer.layer.solid, ...lights());
+    this.#store = new HandleStore<unknown>(this.#anchor, () => ({ scale: { uniform: true }, apply: move }));
+    this.#release = this.#store.bind(this.#bodyTarget);
   }
 
   /** The case, as hands meet it. */
   get solid(): Object3D {
-    return this.#box;
+    return this.#bodyTarget;
   }
 
   /** What is pointed at, while points are marked. */
   get reading(): Reading | null {
     return this.#faceTarget.reading;
+  }
+
+  /** Whether hands hold the case. */
+  get isHeld(): boolean {
+    return this.#held;
+  }
+
+  /** Where the case stands in the room, or will. */
+  get position(): Vector3 {
+    return this.#anchor.position;
+  }
+
+  /** The highest point above the middle of a box (RAS mm), in the room. */
+  top({ min, max }: Box, out: Vector3): Vector3 {
+    this.#boxInRoom.set(min, max).applyMatrix4(this.roomFromPatient);
+    this.#boxInRoom.getCenter(out);
+    return out.setY(this.#boxInRoom.max.y);
   }
 
   /** How the viewer's world is turned in the room. */
@@ -104,6 +135,7 @@ export class Stage {
     }
     const before = this.#case?.info;
     this.#case = shown;
+    this.#bodyTarget.setCase(shown);
     if (!shown) {
       return;
     }
@@ -112,11 +144,8 @@ export class Stage {
       const middle = sphere.center.clone().applyMatrix4(kWorldFromPatient);
       this.#body.matrix.makeTranslation(middle.negate());
     }
-    const box = new Matrix4()
-      .makeTranslation(bounds.min.clone().add(bounds.max).multiplyScalar(0.5))
-      .scale(new Vector3().subVectors(bounds.max, bounds.min));
-    this.#box.matrix.multiplyMatrices(kWorldFromPatient, box);
-    this.#body.matrixWorldNeedsUpdate = this.#box.matrixWorldNeedsUpdate = true;
+    this.#bounds.setBox(new Box3(bounds.min, bounds.max).clone().applyMatrix4(kWorldFromPatient));
+    this.#body.matrixWorldNeedsUpdate = true;
     this.#widget.setSphere(sphere);
     this.grip.setSphere(sphere);
   }
@@ -130,7 +159,7 @@ export class Stage {
     }
     level.normalize();
     this.scale = 1;
-    this.#anchor.position.copy(eye).addScaledVector(level, Math.max(kAhead, radius + kClear));
+    this.#anchor.position.copy(eye).addScaledVector(level, Math.max(kAhead[posture.value], radius + kClear));
     this.#anchor.position.y -= kBelow;
     const facing = Math.atan2(-level.x, -level.z);
     this.#anchor.rotation.set(0, facing - (this.#viewer.state.view.azimuth * Math.PI) / 180, 0);
@@ -154,12 +183,13 @@ export class Stage {
     this.#store.update(time);
     this.grip.update(time);
     const marking = this.#marking.kind !== null;
-    this.#faceTarget.pointerEvents = marking ? "auto" : "none";
-    this.#box.pointerEvents = marking ? "none" : "auto";
+    this.#faceTarget.pointerEvents = marking || this.windowGrip.enabled ? "auto" : "none";
+    this.#bodyTarget.pointerEvents = marking ? "none" : "auto";
+    this.#bounds.update(time, this.scale, !marking && this.#case !== null);
     this.grip.enabled = !marking;
     const { state, cut } = this.#viewer;
     this.#widget.setPlane(state.handle && this.#case ? cut : null);
-    this.#widget.setHover(this.grip.holding ? "rim" : null);
+    this.#widget.setHover(this.grip.isMet ? "rim" : null);
     this.scene.updateMatrixWorld();
     this.roomFromPatient.multiplyMatrices(this.#body.matrixWorld, kWorldFromPatient);
     this.#patientFromRoom.copy(this.roomFromPatient).invert();
@@ -169,9 +199,10 @@ export class Stage {
     this.#widget.update(this.toPatient(eye), pixelAngle);
   }
 
-  /** Whether the plane's handle is seen, where the viewer's state wants it. */
+  /** Whether what is held is seen, where the viewer's state wants it. */
   setToolsVisible(visible: boolean): void {
     this.#widget.object.visible = visible && this.#widget.shown;
+    this.#bounds.object.visible &&= visible;
   }
 
   /** A point of the room in the viewer's world. */
@@ -208,8 +239,7 @@ export class Stage {
     this.#release();
     this.grip.dispose();
     this.#widget.dispose();
-    this.#box.geometry.dispose();
-    this.#box.material.dispose();
+    this.#bounds.dispose();
   }
 
   #moveCase(state: HandleState<unknown>, target: Object3D): void {
@@ -217,10 +247,18 @@ export class Stage {
     target.quaternion.copy(state.current.quaternion);
     this.scale = state.current.scale.x;
     const hand = handOf(state.event);
+    this.#held = !state.last;
     if (state.first) {
       hand?.pulse(0.6, 30);
     } else if (state.last) {
       hand?.pulse(0.3, 20);
     }
   }
+}
+
+/** Of hands and controllers: what else there is has colours of its own. */
+function lights(): Object3D[] {
+  const lamp = new DirectionalLight(0xffffff, 1.6);
+  lamp.position.set(0.4, 1, 0.7);
+  return [new HemisphereLight(0xdfe8f2, 0x4a4640, 1.4), lamp];
 }

@@ -66,7 +66,10 @@ it("has hands that press what they point at, whatever without height lies near t
     getHand: () => parts.joints,
   };
   const hand = new Hand(xr as unknown as WebXRManager, 0, new PerspectiveCamera(), new Group(), () => {});
-  parts.ray.dispatchEvent({ type: "connected", data: { hand: null } } as never);
+  parts.ray.dispatchEvent({
+    type: "connected",
+    data: { hand: null, handedness: "none", profiles: [] },
+  } as never);
   const wall = new Mesh(new PlaneGeometry());
   wall.position.z = -1;
   const flat = new Mesh(new PlaneGeometry());
@@ -77,7 +80,7 @@ it("has hands that press what they point at, whatever without height lies near t
   const pressed: string[] = [];
   wall.addEventListener("click" as never, () => pressed.push("wall"));
   flat.addEventListener("click" as never, () => pressed.push("flat"));
-  hand.update(scene, 0, { parts: new Group(), sphere: new Sphere() });
+  hand.update(scene, 0, { parts: new Group(), sphere: new Sphere() }, new Vector3());
   parts.ray.dispatchEvent({ type: "selectstart" } as never);
   parts.ray.dispatchEvent({ type: "selectend" } as never);
   expect(pressed).toEqual(["wall"]);

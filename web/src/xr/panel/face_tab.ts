@@ -115,7 +115,8 @@ function holdLamp({ viewer, host }: PanelContext, hand: LampHand): void {
 }
 
 /** Which values are black and which white. */
-function greyWindow({ viewer, live }: PanelContext): Container {
+function greyWindow({ viewer, host, live, set }: PanelContext): Container {
+  const { windowGrip } = host.stage;
   const t = texts().headset;
   const change = (part: Partial<Window>) => {
     const { window } = viewer;
@@ -145,5 +146,12 @@ function greyWindow({ viewer, live }: PanelContext): Container {
     slider(range("center"), (center) => change({ center })),
     label(live(() => t.width(Math.round(viewer.window?.width ?? 0)))),
     slider(range("width"), (width) => change({ width })),
+    button(t.windowByHand, () => set(() => (windowGrip.wanted = !windowGrip.wanted)), {
+      pressed: live(() => windowGrip.wanted),
+    }),
+    when(
+      live(() => windowGrip.wanted),
+      label(t.windowHint, { quiet: true, size: 15 }),
+    ),
   );
 }

@@ -12,7 +12,7 @@ import {
 import { handOf } from "../hand";
 
 /** Of an edge, m. */
-const kSize = 0.05;
+const kSize = 0.036;
 /** Of a side's picture, px. */
 const kPicture = 96;
 const kPlain = "#ffffff";

@@ -6,39 +6,46 @@ import { Group, Sphere, Vector3, type WebGLRenderer } from "three";
 import type { Actions } from "../../actions";
 import { Follower } from "../../model/follower";
 import type { Marking } from "../../model/marking";
+import { kBesideCase } from "../../render/draw_order";
 import { texts } from "../../text/text";
 import type { Viewer } from "../../viewer";
+import { handedness } from "../preferences";
 import { CasesTab } from "./cases_tab";
 import { cutTab } from "./cut_tab";
 import { faceTab } from "./face_tab";
+import { FirstHints } from "./first_hints";
 import { helpTab } from "./help_tab";
 import { layersTab } from "./layers_tab";
+import { LoadingBoard } from "./loading_board";
 import { LooksTab } from "./looks_tab";
 import { marksTab } from "./marks_tab";
 import { OrientationCube } from "./orientation_cube";
 import { OrientationLetters } from "./orientation_letters";
+import { type PalmAction, PalmMenu } from "./palm_menu";
 import type { PanelContext, PanelHost } from "./panel_context";
 import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { StudyBoard } from "./study_board";
 import { viewTab } from "./view_tab";
 import { button, choice, column, findText, label, row, when } from "./widgets";
-import { WristButton } from "./wrist_button";
 
-/** m a px. */
-const kPixel = 0.001;
+/** m a px: a button is as high as a finger is thick, and more. */
+const kPixel = 0.00062;
 const kWidth = 480; // px
-/** Where it is put: this far from the eyes, aside of where they look and below, m and radians. */
-const kAway = 1.0;
-const kAside = 0.72;
+/**
+ * Where it is put: this far from the eyes, where a finger reaches it, aside of where they look, no farther than one looks
+ * without turning one's head, and below; m and radians.
+ */
+const kAway = 0.58;
+const kAside = 0.41;
 const kBelow = 0.12;
 /** How near and how far it can be moved, m. */
-const kNearest = 0.6;
+const kNearest = 0.35;
 const kFarthest = 2;
 /** Of its top above its middle, m. */
-const kTop = 0.27;
+const kTop = 0.16;
 /** Of the cube from its middle, m: above its right end. */
-const kCube = new Vector3(0.2, kTop + 0.055, 0);
+const kCube = new Vector3(0.125, kTop + 0.04, 0);
 /** It follows the state so often while something moves, ms. */
 const kRefreshMs = 100;
 /** What is drawn is counted so often, ms. */
@@ -71,7 +78,6 @@ export class Panel {
   readonly #letters: OrientationLetters;
   readonly #cube: OrientationCube;
   readonly #lettering = { shown: true };
-  readonly #side = { atRight: false };
   readonly #host: PanelHost;
   readonly #font = new SdfFont();
   readonly #root: Container;
@@ -82,7 +88,9 @@ export class Panel {
   readonly #message = signal("");
   readonly #cases: CasesTab;
   readonly #looks: LooksTab;
-  readonly #wristButtons: readonly WristButton[];
+  readonly #palmMenus: readonly PalmMenu[];
+  readonly #loadingBoard: LoadingBoard;
+  readonly #hints: FirstHints;
   readonly #move: HandleStore<unknown>;
   readonly #release: () => void;
   #stale = false;
@@ -92,6 +100,7 @@ export class Panel {
   /** What hands meet of it, and where that is in the room. */
   readonly crowd = { parts: new Group(), sphere: new Sphere() };
   readonly #cubePlace = new Vector3(); // scratch
+  readonly #top = new Vector3();
 
   constructor(viewer: Viewer, actions: Actions, marking: Marking, host: PanelHost) {
     this.#viewer = viewer;
@@ -127,7 +136,8 @@ export class Panel {
         fontFamilies: this.#font.families(),
         anchorX: "center",
         anchorY: "top", // tabs stay where they are, however much is in them
-        "*": { pointerEventsOrder: kOrder, borderColor: "#7fd8f2" },
+        renderOrder: kBesideCase,
+        "*": { pointerEventsOrder: kOrder, borderColor: "#7fd8f2", renderOrder: kBesideCase },
       },
       bar,
       this.#header(),
@@ -141,9 +151,13 @@ export class Panel {
     this.object.add(this.#marks.object, this.#letters.object, this.#cube.object);
     // Nobody presses these; what marks a point is the stage's.
     this.#marks.object.intersectChildren = this.#letters.object.intersectChildren = false;
-    this.#wristButtons = host.wrists.map(
-      (wrist) => new WristButton(wrist, texts().headset.panel, this.#font.families(), () => host.summon()),
+    this.#palmMenus = host.hands.map(
+      (hand) => new PalmMenu(hand, this.#font.families(), this.#palmActions()),
     );
+    this.object.add(...this.#palmMenus.map((menu) => menu.object));
+    this.#loadingBoard = new LoadingBoard(host.loading, (text) => this.#font.families(text));
+    this.#hints = new FirstHints(host.stage, this.#font.families());
+    this.object.add(this.#loadingBoard.object, this.#hints.object);
     this.#move = new HandleStore(this.#board, () => ({
       scale: false,
       rotate: false,
@@ -177,7 +191,10 @@ export class Panel {
   find(text: string): Vector3 | null {
     return (
       this.#marks.find(text) ??
-      findText(this.#root, text) ??
+      (this.#board.visible ? findText(this.#root, text) : null) ??
+      [this.#loadingBoard, ...this.#palmMenus]
+        .map(({ content }) => content && findText(content, text))
+        .find((at) => at) ??
       this.#letters.find(text) ??
       this.#cube.find(text)
     );
@@ -198,10 +215,11 @@ export class Panel {
     }
   }
 
-  /** Puts it beside what eyes at `eye` look at along `forward`, at their left or right. */
+  /** Puts it beside what eyes at `eye` look at along `forward`, at the side of the hand that does less. */
   place(eye: Vector3, forward: Vector3): void {
+    this.#setShown(true);
     const direction = new Vector3(forward.x, 0, forward.z).normalize();
-    direction.applyAxisAngle(new Vector3(0, 1, 0), this.#side.atRight ? -kAside : kAside);
+    direction.applyAxisAngle(new Vector3(0, 1, 0), handedness.value === "left" ? -kAside : kAside);
     this.#board.position.copy(eye).addScaledVector(direction, kAway);
     this.#board.position.y -= kBelow;
     this.#board.lookAt(eye);
@@ -223,13 +241,15 @@ export class Panel {
     const delta = Math.min(100, time - this.#time);
     this.#time = time;
     this.#root.update(delta);
-    this.#wristButtons.forEach((one) => one.update(eye, delta));
+    this.#palmMenus.forEach((menu) => menu.update(eye, delta));
     const { stage } = this.#host;
     const bounds = this.#viewer.info?.bounds;
     this.#letters.object.visible = this.#lettering.shown && bounds !== undefined;
     if (this.#lettering.shown && bounds) {
       this.#letters.update(bounds, stage.roomFromPatient, eye, delta);
     }
+    this.#loadingBoard.update(stage.position, eye, delta);
+    this.#hints.update(bounds && !this.#studying.value ? stage.top(bounds, this.#top) : null, eye, delta);
     const { reading, roomFromPatient } = stage;
     this.#marks.update(reading, roomFromPatient, eye, stage.toPatient(eye), delta);
     this.#cube.place(this.#inRoom(this.#cubePlace.copy(kCube)), stage.quaternion);
@@ -244,12 +264,32 @@ export class Panel {
     this.#marks.dispose();
     this.#letters.dispose();
     this.#cube.dispose();
-    this.#wristButtons.forEach((one) => one.dispose());
+    this.#palmMenus.forEach((menu) => menu.dispose());
+    this.#loadingBoard.dispose();
+    this.#hints.dispose();
   }
 
   /** Of a point of the board. */
   #inRoom(point: Vector3): Vector3 {
     return point.applyQuaternion(this.#board.quaternion).add(this.#board.position);
+  }
+
+  /** What a palm offers: what is wanted without looking for it. */
+  #palmActions(): PalmAction[] {
+    const t = texts().headset;
+    return [
+      [t.panel, () => this.#host.summon()],
+      [t.hide, () => this.#setShown(false)],
+      [t.flip, () => this.#actions.flip()],
+      [t.beforeMe, () => this.#host.place()],
+    ];
+  }
+
+  /** One that is hidden is met by no hand. */
+  #setShown(shown: boolean): void {
+    this.#board.visible = this.#board.intersectChildren = shown;
+    this.#cube.object.visible = shown;
+    this.#cube.object.pointerEvents = shown ? "auto" : "none";
   }
 
   #updateStudy(): void {
@@ -279,7 +319,7 @@ export class Panel {
       layers: layersTab(context, this.#lettering),
       cases: this.#cases.element,
       looks: this.#looks.element,
-      view: viewTab(context, this.#side),
+      view: viewTab(context),
       help: helpTab(),
     };
     return when(

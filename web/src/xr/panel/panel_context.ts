@@ -1,13 +1,15 @@
-import type { Object3D, Vector3 } from "three";
+import type { ReadonlySignal } from "@preact/signals-core";
+import type { Vector3 } from "three";
 
 import type { Actions } from "../../actions";
-import type { CaseSummary } from "../../model/case_list";
+import type { CaseSummary, LoadingCase } from "../../model/case_list";
 import type { Follow } from "../../model/follower";
 import type { Look } from "../../model/looks";
 import type { Marking } from "../../model/marking";
 import type { Study } from "../../study/study";
 import type { Viewer } from "../../viewer";
 import type { Governor } from "../governor";
+import type { Hand } from "../hand";
 import type { HeldLamp } from "../held_lamp";
 import type { Stage } from "../stage";
 
@@ -19,6 +21,8 @@ export interface PanelHost {
   /** What the case is where it is not finished, and when there will be a better one. */
   news(): string;
   open(name: string): Promise<void>;
+  /** The case that is on its way. */
+  readonly loading: ReadonlySignal<LoadingCase | null>;
   leave(): void;
   /** Puts case and panel before the eyes, the case in life size. */
   place(): void;
@@ -29,8 +33,7 @@ export interface PanelHost {
   readonly stage: Stage;
   readonly governor: Governor;
   readonly lamp: HeldLamp;
-  /** Of bare hands. */
-  readonly wrists: readonly Object3D[];
+  readonly hands: readonly Pick<Hand, "source" | "wrist">[];
   /** Puts the panel before the eyes. */
   summon(): void;
 }

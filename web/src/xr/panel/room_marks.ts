@@ -14,7 +14,8 @@ import {
 import { anchorOf, linesOf, type Mark, markText, measure } from "../../model/marks";
 import { type Reading, valueText } from "../../model/values";
 import type { Viewer } from "../../viewer";
-import { kOverCase, Tag } from "./tag";
+import { kOverCase } from "../../render/draw_order";
+import { Tag } from "./tag";
 
 /** Of what they are seen at: as large from near as from afar. */
 const kDot = 0.006;

@@ -2,10 +2,9 @@ import { type Container, type FontFamilies, Text } from "@pmndrs/uikit";
 import { signal } from "@preact/signals-core";
 import { Group, type Vector3 } from "three";
 
+import { kOverCase } from "../../render/draw_order";
 import { column } from "./widgets";
 
-/** The order of what is drawn over the case, whatever its depth. */
-export const kOverCase = 10;
 /** Of what it is seen at: as large from near as from afar. */
 const kPixel = 0.0008;
 const kGap = 0.012;
@@ -17,7 +16,7 @@ export class Tag {
   readonly text = signal("");
   readonly #root: Container;
 
-  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at") {
+  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at", fontSize = 16) {
     this.#root = column(
       {
         pixelSize: kPixel,
@@ -32,7 +31,7 @@ export class Tag {
         renderOrder: kOverCase,
         "*": { depthTest: false, renderOrder: kOverCase },
       },
-      new Text({ text: this.text, color: "#e4e7ec", fontSize: 16 }),
+      new Text({ text: this.text, color: "#e4e7ec", fontSize }),
     );
     this.#root.position.y = { above: kGap, below: -kGap, at: 0 }[where];
     this.object.add(this.#root);

@@ -3,23 +3,15 @@ import type { Container } from "@pmndrs/uikit";
 import { formatCount } from "../../model/case_list";
 import { texts } from "../../text/text";
 import type { Effort } from "../governor";
+import { handedness, posture } from "../preferences";
 import { kLeastScale, kMostScale } from "../stage";
 import type { PanelContext } from "./panel_context";
-import { button, column, label, row, slider } from "./widgets";
-
-/** Where the panel stands of what the eyes look at. */
-export interface PanelSide {
-  atRight: boolean;
-}
+import { button, choice, column, label, row, slider } from "./widgets";
 
 /** How large the case is, where things stand, and what is drawn. */
-export function viewTab({ viewer, host, live, set }: PanelContext, side: PanelSide): Container {
+export function viewTab({ viewer, host, live, set }: PanelContext): Container {
   const t = texts().headset;
   const { stage, governor } = host;
-  const changeSide = () => {
-    side.atRight = !side.atRight;
-    host.place();
-  };
   return column(
     { gap: 10 },
     label(live(() => t.scale(scaleText(stage.scale)))),
@@ -31,11 +23,15 @@ export function viewTab({ viewer, host, live, set }: PanelContext, side: PanelSi
       button(t.lifeSize, () => set(() => (stage.scale = 1)), { pressed: live(() => stage.scale === 1) }),
       button(t.beforeMe, () => host.place()),
     ),
+    choice(t.handed, handedness.signal, (hand) => {
+      handedness.value = hand;
+      host.summon();
+    }),
+    choice(t.posture, posture.signal, (how) => {
+      posture.value = how;
+      host.place();
+    }),
     row(
-      button(
-        live(() => (side.atRight ? t.panelLeft : t.panelRight)),
-        () => set(changeSide),
-      ),
       button(t.steady, () => set(() => (governor.enabled = !governor.enabled)), {
         pressed: live(() => governor.enabled),
       }),

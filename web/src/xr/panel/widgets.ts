@@ -210,6 +210,18 @@ export function slider(range: Live<Range>, set: (value: number) => void): Contai
   );
 }
 
+/** How much of something is there, 0 … 1. */
+export function progressBar(share: Live<number>): Container {
+  const bar = new Container({ height: 8, borderRadius: 4, backgroundColor: kField, overflow: "hidden" });
+  return bar.add(
+    new Container({
+      width: computed(() => `${100 * share.value}%` as const),
+      backgroundColor: kAccent,
+      borderRadius: 4,
+    }),
+  );
+}
+
 /** Where this text is shown in `root`, in the room; null: it is not, or on a button that cannot be pressed. */
 export function findText(root: Container, text: string): Vector3 | null {
   let found: Vector3 | null = null;
