@@ -335,8 +335,12 @@ export const german: Texts = {
       ],
       ["Griff-Taste", "fasst nur den Fall"],
       ["Beide Hände am Fall", "drehen ihn und machen ihn größer oder kleiner"],
+      ["Der Kasten um den Fall", "ändert an den Ecken die Größe und dreht ihn an den Knöpfen der Kanten"],
       ["Stick vor oder zurück", "schiebt die Ebene"],
-      ["Taste A oder X, oder die Taste am bloßen Handgelenk", "holt diese Tafel; der Balken oben bewegt sie"],
+      [
+        "Taste A oder X, oder die bloße Handfläche zu Ihnen",
+        "holt diese Tafel; der Balken oben bewegt sie, eine Fingerspitze drückt sie",
+      ],
       [
         "Eine Marke, dann Abzug oder Fingergriff an einer Fläche",
         "markiert den Punkt; die Tafel zählt Marken auf und entfernt sie",

@@ -326,10 +326,11 @@ export const english = {
       ],
       ["Grip button", "takes hold of the case alone"],
       ["Both hands on the case", "turn it, and make it larger or smaller"],
+      ["The box around the case", "changes its size by its corners, turns it by the knobs on its edges"],
       ["Stick forward or back", "slides the plane"],
       [
-        "Button A or X, or the button on a bare wrist",
-        "puts this panel before you; the bar at its top moves it",
+        "Button A or X, or a bare palm turned to you",
+        "brings this panel; the bar at its top moves it, a fingertip presses it",
       ],
       [
         "A kind of mark, then trigger or pinch at a face",

@@ -105,7 +105,7 @@ export class BoundsControl {
     this.object.visible = this.object.intersectChildren = false;
     const take = (mesh: Instances) => (state: HandleState<unknown>, what: Object3D) => {
       if (state.first) {
-        this.#held = { mesh, index: instanceOf(state.event as PointerEvent | undefined) ?? 0 };
+        this.#held = { mesh, index: instanceOf(state.event) ?? 0 };
       } else if (state.last) {
         this.#held = null;
       }

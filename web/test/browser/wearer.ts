@@ -80,7 +80,41 @@ export class Wearer {
 
   /** Points at a text of the panel, which may take a moment to be there, and presses. */
   async pressText(side: Side, text: string): Promise<void> {
-    const place = await this.#page.evaluate(
+    await this.pressAt(side, await this.#textPlace(text));
+  }
+
+  /** Presses a text of the panel with the tip of a bare hand's forefinger, from before it. */
+  async poke(side: Side, text: string): Promise<void> {
+    const place = new Vector3(...(await this.#textPlace(text)));
+    const towards = new Vector3(...(await this.#eye())).sub(place).normalize();
+    await this.reach(side, place.clone().addScaledVector(towards, 0.2));
+    const offset = await this.tipOffset(side);
+    for (const before of [0.05, 0.02, 0.002, 0.02, 0.08]) {
+      await this.reach(side, place.clone().addScaledVector(towards, before).sub(offset));
+    }
+  }
+
+  /** From where a bare hand is put to the tip of its forefinger. */
+  async tipOffset(side: Side): Promise<Vector3> {
+    const offset = await this.#page.evaluate(async (which) => {
+      const session = window.headset.activeSession as unknown as XRSession;
+      const space = await session.requestReferenceSpace("local-floor");
+      return new Promise<Triple>((resolve) =>
+        session.requestAnimationFrame((_time, frame) => {
+          const source = [...session.inputSources].find(({ handedness }) => handedness === which)!;
+          const joint = source.hand!.get("index-finger-tip")!;
+          const { x, y, z } = frame.getJointPose!(joint, space)!.transform.position;
+          const { position: hand } = window.headset.hands[which]!;
+          resolve([x - hand.x, y - hand.y, z - hand.z]);
+        }),
+      );
+    }, side);
+    return new Vector3(...offset);
+  }
+
+  /** Where a text of the panel is, in the room, once it stays there. */
+  async #textPlace(text: string): Promise<Triple> {
+    return this.#page.evaluate(
       async ([wanted, most]) => {
         const end = performance.now() + most;
         let before: Triple | null = null;
@@ -98,7 +132,6 @@ export class Wearer {
       },
       [text, kPageMs] as const,
     );
-    await this.pressAt(side, place);
   }
 
   /** Points at a place in the room, m, from before it, and presses and lets go the trigger, or pinches. */
@@ -128,11 +161,15 @@ export class Wearer {
     await this.frames(3);
   }
 
-  async #pointing(side: Side, place: Triple): Promise<Act> {
-    const eye = await this.#page.evaluate(() => {
+  #eye(): Promise<Triple> {
+    return this.#page.evaluate(() => {
       const { x, y, z } = window.headset.position;
       return [x, y, z] as Triple;
     });
+  }
+
+  async #pointing(side: Side, place: Triple): Promise<Act> {
+    const eye = await this.#eye();
     const at = new Vector3(...place);
     const hand = new Vector3(...eye).sub(at).setLength(kPointingDistance).add(at);
     const turn = new Matrix4().lookAt(hand, at, new Vector3(0, 1, 0));

@@ -18,7 +18,7 @@ const kJoints = [
 
 function bytes(profile: string, side: string): ArrayBuffer {
   const file = readFileSync(`node_modules/@webxr-input-profiles/assets/dist/profiles/${profile}/${side}.glb`);
-  return file.buffer.slice(file.byteOffset, file.byteOffset + file.byteLength) as ArrayBuffer;
+  return file.buffer.slice(file.byteOffset, file.byteOffset + file.byteLength);
 }
 
 function model(profile: string, side: string) {

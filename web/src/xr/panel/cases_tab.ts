@@ -54,7 +54,7 @@ export class CasesTab {
     const count = computed(() => Math.ceil(this.#entries.value.length / kPage));
     const turn = (by: number) => void this.#turnTo(this.#page.value + by);
     const where = label(computed(() => t.page(this.#page.value + 1, count.value)));
-    where.setProperties({ textAlign: "center", flexGrow: 1, flexBasis: 0 });
+    where.setProperties({ textAlign: "center" });
     return when(
       computed(() => count.value > 1),
       row(

@@ -195,6 +195,7 @@ export class Panel {
       [this.#loadingBoard, ...this.#palmMenus]
         .map(({ content }) => content && findText(content, text))
         .find((at) => at) ??
+      (this.#hints.text === text ? this.#hints.object.position.clone() : null) ??
       this.#letters.find(text) ??
       this.#cube.find(text)
     );
