@@ -93,6 +93,18 @@ Image draw_cued(const Gaussians& gaussians, const FaceGain& gain, const std::opt
   return picture;
 }
 
+/// Faces alone: straight alpha again.
+Image straight(const Image& premultiplied_picture) {
+  Image picture = premultiplied_picture;
+  for (size_t i = 0; i < picture.pixels(); ++i) {
+    float* const pixel = &picture.data[4 * i];
+    for (int c = 0; pixel[3] > 0 && c < 3; ++c) {
+      pixel[c] = std::min(1.0f, pixel[c] / pixel[3]);
+    }
+  }
+  return picture;
+}
+
 /// The planes that a model can draw have this normal to within a part of a degree.
 constexpr float kSameNormal = 0.99999f;
 
@@ -139,6 +151,9 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
   }
   const std::optional<Image> faces =
       faces_of(contents, camera, cut, light ? &*light : nullptr, options);
+  if (faces && !options.body && !cut.empty()) {
+    return straight(*faces);
+  }
   const std::optional<Image> distances =
       faces && options.cue.strength > 0
           ? std::optional(face_distances(*contents.section, camera, cut))

@@ -21,6 +21,7 @@ struct DrawOptions {
   FaceSource faces = FaceSource::kVolume;  ///< splats where the case has no section
   FaceStyle style = {};
   DepthCue cue = {};       ///< what is far away becomes transparent
+  bool body = true;        ///< without it faces of a cut from the volume stand alone
   bool reference = false;  ///< by the slow double-precision renderers (style: cinematic)
 };
 

@@ -39,7 +39,7 @@ WebpAnimation::WebpAnimation(float frames_per_second, float quality)
 
 WebpAnimation::~WebpAnimation() = default;
 
-void WebpAnimation::add(const Image& picture) {
+void WebpAnimation::add(const Image& picture, int times) {
   if (!encoder_) {
     encoder_ = std::make_unique<Encoder>(picture.width, picture.height);
   }
@@ -61,7 +61,7 @@ void WebpAnimation::add(const Image& picture) {
                      WebPAnimEncoderAdd(encoder_->encoder, &frame, at, &config) != 0;
   WebPPictureFree(&frame);
   encoder_->require(added ? 1 : 0);
-  ++added_;
+  added_ += times;
 }
 
 Bytes WebpAnimation::finish() {

@@ -16,8 +16,9 @@ class WebpAnimation {
   WebpAnimation(const WebpAnimation&) = delete;
   WebpAnimation& operator=(const WebpAnimation&) = delete;
 
-  /// Adds a picture of 3 or 4 channels in [0, 1]; all are of the first one's size. Throws Error.
-  void add(const Image& picture);
+  /// Adds a picture of 3 or 4 channels in [0, 1], which stays for so many pictures' time; all are
+  /// of the first one's size. Throws Error.
+  void add(const Image& picture, int times = 1);
 
   /// The file. Throws Error where nothing was added.
   Bytes finish();

@@ -55,7 +55,7 @@ void add_animation_options(CLI::App& command, AnimationArguments& animation) {
   command.add_option("--frames", animation.frames, "Pictures of an animation")
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
-  command.add_option("--fps", animation.fps, "Pictures a second")
+  command.add_option("--fps", animation.fps, "Pictures a second, of a tour, too")
       ->check(CLI::Range(0.1, 100.0))
       ->capture_default_str();
 }

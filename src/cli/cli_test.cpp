@@ -570,6 +570,36 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
                 .status,
             0);
 
+  // A tour is drawn as its stops would be, and flies between them.
+  const auto tour_of = [&](const std::string& last) {
+    write_text(at("case.tour.json"),
+               R"({"clipgs_tour":1,"volume":"","stops":[{"id":"1","name":"Front","text":"one",)"
+               R"("show":"view=0,0","stay":0.25},{"id":"2","fly":1,"stay":0.5,"show":")" +
+                   last + R"("}]})");
+    return std::vector<std::string>{"render", at("case.sog"), "--tour", at("case.tour.json"),
+                                    "--size", "64",           "--fps",  "4"};
+  };
+  const auto film = [&](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  const auto tour = tour_of("view=90,10,2&plane=0,0,-1,0&grey=0");
+  ASSERT_EQ(run_clipgs(film(tour, {"-o", at("tour"), "--no-captions"})).status, 0);
+  EXPECT_TRUE(std::filesystem::exists(at("tour/00006.png")));
+  EXPECT_FALSE(std::filesystem::exists(at("tour/00007.png"))) << "0.25 + 1 + 0.5 s";
+  ASSERT_EQ(run_clipgs({"render", at("case.sog"), "-o", at("stop.png"), "--size", "64", "--view",
+                        "90,10,2", "--plane", "0,0,-1,0"})
+                .status,
+            0);
+  EXPECT_EQ(read_png(at("tour/00006.png")).data, read_png(at("stop.png")).data);
+  EXPECT_NE(read_png(at("tour/00003.png")).data, read_png(at("tour/00004.png")).data);
+  ASSERT_EQ(run_clipgs(film(tour, {"-o", at("tour.webp")})).status, 0);
+  EXPECT_THAT(read_text(at("tour.webp")).substr(0, 64), HasSubstr("ANIM"));
+  expect_failure(film(tour, {"-o", at("tour.gif")}), ".mp4", at("tour.gif"));
+  expect_failure(film(tour_of("case=gone&view=1,1"), {"-o", at("gone.webp")}),
+                 "view 2 shows case \"gone\"", at("gone.webp"));
+  EXPECT_EQ(run_clipgs(film(tour, {"-o", at("x.webp"), "--view", "0,0"})).status, 2);
+
   // Unpacked and packed again it is the same case, smaller or without its section if wanted.
   const auto section_of = [&](const std::vector<std::string>& options) {
     std::vector<std::string> pack = {"pack", at("again.ply"), "-o", at("again.sog")};

@@ -7,6 +7,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/cut_options.h"
+#include "cli/tour_film.h"
 #include "cli/view_options.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -37,6 +38,8 @@ struct RenderArguments {
   std::string rig;
   float turn = 0;
   std::string lamp;
+  std::string tour;
+  bool no_captions = false;
 
   bool changes_light() const { return !rig.empty() || turn != 0 || !lamp.empty(); }
 };
@@ -93,7 +96,25 @@ Cut cut_of_state(int state, const Scene& scene, const std::string& name) {
   return states.plane(scene.axis, position);
 }
 
+void render_tour(const RenderArguments& arguments) {
+  const IVec3 size = parse_size(arguments.view.size);
+  TourFilmArguments film;
+  film.tour = arguments.tour;
+  film.scene = arguments.scene;
+  film.output = arguments.output;
+  film.width = size.x;
+  film.height = size.y;
+  film.fps = arguments.animation.fps;
+  film.background = parse_background(arguments.backdrop.background);
+  film.captions = !arguments.no_captions;
+  write_tour_film(film);
+}
+
 void run_render(const RenderArguments& arguments) {
+  if (!arguments.tour.empty()) {
+    render_tour(arguments);
+    return;
+  }
   const Viewpoint viewpoint = parse_viewpoint(arguments.view);
   Cut cut = parse_cut(arguments.cut);
   const std::optional<Background> background = parse_background(arguments.backdrop.background);
@@ -156,7 +177,9 @@ void add_render_command(CLI::App& app) {
       app.add_subcommand("render", "Draw a case or scene as a picture, or an animation");
   const auto arguments = std::make_shared<RenderArguments>();
   command->add_option("scene", arguments->scene, "Case (.sog) or scene (.ply)")->required();
-  command->add_option("-o,--output", arguments->output, "Picture to write (PNG; WebP if it moves)")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Picture to write (PNG; WebP if it moves; of a tour also MP4, WebM or a folder)")
       ->required();
   add_cut_options(*command, arguments->cut);
   command
@@ -214,6 +237,22 @@ void add_render_command(CLI::App& app) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   add_backdrop_options(*command, arguments->backdrop);
+  CLI::Option* const tour =
+      command
+          ->add_option(
+              "--tour", arguments->tour,
+              "Fly from view to view of a tour that the viewer saved, NAME.tour.json: what "
+              "is shown is said there; --size, --fps and --background are said here")
+          ->check(CLI::ExistingFile);
+  for (const char* const other :
+       {"--view", "--look-at", "--camera", "--plane", "--slab", "--state", "--turntable", "--sweep",
+        "--clip", "--section", "--rig", "--turn-light", "--lamp", "--grey", "--window",
+        "--openings", "--pin", "--depth-cue"}) {
+    tour->excludes(other);
+  }
+  command
+      ->add_flag("--no-captions", arguments->no_captions, "Without what is said of a tour's views")
+      ->needs(tour);
   command->add_flag("--reference", arguments->reference,
                     "Draw with the slow double-precision reference renderers (cinematic faces)");
   command->footer(
@@ -223,6 +262,7 @@ void add_render_command(CLI::App& app) {
       "         clipgs render mr.sog -o mr.png --grey 1 --window auto --plane 0,0,-1,-40\n"
       "         clipgs render case.sog -o state.png --view 30,20 --state 120 --clip layers\n"
       "         clipgs render case.sog -o spin.webp --turntable --plane 0,0,-1,-40\n"
+      "         clipgs render case.sog -o tour.mp4 --tour case.tour.json --size 1280x720 --fps 30\n"
       "         clipgs render case.sog -o deep.png --background #202830,black --depth-cue 0.7");
   command->callback([arguments] { run_render(*arguments); });
 }

@@ -97,9 +97,11 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--study", arguments->serving.server.study,
                       "Folder where a user study is recorded; its first plan, *.json, or else the "
                       "papers' leads through it");
-  command->add_flag("--keep-marks", arguments->serving.server.keep_marks,
+  command->add_flag("--keep-marks", arguments->serving.server.keeps.marks,
                     "Let everyone who can open the cases change their marks, which are kept beside "
                     "each case as NAME.marks.json");
+  command->add_flag("--keep-tours", arguments->serving.server.keeps.tours,
+                    "The same of their saved views, as NAME.tour.json");
   command->add_flag("--json", arguments->json, "Print the address as one line of JSON");
   command->callback([command, arguments] {
     settle_serving(*command, arguments->serving);

@@ -91,7 +91,7 @@ class Server::Implementation {
                      options_.study,
                      options_.only,
                      options_.live,
-                     options_.keep_marks};
+                     options_.keeps};
     if (local_) {
       site.local_name = host_name(options_.host).value_or("localhost");
     }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "serve/certificate.h"
+#include "serve/companion_desk.h"
 #include "serve/connections.h"
 #include "serve/live_work.h"
 
@@ -23,18 +24,19 @@ struct ServerOptions {
   std::filesystem::path study = {};  ///< where a study is recorded (StudyDesk); "": nowhere
   std::set<std::string> only = {};   ///< names of the cases that are served; none: all of them
   LiveWork* live = nullptr;          ///< what is made while it is served; outlives the server
-  bool keep_marks = false;           ///< whether marks of cases may be changed, see MarksDesk
+  CompanionDesk::Keeps keeps = {};   ///< what beside cases may be changed
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
 ///
 ///   /                       the viewer
-///   /api/cases              the cases as JSON, see case_index_json, and whether marks are kept
+///   /api/cases              the cases as JSON, see case_index_json, and what is kept beside them
 ///                           ("keeps_marks"); with LiveWork, "making" is
 ///                           what is made meanwhile. ?page=NAME: that page looks, &left: no more
 ///   /cases/NAME.sog         a case, whole or in ranges
 ///   /cases/NAME/thumbnail   its picture
-///   /cases/NAME.marks.json  what is marked of it, see MarksDesk
+///   /cases/NAME.marks.json  what is marked of it, and
+///   /cases/NAME.tour.json   its tour, see CompanionDesk
 ///   /study, /api/study      of a study, if one is recorded, see StudyDesk
 ///
 /// Listening on a loopback address, it answers only requests that call it by one, so that a web

@@ -168,12 +168,12 @@ std::string head_text(const HttpHead& head) {
 Site::Site(SiteOptions options)
     : options_(std::move(options)),
       index_(options_.folder, options_.only),
-      marks_(options_.folder, options_.keep_marks),
+      companions_(options_.folder, options_.keeps),
       study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)) {}
 
 bool Site::wants_body(const HttpRequest& request) const {
   return (study_ != nullptr && StudyDesk::brings_records(request)) ||
-         (marks_.keeps() && MarksDesk::brings_marks(request));
+         companions_.is_brought(request);
 }
 
 Answer Site::answer(const HttpRequest& request, const std::string& client) {
@@ -316,7 +316,8 @@ bool Site::may_enter(const HttpRequest& request, const std::string& path, const 
 
 void Site::give_cases(std::string_view query, Answer& answer) {
   nlohmann::json json = case_index_json(index_.list());
-  json["keeps_marks"] = marks_.keeps();
+  json["keeps_marks"] = companions_.keeps().marks;
+  json["keeps_tours"] = companions_.keeps().tours;
   if (options_.live != nullptr) {
     json["making"] = options_.live->json();
     if (query.starts_with(kPage)) {
@@ -335,11 +336,11 @@ void Site::give_cases(std::string_view query, Answer& answer) {
 
 void Site::give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
                         Answer& answer) {
-  if (const std::string marked(MarksDesk::case_of(rest)); !marked.empty()) {
-    if (index_.find(marked) == nullptr) {
+  if (const std::optional wanted = CompanionDesk::wanted_of(rest)) {
+    if (index_.find(std::string(wanted->name)) == nullptr) {
       fail(answer, status::not_found, "there is no such case; choose another from the menu");
     } else {
-      marks_.answer(request, marked, answer);
+      companions_.answer(request, *wanted, answer);
     }
     return;
   }

@@ -10,15 +10,15 @@
 
 #include "serve/answer.h"
 #include "serve/case_index.h"
+#include "serve/companion_desk.h"
 #include "serve/live_work.h"
-#include "serve/marks_desk.h"
 #include "serve/study_desk.h"
 #include "serve/throttle.h"
 
 namespace clipgs {
 
 /// Of a request, its first line and its headers, in 16 KiB at most, and the body of one that brings
-/// records of a study or marks, in 256 KiB.
+/// records of a study, marks or a tour, in 256 KiB.
 class RequestParser : public boost::beast::http::request_parser<boost::beast::http::string_body> {
  public:
   static constexpr std::uint32_t kLimit = 16 << 10;
@@ -42,7 +42,7 @@ struct SiteOptions {
   std::filesystem::path study = {};  ///< where a study is recorded; "": nowhere
   std::set<std::string> only = {};   ///< see CaseIndex
   LiveWork* live = nullptr;          ///< what is made meanwhile; outlives the site
-  bool keep_marks = false;           ///< whether marks of cases may be changed, see MarksDesk
+  CompanionDesk::Keeps keeps = {};   ///< what beside cases may be changed
 };
 
 /// What is served, without a network: requests in, answers out. Safe to use from several threads.
@@ -78,7 +78,7 @@ class Site {
   SiteOptions options_;
   CaseIndex index_;
   Throttle throttle_;
-  MarksDesk marks_;
+  CompanionDesk companions_;
   std::unique_ptr<StudyDesk> study_;
 };
 

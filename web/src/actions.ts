@@ -30,6 +30,8 @@ const kUndone = [
   "lamp",
   "window",
   "marks",
+  "tourMarks",
+  "stops",
 ] as const satisfies readonly (keyof ViewerState)[];
 type Moment = Pick<ViewerState, (typeof kUndone)[number]>;
 
@@ -347,9 +349,10 @@ export class Actions {
   }
 }
 
-/** Marks are the same where nobody touched them, and many. */
+/** These are many, and the same where nobody touched them. */
+const kMany = ["marks", "tourMarks", "stops"] as const satisfies readonly (keyof Moment)[];
+
 function isSame(a: Moment, b: Moment): boolean {
-  return (
-    a.marks === b.marks && JSON.stringify({ ...a, marks: null }) === JSON.stringify({ ...b, marks: null })
-  );
+  const few = (moment: Moment) => JSON.stringify({ ...moment, marks: null, tourMarks: null, stops: null });
+  return kMany.every((key) => a[key] === b[key]) && few(a) === few(b);
 }

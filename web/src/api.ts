@@ -94,6 +94,17 @@ export interface ApiMeasure {
   deviation: number | null; // standard
 }
 
+/** A view that was saved. */
+export interface ApiView {
+  name: string;
+  text: string;
+  /** What is shown, in the words of the viewer's address. */
+  link: string;
+  /** Seconds of the flight there, and of the stay. */
+  fly: number;
+  stay: number;
+}
+
 /** The viewer for scripts: `window.clipgs` of its own page, `clipgs` of an element. Patient space (RAS mm) throughout. */
 export interface ClipgsApi {
   /** Resolves when the case that the address or the element names has been drawn; rejects with a line for a person. */
@@ -155,6 +166,18 @@ export interface ClipgsApi {
   describeMark(id: string, words: { name?: string; note?: string }): void;
   /** What is marked, the oldest first, with what it measures. */
   readonly marks: (Required<Omit<ApiMark, "normal">> & { id: string; normal: Triple | null } & ApiMeasure)[];
+  /** The views that are saved of the volume: the stops of its tour. */
+  readonly views: ApiView[];
+  /** Saves what is shown as a view; false, and nothing changes, where there are 100. */
+  saveView(name?: string, text?: string): boolean;
+  /** Flies to a view, by its place from 0, and stays there. Resolves when it is on its way. */
+  showView(index: number): Promise<void>;
+  /** Flies from view to view, from the one that is shown or else the first. Resolves when it is on its way. */
+  playTour(): Promise<void>;
+  /** Ends that where it is. */
+  stopTour(): void;
+  /** The view that is flown to or shown, from 0 (null: none), whether others follow, and why one is not shown. */
+  readonly tour: { index: number | null; playing: boolean; trouble: string };
   /** Of the case, RAS mm. */
   readonly bounds: { min: Triple; max: Triple } | null;
   /** What is shown. */
@@ -184,6 +207,11 @@ export interface ClipgsApi {
   steady: boolean;
   /** The picture alone, as `clipgs render` writes it; `moving`: as it is drawn while something moves. */
   renderToPixels(width: number, height: number, moving?: boolean): Promise<Picture>;
+  /**
+   * A PNG of what is shown, without the handle, of that size: transparent or over what lies behind the case, with the labels
+   * that saved pictures have or without.
+   */
+  picture(wanted: { width: number; height: number; transparent?: boolean; labels?: boolean }): Promise<Blob>;
   /** The case in a headset. Entering rejects with a line for a person, and needs a click of the user's. */
   readonly headset: {
     readonly worn: boolean;

@@ -5,13 +5,16 @@ import type { Surroundings } from "./api";
 import { kBackdrops } from "./model/backdrop";
 import { isSameVolume } from "./model/case_info";
 import { type CaseSummary, failureText, formatBytes, formatCount, type LoadingCase } from "./model/case_list";
-import type { Hidden, Link } from "./model/link";
+import type { Link } from "./model/link";
+import { linkedState, linkTo } from "./model/linked_state";
 import type { Look } from "./model/looks";
 import { Follower } from "./model/follower";
+import { BrowserPlace, Keeper, type Place } from "./model/keeper";
 import { Marking } from "./model/marking";
-import { makeMark } from "./model/marks";
-import { formatMarks, mergedMarks, parseMarks } from "./model/marks_file";
-import { BrowserMarks, MarksKeeper, type MarksPlace } from "./model/marks_keeper";
+import { makeMark, type Mark } from "./model/marks";
+import { formatMarks, kMarksFile, mergedMarks, parseMarks } from "./model/marks_file";
+import type { Stop } from "./model/tour";
+import { shownMarks } from "./model/viewer_state";
 import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
 import type { Study } from "./study/study";
@@ -30,12 +33,16 @@ import { dropZone } from "./ui/open_file";
 import { OrientationCube } from "./ui/orientation_cube";
 import { PointerControls } from "./ui/pointer";
 import type { StudyCard } from "./ui/study_card";
-import { savePicture } from "./ui/save_picture";
+import { pictureDialog } from "./ui/picture_dialog";
+import { pictureOf, savePicture, type WantedPicture } from "./ui/save_picture";
 import { level, sidePanel } from "./ui/side_panel";
 import { slicesButton, SlicesPart } from "./ui/slices";
 import { type Theme, ViewerTheme } from "./ui/theme";
+import { tourCaption } from "./ui/tour_caption";
 import { ViewKeys } from "./ui/view_keys";
 import { type OpeningListener, Viewer } from "./viewer";
+import { viewsPanel } from "./ui/views_panel";
+import { Views, volumeOf } from "./views";
 import { CaseClient } from "./worker/case_client";
 import type { CaseSource } from "./worker/protocol";
 import { Headset, offeredSurroundings } from "./xr/headset";
@@ -67,7 +74,11 @@ export interface Host {
   /** What the case is where it is not finished, and when there will be a better one; "": it is. */
   news?(): string;
   /** Where marks of a case are kept, of a volume or, where that is not known, ""; absent: in the browser. */
-  marksPlace?(name: string, volume: string): Promise<MarksPlace>;
+  marksPlace?(name: string, volume: string): Promise<Place<Mark>>;
+  /** The same of the tour. */
+  tourPlace?(name: string, volume: string): Promise<Place<Stop>>;
+  /** Shows another look of the volume, by the name of its case. Rejects with a line that says why it cannot be had. */
+  openLook(name: string): Promise<void>;
   /** A link to what is shown, null where it is nobody else's; absent where no address says it. */
   address?(): string | null;
 }
@@ -90,11 +101,13 @@ export class App {
   );
   readonly #root: HTMLElement;
   readonly #panel: HTMLElement;
+  readonly #picture: ReturnType<typeof pictureDialog>;
   readonly #overlay: FaceOverlay;
   readonly #marks: MarksOverlay;
   readonly #slices: SlicesPart;
   readonly #beside: BesidePart;
-  readonly #keeper = new MarksKeeper();
+  readonly #keeper = new Keeper(kMarksFile);
+  readonly views: Views;
   readonly #keys: ViewKeys;
   readonly #follower = new Follower(); // of the page, which nobody looks at while a headset is worn
   readonly #cube: OrientationCube;
@@ -150,7 +163,14 @@ export class App {
     this.viewer = new Viewer(canvas, client);
     this.actions = new Actions(this.viewer);
     this.#keys = new ViewKeys(this.viewer);
-    this.headset = new Headset(this.viewer, this.actions, this.marking, host);
+    this.views = new Views(
+      this.viewer,
+      this.actions,
+      host,
+      () => this.link,
+      (text, again) => this.fail(text, again),
+    );
+    this.headset = new Headset(this.viewer, this.actions, this.marking, this.views.player, host);
     this.headset.changed = () => {
       this.#study?.observe();
       this.#update();
@@ -170,12 +190,21 @@ export class App {
         marks,
         slices,
         slicesButton: slicesButton(this.viewer, this.actions, live, "wide"),
-        panel: sidePanel(this.viewer, this.actions, live, listed),
+        panel: sidePanel(
+          this.viewer,
+          this.actions,
+          live,
+          listed,
+          viewsPanel(this.views, live, () => this.#picture.show()),
+        ),
+        caption: tourCaption(this.views.player),
+        picture: pictureDialog(this.viewer, (wanted) => this.#savePictureAs(wanted)),
         card: markCard(this.viewer, live, chosen, said),
         theme: this.#themeChoice(),
       };
     });
     this.#panel = parts.panel;
+    this.#picture = parts.picture;
     this.#marks = parts.marks;
     this.#slices = parts.slices;
     const takesWheel = () => host.takesWheel();
@@ -196,6 +225,7 @@ export class App {
       this.#beside.element,
       parts.slices.element,
       parts.card,
+      parts.caption,
       h(
         "header",
         { class: "bar", part: "bar" },
@@ -210,6 +240,7 @@ export class App {
       this.#message,
       dropZone(root, (file) => void this.openFile(file), signal),
       this.#help,
+      this.#picture.element,
       this.#announcer.element,
     );
     new PointerControls(this.viewer, (mm) => this.actions.step(mm), takesWheel);
@@ -231,6 +262,7 @@ export class App {
       window.addEventListener(type, ({ pointerId }) => this.actions.letGo(pointerId), captured);
     }
     addEventListener("pagehide", () => this.#keeper.flush(), { signal });
+    addEventListener("pagehide", () => this.views.flush(), { signal });
     this.#resized.observe(canvas);
     this.#resized.observe(this.#panel);
     this.#resized.observe(this.#slices.free);
@@ -248,6 +280,7 @@ export class App {
     ++this.#opening;
     this.#ended.abort();
     this.#keeper.flush();
+    this.views.dispose();
     this.#study?.dispose();
     this.#beside.dispose();
     this.#resized.disconnect();
@@ -298,7 +331,8 @@ export class App {
         }
       });
       if (!isSameVolume(before, this.viewer.info!)) {
-        await this.#bringMarks(name, file instanceof File);
+        const isOwn = file instanceof File;
+        await Promise.all([this.#bringMarks(name, isOwn), this.views.bring(name, isOwn)]);
         this.actions.forget();
       }
     } catch (error) {
@@ -439,42 +473,16 @@ export class App {
 
   /** Takes over what a link says of the case that is open. */
   follow(link: Link): void {
-    if (link.view) {
-      this.viewer.store.setView(link.view);
+    const { store } = this.viewer;
+    const { marks } = link;
+    if (marks) {
+      this.#keeper.adopt(marks);
     }
-    if (link.state !== undefined) {
-      this.viewer.store.setMode("uniaxial");
-      if (link.state === null) {
-        this.viewer.store.setCuts([]);
-      } else {
-        this.viewer.store.setPlaneState(Math.min(link.state, this.viewer.store.states!.count - 1));
-      }
-    } else if (link.cuts) {
-      this.viewer.store.setMode("arbitrary");
-      this.viewer.store.setCuts(link.cuts, link.active);
-    }
-    if (link.clip) {
-      this.viewer.store.setClip(link.clip);
-    }
-    this.viewer.store.setSection(link.section ?? "volume");
-    this.viewer.store.setGrey(link.grey ?? 0);
-    this.viewer.store.setOpenings(link.openings ?? "cinematic");
-    this.viewer.store.setRig(link.rig ?? null);
-    this.viewer.store.setTurn(link.turn ?? 0);
-    this.viewer.store.setLamp(link.lamp ?? null);
-    if (link.marks) {
-      this.#keeper.adopt(link.marks);
-      this.viewer.store.setMarks(link.marks);
-    }
-    const hidden = (one: Hidden) => link.hidden?.includes(one) ?? false;
-    this.viewer.store.setLayers({ body: !hidden("body"), faces: !hidden("faces"), marks: !hidden("marks") });
-    this.viewer.store.setHandle(!hidden("handle"));
-    this.viewer.store.setBackdrop(link.background ?? null);
-    this.viewer.store.setDepthCue(link.depthCue ?? 0);
-    this.viewer.store.showSlices(link.slices?.shown ?? null, link.slices);
-    if (link.window) {
-      this.viewer.store.setWindow(link.window);
-    }
+    store.restore({
+      ...linkedState(link, store.state, store.states),
+      ...(marks && { marks, tourMarks: null }),
+    });
+    store.showSlices(link.slices?.shown ?? null, link.slices);
     this.actions.forget();
     this.#update();
   }
@@ -483,7 +491,7 @@ export class App {
   async #bringMarks(name: string, isOwn: boolean): Promise<void> {
     const { store } = this.viewer;
     const { volume } = this.viewer.info!;
-    const inBrowser = () => Promise.resolve(new BrowserMarks(volume, name));
+    const inBrowser = () => Promise.resolve(new BrowserPlace(kMarksFile, volume, name));
     const place = (!isOwn && this.host.marksPlace?.(name, volume)) || inBrowser();
     const kept = await this.#keeper.open(place, this.#marksOf);
     const marks = store.state.marks.length > 0 ? store.state.marks : kept;
@@ -493,32 +501,14 @@ export class App {
 
   /** Whose marks are shown. */
   get #marksOf(): string {
-    return this.viewer.info?.volume || `/${this.viewer.caseName}`;
+    return volumeOf(this.viewer);
   }
 
   /** What is shown. */
   get link(): Link {
-    const { view, mode, cuts, clip, section, grey, openings, rig, turn, lamp, window, marks } =
-      this.viewer.state;
-    const { active, backdrop, depthCue, handle, layers, slices } = this.viewer.state;
-    const name = this.viewer.caseName ?? undefined;
-    const cut = mode === "uniaxial" ? { state: this.viewer.store.planeState } : { cuts, active };
-    const style = {
-      ...(grey > 0 ? { grey } : {}),
-      ...(window && (grey > 0 || slices) ? { window } : {}),
-      ...(grey > 0 && openings !== "cinematic" ? { openings } : {}),
-      ...(rig ? { rig } : {}),
-      ...(turn ? { turn } : {}),
-      ...(lamp ? { lamp } : {}),
-      ...(backdrop ? { background: backdrop } : {}),
-      ...(depthCue ? { depthCue } : {}),
-      ...(slices ? { slices } : {}),
-    };
-    const hidden = Object.entries({ ...layers, handle }).flatMap(([one, shown]) =>
-      shown ? [] : [one as Hidden],
-    );
-    const beside = this.besideName ?? undefined;
-    return { case: name, view, ...cut, clip, section, ...style, hidden, marks, beside };
+    const { caseName, state, store } = this.viewer;
+    const link = linkTo(caseName ?? undefined, state, store.planeState, shownMarks(state));
+    return { ...link, beside: this.besideName ?? undefined };
   }
 
   /** A fixed size leaves the picture alone, on black. */
@@ -571,7 +561,7 @@ export class App {
         {
           class: "plain dismiss",
           "aria-label": texts().page.dismiss,
-          onclick: () => (this.#message.hidden = true),
+          onclick: () => this.dismiss(),
         },
         icon(kIcons.close),
       ),
@@ -589,7 +579,7 @@ export class App {
             {
               class: "solid quiet",
               onclick: () => {
-                this.#message.hidden = true;
+                this.dismiss();
                 again();
               },
             },
@@ -598,6 +588,11 @@ export class App {
       ),
     );
     this.#message.hidden = false;
+  }
+
+  /** What went wrong is not said any more. */
+  dismiss(): void {
+    this.#message.hidden = true;
   }
 
   /** What is shown, by its title: to choose another, where there are others. */
@@ -723,6 +718,15 @@ export class App {
     requestAnimationFrame(count);
   }
 
+  /** What is shown, as a PNG of another size, transparent, or without labels. Rejects with CaseError. */
+  picture(wanted: WantedPicture): Promise<Blob> {
+    return pictureOf(this.viewer, this.title, this.#root, this.#marks.texts, wanted);
+  }
+
+  async #savePictureAs(wanted: WantedPicture): Promise<void> {
+    download(await this.picture(wanted), `${this.viewer.caseName ?? "clipgs"}.png`);
+  }
+
   async #savePicture(): Promise<void> {
     try {
       await savePicture(this.viewer, this.title, this.#root, this.#marks.texts);
@@ -734,7 +738,8 @@ export class App {
   /** What is begun, chosen or said is gone. */
   #escape(): void {
     this.#marks.escape();
-    this.#message.hidden = true;
+    this.dismiss();
+    this.views.player.leave();
   }
 
   #removeChosen(): void {
@@ -784,6 +789,7 @@ export class App {
     this.actions.observe();
     if (!this.#study) {
       this.#keeper.observe(this.viewer.store.state.marks, this.#marksOf);
+      this.views.observe();
     }
     this.#study?.observe();
     this.#update();
@@ -875,7 +881,11 @@ export class App {
       r: () => this.actions.reset(),
       m: () => this.host.choose?.(),
       k: () => !this.#lookButton.hidden && this.#lookButton.click(),
-      d: () => void this.#savePicture(),
+      d: () => (event.shiftKey ? this.#picture.show() : void this.#savePicture()),
+      j: () => this.views.save(),
+      "0": () => void this.views.player.toggle(),
+      ",": () => void this.views.player.step(-1),
+      ".": () => void this.views.player.step(1),
       t: () => this.#theme.next(),
       z: () => this.#fullScreen.toggle(),
       v: () => this.#headsetButtons.querySelector("button")?.click(),

@@ -1,14 +1,17 @@
 import type { ClipgsApi } from "./api";
 import { App, type Host, type OpenedCase } from "./app";
+import { BrowserPlace, type Place } from "./model/keeper";
 import { formatLink, type Link, parseLink } from "./model/link";
+import { kTourFile, parseTour, type Stop } from "./model/tour";
 import { makeApi } from "./script_api";
+import { CaseError } from "./sog/zip";
 import { chooseLanguage } from "./text/text";
 import { h } from "./ui/dom";
 import hostStyle from "./ui/element.css?inline";
 import { themeFrom } from "./ui/theme";
 import viewerStyle from "./ui/viewer.css?inline";
 
-const kAttributes = ["src", "link", "panel", "theme"] as const;
+const kAttributes = ["src", "link", "tour", "panel", "theme"] as const;
 
 /** One for all elements of a page. */
 let styles: CSSStyleSheet[] | undefined;
@@ -39,6 +42,8 @@ export class ClipgsViewerElement extends HTMLElement {
     looks: () => [],
     open: (src) => this.#openOther(src),
     openFile: (file) => this.#openOwn(file),
+    openLook: (name) => this.#openLook(name),
+    tourPlace: (name, volume) => Promise.resolve(this.#tourPlace(name, volume)),
   };
   #app: App | null = null;
   #api: ClipgsApi | null = null;
@@ -139,6 +144,47 @@ export class ClipgsViewerElement extends HTMLElement {
     await this.#drawn();
   }
 
+  /** Of the case that lies beside the one that is shown. What fails is said by who asked for it. */
+  async #openLook(name: string): Promise<void> {
+    const app = this.#app!;
+    const file = new URL(`${encodeURIComponent(name)}.sog`, new URL(this.src, document.baseURI)).href;
+    try {
+      await app.open({ name, file, error: null }, {}, () => {});
+    } catch (error) {
+      app.dismiss();
+      throw error;
+    }
+    this.src = file;
+    this.#stale.delete("src"); // it is shown already
+  }
+
+  /** The tour that the page names, which nobody's changes are kept of, or else this browser's. */
+  #tourPlace(name: string, volume: string): Place<Stop> {
+    const tour = this.getAttribute("tour");
+    if (tour === null) {
+      return new BrowserPlace(kTourFile, volume, name);
+    }
+    return { load: () => this.#loadTour(tour, volume), change: () => Promise.resolve() };
+  }
+
+  /** None where it cannot be had, which is said. */
+  async #loadTour(address: string, volume: string): Promise<Stop[]> {
+    const url = new URL(address, document.baseURI);
+    const file = decodeURIComponent(url.pathname.split("/").pop()!);
+    try {
+      const response = await fetch(url).catch(() => null);
+      if (!response?.ok) {
+        throw new CaseError(`${file}: the tour cannot be fetched (${response?.status ?? "no answer"})`);
+      }
+      return parseTour(await response.text(), file, volume);
+    } catch (error) {
+      const { message } = error as CaseError;
+      this.#app?.fail(message, () => this.attributeChangedCallback("tour"));
+      this.dispatchEvent(new ErrorEvent("error", { message }));
+      return [];
+    }
+  }
+
   /** As ClipgsApi.ready says. */
   async #drawn(): Promise<void> {
     await Promise.resolve(); // until attributes are followed
@@ -171,8 +217,13 @@ export class ClipgsViewerElement extends HTMLElement {
       const shown = { name: caseName(src), file: src, error: null };
       this.#ready = this.#open(app, shown, linked ? link : null, again);
       this.#ready.catch(() => {}); // said in the element; who waits for it hears it too
-    } else if (linked) {
-      void this.#ready.then(() => app.follow(link)).catch(() => {});
+    } else {
+      if (linked) {
+        void this.#ready.then(() => app.follow(link)).catch(() => {});
+      }
+      if (stale.has("tour")) {
+        void this.#ready.then(() => app.views.bring(app.viewer.caseName!)).catch(() => {});
+      }
     }
   }
 

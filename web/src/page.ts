@@ -3,8 +3,11 @@ import { App, type Host } from "./app";
 import { caseFile, type CaseIndex, type CaseSummary, fetchIndex, sayGoodbye } from "./model/case_list";
 import { newsText } from "./model/case_news";
 import { type Look, looksOf } from "./model/looks";
-import { type MarksPlace, servedMarks } from "./model/marks_keeper";
+import { type Place, servedPlace } from "./model/keeper";
 import { formatLink, type Link, parseLink } from "./model/link";
+import type { Mark } from "./model/marks";
+import { kMarksFile } from "./model/marks_file";
+import { kTourFile, type Stop } from "./model/tour";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
@@ -41,7 +44,7 @@ class Page implements Host {
   );
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
   readonly #name = crypto.randomUUID?.() ?? String(Math.random()).slice(2); // that the server knows it by
-  #index: CaseIndex = { cases: [], making: null, keepsMarks: false };
+  #index: CaseIndex = { cases: [], making: null, keepsMarks: false, keepsTours: false };
   #version = ""; // of the case that is shown, or was tried to be
   #newsTimer = 0;
   #opening: { name: string; opened: Promise<void> } | null = null; // what was asked for last
@@ -215,8 +218,25 @@ class Page implements Host {
     document.title = `${this.app.title} · clipgs`;
   }
 
-  marksPlace(name: string, volume: string): Promise<MarksPlace> {
-    return servedMarks(name, volume, this.#index.keepsMarks);
+  marksPlace(name: string, volume: string): Promise<Place<Mark>> {
+    return servedPlace(kMarksFile, name, volume, this.#index.keepsMarks);
+  }
+
+  tourPlace(name: string, volume: string): Promise<Place<Stop>> {
+    return servedPlace(kTourFile, name, volume, this.#index.keepsTours);
+  }
+
+  /** Of the same volume, where it is known which those are. */
+  async openLook(name: string): Promise<void> {
+    const look = this.#cases.find((one) => one.name === name);
+    const shown = this.#cases.find((one) => one.name === this.app.viewer.caseName);
+    if (!look) {
+      throw new CaseError(texts().views.noLook(name));
+    }
+    if (look.look?.volume !== shown?.look?.volume) {
+      throw new CaseError(texts().views.otherVolume(name));
+    }
+    await this.open(name);
   }
 
   news(): string {

@@ -37,6 +37,7 @@ function apiMark(mark: Mark, viewer: Viewer): ClipgsApi["marks"][number] {
 /** What scripts do with an app; `ready` as in ClipgsApi. */
 export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
   const { viewer, headset } = app;
+  const { player } = app.views;
   return {
     get ready() {
       return ready();
@@ -87,6 +88,26 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     get marks() {
       return viewer.state.marks.map((mark) => apiMark(mark, viewer));
     },
+    get views() {
+      return viewer.state.stops.map(({ name, text, show, fly, stay }) => ({
+        name,
+        text,
+        link: show,
+        fly,
+        stay,
+      }));
+    },
+    saveView: (name, text) => app.views.save(name, text) !== null,
+    showView: async (index) => {
+      const stop = viewer.state.stops[index];
+      await (stop && player.show(stop.id));
+    },
+    playTour: () => player.play(),
+    stopTour: () => player.leave(),
+    get tour() {
+      const { index, playing, trouble } = player;
+      return { index: index < 0 ? null : index, playing, trouble };
+    },
     get bounds() {
       const bounds = viewer.info?.bounds;
       return bounds ? { min: bounds.min.toArray(), max: bounds.max.toArray() } : null;
@@ -118,6 +139,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       };
     },
     renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
+    picture: (wanted) => app.picture({ transparent: false, labels: true, ...wanted }),
     headset: {
       get worn() {
         return headset.worn;

@@ -11,7 +11,7 @@ import type { MarkShape } from "./model/marks";
 import { regionValues } from "./model/region";
 import { readSection } from "./model/values";
 import type { Inset } from "./model/view";
-import { type ViewerState, ViewerStore } from "./model/viewer_state";
+import { isSamePicture, type ViewerState, ViewerStore } from "./model/viewer_state";
 import { Background } from "./render/background";
 import { CanvasCamera, type Frame } from "./render/canvas_camera";
 import { FrameRate } from "./render/frame_rate";
@@ -19,6 +19,7 @@ import { kAtRest, kMoving, OpenCase, type SortResult } from "./render/open_case"
 import { Picking } from "./render/picking";
 import { PlaneWidget } from "./render/plane_widget";
 import { SplatLayer, type Subject } from "./render/splat_layer";
+import { tileCamera, tilesOf } from "./render/tiles";
 import { type Section, SectionError } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import type { CaseClient, DecodedSection, LoadListener } from "./worker/case_client";
@@ -48,14 +49,11 @@ const kFrameMs = 30;
 const kMinScale = 0.35;
 const kMaxPixelRatio = 2;
 
-/** What lies over the picture, or beside it. */
-const kBesides: readonly (keyof ViewerState)[] = ["marks", "slices"];
-
-/** Whether the picture stays as it is. */
-function isSamePicture(a: ViewerState, b: ViewerState): boolean {
-  return (Object.keys(a) as (keyof ViewerState)[]).every(
-    (key) => kBesides.includes(key) || a[key] === b[key],
-  );
+function makeCanvas(width: number, height: number): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  canvas.width = width;
+  canvas.height = height;
+  return canvas;
 }
 
 /**
@@ -493,6 +491,61 @@ export class Viewer {
   }
 
   /**
+   * A picture of width × height px, without the handle: transparent, or over what lies behind the case. `label` draws over
+   * it while the viewer is in the state that was, as if the canvas were of that form and no smaller than it is.
+   */
+  async paint(
+    width: number,
+    height: number,
+    transparent: boolean,
+    label: (over: HTMLCanvasElement) => void,
+  ): Promise<HTMLCanvasElement> {
+    const current = this.#case;
+    if (!current || this.#worn) {
+      throw new CaseError(kNotPictured);
+    }
+    const [picture, over] = [makeCanvas(width, height), makeCanvas(width, height)];
+    const frame = { width, height, inset: { right: 0, bottom: 0 } };
+    return this.#capture(
+      current,
+      () => frame,
+      async () => {
+        const subject = this.#subject(current, kAtRest, height);
+        const camera = this.camera.camera.clone();
+        const { backdrop } = this.state;
+        this.#labelAs(frame, () => label(over));
+        const context = picture.getContext("2d")!;
+        for (const tile of tilesOf(width, height)) {
+          const { drawn } = tile;
+          const part = tileCamera(camera, width, height, tile);
+          const { data } = await this.#layer.read(subject, { ...drawn, camera: part, moving: false });
+          const pixels = new ImageData(new Uint8ClampedArray(data), drawn.width, drawn.height);
+          const [left, top] = [tile.x - drawn.x, tile.y - drawn.y];
+          context.putImageData(pixels, drawn.x, drawn.y, left, top, tile.width, tile.height);
+        }
+        if (!transparent) {
+          this.background.paint(context, width, height, backdrop);
+        }
+        context.drawImage(over, 0, 0);
+        return picture;
+      },
+    );
+  }
+
+  /** Does `work` as if the canvas were of that form. */
+  #labelAs(frame: Frame, work: () => void): void {
+    const before = this.camera.frame;
+    const { width, height } = this.camera.freeSize;
+    const scale = Math.min(frame.width, frame.height) / Math.min(width, height);
+    this.camera.frame = { ...frame, width: frame.width / scale, height: frame.height / scale };
+    try {
+      work();
+    } finally {
+      this.camera.frame = before;
+    }
+  }
+
+  /**
    * What the canvas shows, handle and all, as good as it gets, without what panels cover of it. `finish` is called when
    * that is drawn, while the viewer is in the state that was.
    */
@@ -647,9 +700,7 @@ export class Viewer {
   #copyCanvas(): HTMLCanvasElement {
     const ratio = this.#renderer.getPixelRatio();
     const { width, height } = this.camera.freeSize;
-    const copy = document.createElement("canvas");
-    copy.width = Math.round(ratio * width);
-    copy.height = Math.round(ratio * height);
+    const copy = makeCanvas(Math.round(ratio * width), Math.round(ratio * height));
     copy.getContext("2d")!.drawImage(this.canvas, 0, 0);
     return copy;
   }

@@ -36,6 +36,8 @@ export interface CaseIndex {
   making: CaseInMaking[] | null;
   /** Whether marks of its cases may be changed. */
   keepsMarks: boolean;
+  /** Whether their tours may be. */
+  keepsTours: boolean;
 }
 
 /** Where the server has the case of this name. */
@@ -51,7 +53,12 @@ export const kNoAnswer = "the server does not answer; is clipgs serve still runn
  */
 export async function fetchIndex(page = ""): Promise<CaseIndex> {
   let refusal: string | undefined;
-  let index: { cases: Partial<CaseSummary>[]; making?: Partial<CaseInMaking>[]; keeps_marks?: boolean };
+  let index: {
+    cases: Partial<CaseSummary>[];
+    making?: Partial<CaseInMaking>[];
+    keeps_marks?: boolean;
+    keeps_tours?: boolean;
+  };
   try {
     const response = await fetch(page ? `api/cases?page=${page}` : "api/cases");
     if (!response.ok) {
@@ -82,7 +89,12 @@ export async function fetchIndex(page = ""): Promise<CaseIndex> {
     seconds: one.seconds ?? null,
     error: one.error ?? null,
   }));
-  return { cases, making: making ?? null, keepsMarks: index.keeps_marks ?? false };
+  return {
+    cases,
+    making: making ?? null,
+    keepsMarks: index.keeps_marks ?? false,
+    keepsTours: index.keeps_tours ?? false,
+  };
 }
 
 /** Tells the server that the page of this name is closed. */

@@ -2,6 +2,7 @@ import { Vector3 } from "three";
 
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
+import type { KeptKind } from "./keeper";
 import {
   isFlat,
   isShape,
@@ -96,3 +97,11 @@ export function mergedMarks(older: readonly Mark[], newer: readonly Mark[]): Mar
   const all = new Map([...older, ...newer].map((mark) => [mark.id, mark]));
   return [...all.values()].slice(0, kMostMarks);
 }
+
+export const kMarksFile: KeptKind<Mark> = {
+  name: "marks",
+  most: kMostMarks,
+  ordered: false,
+  format: formatMarks,
+  parse: parseMarks,
+};

@@ -14,6 +14,7 @@ import { type Mark, withMark, withoutMark, withWords } from "./marks";
 import { kRigs, type Lighting } from "./rigs";
 import type { SliceChoice, Slices } from "./slice";
 import { type Mode, nearestState, type PlaneStates, stateCut } from "./states";
+import type { Stop } from "./tour";
 import { reframed, type View, viewFrom } from "./view";
 
 /** How a case is cut, and how its faces look. */
@@ -35,6 +36,8 @@ export interface ViewerState extends Style {
   window: Window | null; // of grey values; null: the case's own
   handle: boolean; // whether the plane is drawn
   marks: readonly Mark[]; // the oldest first
+  tourMarks: readonly Mark[] | null; // that are shown in place of these: those of a tour's stop
+  stops: readonly Stop[]; // of the tour: the views that were saved
   backdrop: string | null; // what lies behind the case, one of kBackdrops; null: as the page is
   slices: Slices | null; // beside the picture; null: none
 }
@@ -59,9 +62,25 @@ const kFirst: ViewerState = {
   layers: kAllLayers,
   depthCue: 0,
   marks: [],
+  tourMarks: null,
+  stops: [],
   backdrop: null,
   slices: null,
 };
+
+/** The marks that are seen. */
+export function shownMarks({ marks, tourMarks }: ViewerState): readonly Mark[] {
+  return tourMarks ?? marks;
+}
+
+/** Beside, or over, the picture. */
+const kNotPictured: readonly (keyof ViewerState)[] = ["marks", "tourMarks", "stops", "slices"];
+
+/** Whether what differs lies over the picture, which stays as it is. */
+export function isSamePicture(a: ViewerState, b: ViewerState): boolean {
+  const keys = Object.keys(a) as (keyof ViewerState)[];
+  return keys.every((key) => kNotPictured.includes(key) || a[key] === b[key]);
+}
 
 /**
  * What is shown, and of which case: the one place that says so. Pictures and panels follow it: what is read of it within
@@ -92,7 +111,7 @@ export class ViewerStore {
       if (info && before && isSameVolume(before, info)) {
         this.#set({ view: reframed(this.#state.peek().view, before.sphere, info.sphere) });
       } else if (info) {
-        this.#set({ window: null, marks: [] });
+        this.#set({ window: null, marks: [], tourMarks: null, stops: [] });
         this.showSlices(this.#state.peek().slices?.shown ?? null, { at: boxMiddle(info) });
       }
       this.#keepToStates();
@@ -209,7 +228,11 @@ export class ViewerStore {
   }
 
   setMarks(marks: readonly Mark[]): void {
-    this.#set({ marks });
+    this.#setMarks(marks);
+  }
+
+  setStops(stops: readonly Stop[]): void {
+    this.#set({ stops });
   }
 
   /** Marks that were hidden are shown again. Returns whether it is one more: not where there are too many. */
@@ -217,18 +240,18 @@ export class ViewerStore {
     const { marks, layers } = this.#state.peek();
     const more = withMark(marks, mark);
     if (more) {
-      this.#set({ marks: more, layers: { ...layers, marks: true } });
+      this.#set({ marks: more, tourMarks: null, layers: { ...layers, marks: true } });
     }
     return more !== null;
   }
 
   removeMark(id: string): void {
-    this.#set({ marks: withoutMark(this.#state.peek().marks, id) });
+    this.#setMarks(withoutMark(this.#state.peek().marks, id));
   }
 
   /** What is said of a mark. */
   setWords(id: string, words: Partial<Pick<Mark, "name" | "note">>): void {
-    this.#set({ marks: withWords(this.#state.peek().marks, id, words) });
+    this.#setMarks(withWords(this.#state.peek().marks, id, words));
   }
 
   /** What lies behind the case: one of kBackdrops; null: as the page is. Returns whether there is such a one. */
@@ -275,9 +298,14 @@ export class ViewerStore {
     this.#set({ slices: slices && { ...slices, linked } });
   }
 
-  /** As it was. */
+  /** As it was, or is to be. */
   restore(part: Partial<ViewerState>): void {
     this.#set(part);
+  }
+
+  /** Whoever changes marks sees them. */
+  #setMarks(marks: readonly Mark[]): void {
+    this.#set({ marks, tourMarks: null });
   }
 
   #set(part: Partial<ViewerState>): void {

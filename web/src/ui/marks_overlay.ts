@@ -14,6 +14,7 @@ import {
   measure,
   measureText,
 } from "../model/marks";
+import { shownMarks } from "../model/viewer_state";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { follow, h, svg } from "./dom";
@@ -88,7 +89,7 @@ export class MarksOverlay {
       this.#begunText,
     );
     this.#drawing.append(this.#begun);
-    const marks = live(() => viewer.state.marks);
+    const marks = live(() => shownMarks(viewer.state));
     const section = live(() => viewer.section); // one that comes later brings values
     follow(() => {
       void section.value;

@@ -1,5 +1,7 @@
 import { layOut } from "../model/label_layout";
 import { anchorOf, linesOf } from "../model/marks";
+import { shownMarks } from "../model/viewer_state";
+import { CaseError } from "../sog/zip";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { download } from "./download";
@@ -40,6 +42,42 @@ export async function savePicture(
   if (blob) {
     download(blob, `${name}.png`);
   }
+}
+
+/** A picture that somebody wants otherwise than it is seen. */
+export interface WantedPicture {
+  width: number; // px
+  height: number;
+  transparent: boolean;
+  labels: boolean; // what stands over it: marks, directions, the title, what it is not for
+}
+
+/** What browsers make canvases of. */
+export const kLargestSide = 16384;
+const kMostPixels = 1e8;
+
+/** Such a picture of what is shown, as a PNG. Rejects with CaseError. */
+export async function pictureOf(
+  viewer: Viewer,
+  title: string,
+  root: HTMLElement,
+  said: MarkTexts,
+  { width, height, transparent, labels }: WantedPicture,
+): Promise<Blob> {
+  const isSide = (side: number) => Number.isInteger(side) && side >= 16 && side <= kLargestSide;
+  if (!isSide(width) || !isSide(height) || width * height > kMostPixels) {
+    throw new CaseError(texts().picture.tooLarge(kLargestSide, kMostPixels / 1e6));
+  }
+  const picture = await viewer.paint(width, height, transparent, (over) => {
+    if (labels) {
+      drawCaption(over, viewer, title, root, said);
+    }
+  });
+  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
+  if (!blob) {
+    throw new CaseError(texts().picture.tooLargeHere);
+  }
+  return blob;
 }
 
 function drawCaption(
@@ -95,7 +133,7 @@ class Caption {
     const { camera, picking, state } = this.#viewer;
     const context = this.#context;
     this.#setFont(400);
-    const drawn = state.marks.flatMap((mark) => {
+    const drawn = shownMarks(state).flatMap((mark) => {
       const anchor = camera.project(anchorOf(mark));
       const width = context.measureText(this.#said.of(mark)).width + 2 * kPadding;
       return anchor ? [{ mark, label: { anchor, width, height: kBoxHeight } }] : [];

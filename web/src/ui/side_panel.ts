@@ -21,9 +21,15 @@ const kSwipe = 24;
 
 /**
  * Everything about the cut and its faces, beside the case or, on a narrow page, a sheet below it, of which the
- * first part is always seen. `marks` is about those.
+ * first part is always seen. `marks` and `views` are about those.
  */
-export function sidePanel(viewer: Viewer, actions: Actions, live: Follow, marks: HTMLElement): HTMLElement {
+export function sidePanel(
+  viewer: Viewer,
+  actions: Actions,
+  live: Follow,
+  marks: HTMLElement,
+  views: HTMLElement,
+): HTMLElement {
   const t = texts();
   const cut = new CutPanel(viewer, actions, live);
   const face = new FacePanel(viewer, live);
@@ -51,6 +57,7 @@ export function sidePanel(viewer: Viewer, actions: Actions, live: Follow, marks:
       expertly(cut.modes, () => actions.isUniaxial),
       cut.tools,
       marks,
+      views,
       h("h3", {}, t.face.title),
       expertly(face.sources, () => viewer.state.section === "splats"),
       face.noSection,

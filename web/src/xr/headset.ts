@@ -10,6 +10,8 @@ import type { LoadingCase } from "../model/case_list";
 import type { Marking } from "../model/marking";
 import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
+import { viewDirection } from "../model/view";
+import type { TourPlayer } from "../tour_player";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
 import { type Effort, Governor } from "./governor";
@@ -67,6 +69,7 @@ export class Headset {
   readonly #actions: Actions;
   readonly #marking: Marking;
   readonly #host: HeadsetHost;
+  readonly #tour: TourPlayer;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
@@ -86,14 +89,16 @@ export class Headset {
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
   /** `host` lists and opens cases. */
-  constructor(viewer: Viewer, actions: Actions, marking: Marking, host: HeadsetHost) {
+  constructor(viewer: Viewer, actions: Actions, marking: Marking, tour: TourPlayer, host: HeadsetHost) {
     this.#viewer = viewer;
     this.#actions = actions;
     this.#marking = marking;
     this.#host = host;
+    this.#tour = tour;
     const onPage = actions.lookingFrom;
     actions.lookingFrom = () => this.#lookingFrom ?? onPage();
     this.stage = new Stage(viewer, marking);
+    this.stage.grabbed = () => tour.pause();
     const { xr } = viewer.renderer;
     this.#hands = [0, 1].map(
       (index) => new Hand(xr, index, this.#camera, this.stage.solid, () => this.#placePanel()),
@@ -194,6 +199,7 @@ export class Headset {
         news: () => this.#host.news?.() ?? "",
         open: (name) => this.#host.open(name),
         loading: this.loading,
+        tour: this.#tour,
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),
         place: () => this.place(),
@@ -262,6 +268,7 @@ export class Headset {
     this.#hands.forEach((hand) => hand.update(this.stage.scene, time, this.panel!.crowd, middle));
     this.#lamp.update(this.#hands);
     this.#slide(Math.min(0.1, 0.001 * (time - this.#time)));
+    this.#turnWithTour();
     this.#time = time;
     const pixelAngle = 2 / (eyes[0]!.viewport.w * eyes[0]!.projectionMatrix.elements[5]);
     this.stage.update(time, middle, pixelAngle);
@@ -294,6 +301,18 @@ export class Headset {
           hand.pulse(0.2, 8);
         }
       }
+    }
+  }
+
+  /** Where the page's camera flies, the case turns in its place: nobody's head is moved. */
+  #turnWithTour(): void {
+    const before = this.#tour.share;
+    const after = this.#tour.tick(performance.now());
+    if (before !== null && after !== null) {
+      const { azimuth, elevation } = this.#viewer.state.view;
+      // Of what is left of the way: at its end it lies as the view says, however it lay in the hand.
+      const share = (after - before) / (1 - before);
+      this.stage.turnTo(viewDirection(azimuth, elevation), this.#both.middle, share);
     }
   }
 

@@ -63,6 +63,8 @@ export class Stage {
   readonly #boxInRoom = new Box3(); // scratch
   #held = false;
   #case: OpenCase | null = null;
+  /** A hand takes hold of the case. */
+  grabbed: () => void = () => {};
 
   constructor(viewer: Viewer, marking: Marking) {
     this.#viewer = viewer;
@@ -165,8 +167,11 @@ export class Stage {
     this.#anchor.rotation.set(0, facing - (this.#viewer.state.view.azimuth * Math.PI) / 180, 0);
   }
 
-  /** Turns the case in its place so that eyes at `eye` look at a side (RAS), the head up where it can be. */
-  turnTo(side: Vector3, eye: Vector3): void {
+  /**
+   * Turns the case in its place so that eyes at `eye` look at a side (RAS), the head up where it can be; or a `share` of
+   * the way there.
+   */
+  turnTo(side: Vector3, eye: Vector3, share = 1): void {
     const { right, down } = cameraAxes(side.clone().negate());
     const [x, y, z] = [right, down.negate(), side.clone()].map((axis) =>
       axis.transformDirection(kWorldFromPatient),
@@ -175,7 +180,8 @@ export class Stage {
     const towards = new Vector3().subVectors(eye, this.#anchor.position).setY(0).normalize();
     const up = new Vector3(0, 1, 0);
     const room = new Matrix4().makeBasis(new Vector3().crossVectors(up, towards), up, towards);
-    this.#anchor.quaternion.setFromRotationMatrix(room.multiply(world.transpose()));
+    const wanted = new Quaternion().setFromRotationMatrix(room.multiply(world.transpose()));
+    this.#anchor.quaternion.slerp(wanted, share);
   }
 
   /** Before a frame, seen from `eye` (in the room) with `pixelAngle` the tangent of a pixel's angle. */
@@ -249,6 +255,7 @@ export class Stage {
     const hand = handOf(state.event);
     this.#held = !state.last;
     if (state.first) {
+      this.grabbed();
       hand?.pulse(0.6, 30);
     } else if (state.last) {
       hand?.pulse(0.3, 20);

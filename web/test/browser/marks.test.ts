@@ -16,7 +16,7 @@ describe.skipIf(missing !== undefined)(
     const file = () => join(session.cases, "phantom.marks.json");
     let contexts: BrowserContext[] = [];
 
-    beforeAll(() => session.start(() => copyMadeCases(session), "--keep-marks"));
+    beforeAll(() => session.start(() => copyMadeCases(session), "--keep-marks", "--keep-tours"));
 
     afterAll(async () => {
       await Promise.all(contexts.map((context) => context.close()));
@@ -64,6 +64,57 @@ describe.skipIf(missing !== undefined)(
       await first.waitForFunction(() => window.clipgs !== undefined);
       await first.evaluate(() => window.clipgs.ready);
       expect(await names(await visit())).toEqual(["from the second"]);
+    });
+
+    it("stand beside views, which are flown between, kept as a tour, and say which case is missing", async () => {
+      const page = await visit();
+      const tour = () => join(session.cases, "phantom.tour.json");
+      const stops = () =>
+        existsSync(tour())
+          ? (JSON.parse(readFileSync(tour(), "utf8")) as { stops: { name: string; show: string }[] }).stops
+          : [];
+      await page.getByRole("button", { name: "Save view" }).click();
+      await page.evaluate(() => {
+        window.clipgs.setView({ azimuth: 100, elevation: 10, zoom: 2 });
+        window.clipgs.setPlane(null);
+        window.clipgs.saveView("The side", "Said of the side");
+      });
+      await expect.poll(() => stops().map(({ name }) => name)).toEqual(["View 1", "The side"]);
+      await page.getByRole("button", { name: "Change The side" }).click();
+      await page.getByRole("spinbutton", { name: "Flight, s" }).fill("1");
+      await page.getByRole("textbox", { name: "Name", exact: true }).fill("The left side");
+      await page.getByRole("button", { name: "Change The left side" }).click();
+
+      const other = await visit(); // where it is kept
+      expect(await other.evaluate(() => window.clipgs.views.map(({ name }) => name))).toEqual([
+        "View 1",
+        "The left side",
+      ]);
+      await other.getByRole("button", { name: "The left side", exact: true }).click();
+      const azimuth = () => other.evaluate(() => window.clipgs.state.view.azimuth);
+      await expect.poll(azimuth).toBe(100);
+      expect(await other.evaluate(() => window.clipgs.state.cuts.length)).toBe(0);
+      await other.getByRole("region", { name: "Tour" }).getByText("Said of the side").waitFor();
+      await other.keyboard.press(",");
+      await expect.poll(azimuth).toBe(10);
+      expect(await other.evaluate(() => window.clipgs.state.cuts.length)).toBe(1);
+
+      // What somebody else does is not flown over.
+      await other.keyboard.press("0");
+      await other.evaluate(() => window.clipgs.setView({ azimuth: 55, elevation: 5 }));
+      await expect.poll(() => other.evaluate(() => window.clipgs.tour.playing)).toBe(false);
+      expect(await azimuth()).toBe(55);
+      await other.keyboard.press("Escape");
+      await other.getByRole("region", { name: "Tour" }).waitFor({ state: "hidden" });
+
+      const [first, second] = stops();
+      const missing = { ...second, show: "case=gone&view=1,1" };
+      writeFileSync(tour(), JSON.stringify({ clipgs_tour: 1, volume: "", stops: [first, missing] }));
+      const last = await visit();
+      await last.evaluate(() => window.clipgs.showView(1));
+      await last.getByText('View 2 is not shown: its case "gone" is not here').waitFor();
+      expect(await last.evaluate(() => window.clipgs.views.length)).toBe(2);
+      expect(await last.evaluate(() => window.clipgs.state.case)).toBe("phantom");
     });
 
     it("of a newer version are said to be, and left as they are", async () => {

@@ -90,6 +90,33 @@ describe.skipIf(missing !== undefined)(`the screen${missing ? ` (${missing} is m
     expect(uncut).toBe(1); // nothing of the state was touched
   });
 
+  it("gives pictures of any size, transparent, and with what stands over them", async () => {
+    await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" });
+    await page.keyboard.press("Shift+D");
+    await page.getByLabel("Width, px").fill("240");
+    await page.getByLabel("Height, px").fill("160");
+    await page.getByLabel("Transparent background").check();
+    await page.getByLabel(/Marks, directions/).uncheck();
+    const alone = await saved(() => page.getByRole("button", { name: "Save (PNG)" }).click());
+    expect([alone.width, alone.height]).toEqual([240, 160]);
+    const { data } = await page.evaluate(async () => {
+      const picture = await window.clipgs.renderToPixels(240, 160);
+      return { data: Array.from(picture.data) };
+    });
+    expect(psnr(alone, { width: 240, height: 160, data: Uint8Array.from(data) }).color).toBeGreaterThan(45);
+    expect(alone.data[3]).toBe(0);
+    const full = await page.evaluate(async () => {
+      const blob = await window.clipgs.picture({ width: 240, height: 160 });
+      const bitmap = await createImageBitmap(blob);
+      const context = new OffscreenCanvas(240, 160).getContext("2d")!;
+      context.drawImage(bitmap, 0, 0);
+      return Array.from(context.getImageData(0, 0, 240, 160).data);
+    });
+    expect(full.filter((_, i) => i % 4 === 3).every((alpha) => alpha === 255)).toBe(true);
+    const refused = page.evaluate(() => window.clipgs.picture({ width: 20000, height: 20 }));
+    await expect(refused).rejects.toThrow("16 to 16384 px a side");
+  });
+
   it("saves and gives what was shown when it was asked for, whatever changes meanwhile", async () => {
     const shot: Shot = { view: [10, 60, 1], plane: [0, 0, -1, 0], clip: "exact" };
     const moveOn = () => {

@@ -1,6 +1,7 @@
 import { Ray, Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 
+import { changeBetween, changed } from "../../src/model/keeper";
 import { layOut } from "../../src/model/label_layout";
 import { formatLink, parseLink } from "../../src/model/link";
 import { Marking } from "../../src/model/marking";
@@ -15,7 +16,6 @@ import {
   withMark,
 } from "../../src/model/marks";
 import { formatMarks, mergedMarks, parseMarks } from "../../src/model/marks_file";
-import { changeBetween, changed } from "../../src/model/marks_keeper";
 import { regionArea, regionValues } from "../../src/model/region";
 import { makeSection } from "./section_fixture";
 import { makeRandom } from "./sog_fixture";

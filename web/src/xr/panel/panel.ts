@@ -26,6 +26,7 @@ import type { PanelContext, PanelHost } from "./panel_context";
 import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { StudyBoard } from "./study_board";
+import { tourTab } from "./tour_tab";
 import { viewTab } from "./view_tab";
 import { button, choice, column, findText, label, row, when } from "./widgets";
 
@@ -58,7 +59,7 @@ type Tab = keyof ReturnType<typeof texts>["headset"]["tabs"] | "looks";
 /** More do not stand in a row. */
 const kTabRows: readonly (readonly Exclude<Tab, "looks">[])[] = [
   ["cut", "faces", "marks", "layers"],
-  ["cases", "view", "help"],
+  ["cases", "tour", "view", "help"],
 ];
 
 /** What uikit needs of a renderer. */
@@ -321,6 +322,7 @@ export class Panel {
       cases: this.#cases.element,
       looks: this.#looks.element,
       view: viewTab(context),
+      tour: tourTab(context),
       help: helpTab(),
     };
     return when(

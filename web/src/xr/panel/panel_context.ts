@@ -7,6 +7,7 @@ import type { Follow } from "../../model/follower";
 import type { Look } from "../../model/looks";
 import type { Marking } from "../../model/marking";
 import type { Study } from "../../study/study";
+import type { TourPlayer } from "../../tour_player";
 import type { Viewer } from "../../viewer";
 import type { Governor } from "../governor";
 import type { Hand } from "../hand";
@@ -24,6 +25,8 @@ export interface PanelHost {
   /** The case that is on its way. */
   readonly loading: ReadonlySignal<LoadingCase | null>;
   leave(): void;
+  /** Of the views that are saved. */
+  readonly tour: TourPlayer;
   /** Puts case and panel before the eyes, the case in life size. */
   place(): void;
   /** Turns the case so that a side of the patient (RAS) is looked at. */

@@ -13,6 +13,7 @@ import {
 
 import { anchorOf, linesOf, type Mark, markText, measure } from "../../model/marks";
 import { type Reading, valueText } from "../../model/values";
+import { shownMarks } from "../../model/viewer_state";
 import type { Viewer } from "../../viewer";
 import { kOverCase } from "../../render/draw_order";
 import { Tag } from "./tag";
@@ -72,8 +73,9 @@ export class RoomMarks {
   ): void {
     const { state, section } = this.#viewer;
     this.#placed.visible = state.layers.marks;
-    if (state.marks !== this.#marks || section !== this.#section) {
-      this.#marks = state.marks;
+    const marks = shownMarks(state);
+    if (marks !== this.#marks || section !== this.#section) {
+      this.#marks = marks;
       this.#section = section;
       this.#build();
     }

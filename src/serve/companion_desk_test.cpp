@@ -1,4 +1,4 @@
-#include "serve/marks_desk.h"
+#include "serve/companion_desk.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,6 +21,7 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr const char* kMarks = "/cases/head.marks.json";
+constexpr const char* kTour = "/cases/head.tour.json";
 constexpr const char* kNew = "Content-Type: application/json\r\nIf-None-Match: *\r\n";
 
 std::string marks_file(const std::string& name) {
@@ -37,13 +38,13 @@ std::string known(const std::string& etag) {
   return "Content-Type: application/json\r\nIf-Match: " + etag + "\r\n";
 }
 
-class MarksDeskTest : public ::testing::Test {
+class CompanionDeskTest : public ::testing::Test {
  protected:
-  MarksDeskTest() { test::write_small_case(folder_ / "head.sog", "A head"); }
+  CompanionDeskTest() { test::write_small_case(folder_ / "head.sog", "A head"); }
 
   Site open_site(bool keeps = true) {
     SiteOptions options{folder_.path(), "", "localhost", "http://127.0.0.1:8080/"};
-    options.keep_marks = keeps;
+    options.keeps.marks = keeps;
     return Site(std::move(options));
   }
   static std::string get(Site& site, const std::string& target, const std::string& headers = "") {
@@ -59,7 +60,7 @@ class MarksDeskTest : public ::testing::Test {
   const TestFolder folder_;
 };
 
-TEST_F(MarksDeskTest, KeepsMarksBesideTheirCase) {
+TEST_F(CompanionDeskTest, KeepsMarksBesideTheirCase) {
   Site site = open_site();
   EXPECT_THAT(get(site, "/api/cases"), HasSubstr(R"("keeps_marks":true)"));
   EXPECT_THAT(get(site, kMarks), StartsWith("HTTP/1.1 204"));
@@ -76,7 +77,29 @@ TEST_F(MarksDeskTest, KeepsMarksBesideTheirCase) {
   EXPECT_THAT(get(site, kMarks), EndsWith(marks_file("two")));
 }
 
-TEST_F(MarksDeskTest, WhoseMarksAreOlderChangesNothing) {
+TEST_F(CompanionDeskTest, KeepsToursBesideMarksWhereToldTo) {
+  const std::string tour =
+      R"({"clipgs_tour":1,"volume":"","stops":[{"id":"a","show":"view=30,20","fly":3,"stay":5}]})";
+  const std::string file = "Content-Type: application/json\r\nIf-None-Match: *\r\n";
+  Site marks_alone = open_site();
+  EXPECT_THAT(get(marks_alone, "/api/cases"), HasSubstr(R"("keeps_tours":false)"));
+  EXPECT_THAT(put(marks_alone, kTour, tour, file), StartsWith("HTTP/1.1 405"));
+  SiteOptions options{folder_.path(), "", "localhost", "http://127.0.0.1:8080/"};
+  options.keeps.tours = true;
+  Site site(std::move(options));
+  EXPECT_THAT(get(site, "/api/cases"),
+              AllOf(HasSubstr(R"("keeps_tours":true)"), HasSubstr(R"("keeps_marks":false)")));
+  EXPECT_THAT(get(site, kTour), StartsWith("HTTP/1.1 204"));
+  EXPECT_THAT(put(site, kTour, tour, file), StartsWith("HTTP/1.1 204"));
+  EXPECT_THAT(get(site, kTour), AllOf(StartsWith("HTTP/1.1 200"), EndsWith(tour)));
+  EXPECT_THAT(get(site, kMarks), StartsWith("HTTP/1.1 204")) << "another file";
+  EXPECT_THAT(put(site, kMarks, marks_file("one"), kNew), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(put(site, kTour, marks_file("one"), kNew),
+              AllOf(StartsWith("HTTP/1.1 422"), HasSubstr("no file of tours of version 1")));
+  EXPECT_EQ(read_text(folder_ / "head.tour.json"), tour);
+}
+
+TEST_F(CompanionDeskTest, WhoseMarksAreOlderChangesNothing) {
   Site site = open_site();
   const std::string first = etag_in(put(site, kMarks, marks_file("one"), kNew));
   EXPECT_THAT(put(site, kMarks, marks_file("x"), kNew), StartsWith("HTTP/1.1 412"));
@@ -90,7 +113,7 @@ TEST_F(MarksDeskTest, WhoseMarksAreOlderChangesNothing) {
   EXPECT_THAT(put(site, kMarks, marks_file("x"), known(first)), StartsWith("HTTP/1.1 412"));
 }
 
-TEST_F(MarksDeskTest, OnlyGivesThemWhereNotToldToKeepThem) {
+TEST_F(CompanionDeskTest, OnlyGivesThemWhereNotToldToKeepThem) {
   write_text(folder_ / "head.marks.json", marks_file("one"));
   Site site = open_site(false);
   EXPECT_THAT(get(site, "/api/cases"), HasSubstr(R"("keeps_marks":false)"));
@@ -99,7 +122,7 @@ TEST_F(MarksDeskTest, OnlyGivesThemWhereNotToldToKeepThem) {
   EXPECT_EQ(read_text(folder_ / "head.marks.json"), marks_file("one"));
 }
 
-TEST_F(MarksDeskTest, TakesNothingElse) {
+TEST_F(CompanionDeskTest, TakesNothingElse) {
   Site site = open_site();
   for (const std::string& body :
        {std::string(), std::string("{}"), std::string("[1]"), std::string("{\"clipgs_marks\":1}"),
@@ -121,7 +144,7 @@ TEST_F(MarksDeskTest, TakesNothingElse) {
   EXPECT_FALSE(fs::exists(folder_ / "head.marks.json"));
 }
 
-TEST_F(MarksDeskTest, TakesThemFromItsOwnPagesAlone) {
+TEST_F(CompanionDeskTest, TakesThemFromItsOwnPagesAlone) {
   Site site = open_site();
   const std::string site_of = "If-None-Match: *\r\nSec-Fetch-Site: ";
   EXPECT_THAT(put(site, kMarks, marks_file("x"),
@@ -135,7 +158,7 @@ TEST_F(MarksDeskTest, TakesThemFromItsOwnPagesAlone) {
               StartsWith("HTTP/1.1 204"));
 }
 
-TEST_F(MarksDeskTest, FollowsNoLinkOutOfTheFolder) {
+TEST_F(CompanionDeskTest, FollowsNoLinkOutOfTheFolder) {
   const fs::path secret = folder_ / "elsewhere" / "secret.json";
   fs::create_directory(secret.parent_path());
   write_text(secret, marks_file("secret"));
@@ -146,7 +169,7 @@ TEST_F(MarksDeskTest, FollowsNoLinkOutOfTheFolder) {
   EXPECT_EQ(read_text(secret), marks_file("secret"));
 }
 
-TEST_F(MarksDeskTest, SaysWhereTheyCannotBeWritten) {
+TEST_F(CompanionDeskTest, SaysWhereTheyCannotBeWritten) {
   Site site = open_site();
   const std::string before = etag_in(put(site, kMarks, marks_file("one"), kNew));
   const fs::perms perms = fs::status(folder_.path()).permissions();

@@ -1,0 +1,126 @@
+import { JsonReader } from "../sog/json_reader";
+import { CaseError } from "../sog/zip";
+import type { KeptKind } from "./keeper";
+import { kLongestName, kLongestNote } from "./marks";
+
+// Tours of a case, and the files that hold them: docs/format.md. The twin of src/tour/tour_file.cpp.
+
+/** A view that was saved, with what is said of it. */
+export interface Stop {
+  id: string;
+  name: string;
+  text: string;
+  /** What is shown, in the words of the viewer's address (link.ts). */
+  show: string;
+  /** Seconds of the flight there, and of the stay. */
+  fly: number;
+  stay: number;
+}
+
+const kVersion = 1;
+export const kMostStops = 100;
+export const kLongestFlight = 60; // s
+export const kLongestStay = 600;
+const kFlight = 3;
+const kStay = 5;
+const kLongestId = 40;
+/** Characters: words with as many marks as a case may have, without notes. */
+const kLongestShow = 40_000;
+
+/** A stop at what is shown. */
+export function makeStop(show: string, name: string): Stop {
+  const id = `${Date.now().toString(36)}${Math.random().toString(36).slice(2, 8)}`;
+  return { id, name: name.slice(0, kLongestName), text: "", show, fly: kFlight, stay: kStay };
+}
+
+/** With one more, after the one of that id, or else at the end; null: there are too many. */
+export function withStop(stops: readonly Stop[], stop: Stop, after: string | null = null): Stop[] | null {
+  const at = 1 + stops.findIndex(({ id }) => id === after) || stops.length;
+  return stops.length < kMostStops ? [...stops.slice(0, at), stop, ...stops.slice(at)] : null;
+}
+
+export function withoutStop(stops: readonly Stop[], id: string): Stop[] {
+  return stops.filter((stop) => stop.id !== id);
+}
+
+export function withChange(stops: readonly Stop[], id: string, change: Partial<Omit<Stop, "id">>): Stop[] {
+  return stops.map((stop) => (stop.id === id ? { ...stop, ...change } : stop));
+}
+
+/** One place earlier (−1) or later (1), where there is one. */
+export function withMove(stops: readonly Stop[], id: string, by: -1 | 1): readonly Stop[] {
+  const from = stops.findIndex((stop) => stop.id === id);
+  const to = from + by;
+  if (from < 0 || to < 0 || to >= stops.length) {
+    return stops;
+  }
+  const moved = withoutStop(stops, id);
+  moved.splice(to, 0, stops[from]!);
+  return moved;
+}
+
+/** What a file holds of a tour of a volume; "": that is not known. */
+export function formatTour(stops: readonly Stop[], volume: string): string {
+  const all = stops.map(({ id, name, text, show, fly, stay }) => ({
+    id,
+    ...(name ? { name } : {}),
+    ...(text ? { text } : {}),
+    show,
+    fly,
+    stay,
+  }));
+  return JSON.stringify({ clipgs_tour: kVersion, volume, stops: all });
+}
+
+function readStop(reader: JsonReader): Stop {
+  const text = (key: string, longest: number) => (reader.has(key) ? reader.text(key).slice(0, longest) : "");
+  const show = reader.text("show");
+  return {
+    id: reader.text("id").slice(0, kLongestId),
+    name: text("name", kLongestName),
+    text: text("text", kLongestNote),
+    show: show.length <= kLongestShow ? show.replace(/^#/, "") : reader.fail("show"),
+    fly: reader.has("fly") ? reader.number("fly", 0, kLongestFlight) : kFlight,
+    stay: reader.has("stay") ? reader.number("stay", 0, kLongestStay) : kStay,
+  };
+}
+
+/**
+ * Reads a tour of `volume`; `name` is what errors call the file. Throws CaseError where it is not one, is of a newer
+ * version or of another volume, or has too many stops.
+ */
+export function parseTour(text: string, name: string, volume: string): Stop[] {
+  let file: unknown;
+  try {
+    file = JSON.parse(text);
+  } catch {
+    throw new CaseError(`${name}: not a tour`);
+  }
+  const reader = new JsonReader(file, "tour", { name, remedy: "save the tour again" });
+  if (!reader.has("clipgs_tour")) {
+    throw new CaseError(`${name}: not a tour`);
+  }
+  if (reader.value("clipgs_tour") !== kVersion) {
+    throw new CaseError(`${name}: of a version that this viewer does not know; use a newer clipgs`);
+  }
+  const of = reader.has("volume") ? reader.text("volume") : "";
+  if (of !== "" && volume !== "" && of !== volume) {
+    throw new CaseError(`${name}: a tour of another volume; open its case first`);
+  }
+  const listed = reader.value("stops");
+  if (Array.isArray(listed) && listed.length > kMostStops) {
+    throw new CaseError(
+      `${name}: has ${listed.length} stops, of which no more than ${kMostStops} can be shown`,
+    );
+  }
+  const stops = reader.children("stops", kMostStops).map(readStop);
+  return [...new Map(stops.map((stop) => [stop.id, stop])).values()];
+}
+
+export const kTourFile: KeptKind<Stop> = {
+  name: "tour",
+  most: kMostStops,
+  ordered: true,
+  format: formatTour,
+  parse: parseTour,
+};

@@ -1,0 +1,147 @@
+import type { Actions } from "./actions";
+import type { Host } from "./app";
+import { BrowserPlace, Keeper } from "./model/keeper";
+import { formatLink, type Link } from "./model/link";
+import {
+  formatTour,
+  kMostStops,
+  kTourFile,
+  makeStop,
+  parseTour,
+  type Stop,
+  withChange,
+  withStop,
+} from "./model/tour";
+import type { ViewerStore } from "./model/viewer_state";
+import { texts } from "./text/text";
+import { TourPlayer } from "./tour_player";
+import { download } from "./ui/download";
+import type { ViewsDesk } from "./ui/views_panel";
+import type { Viewer } from "./viewer";
+
+/** The volume that a viewer shows, or, where that is not known, the case. */
+export function volumeOf({ info, caseName }: Viewer): string {
+  return info?.volume || `/${caseName}`;
+}
+
+/** The views that are saved of a volume: where they are kept, and the tour of them. */
+export class Views implements ViewsDesk {
+  readonly player: TourPlayer;
+  readonly #viewer: Viewer;
+  readonly #host: Host;
+  readonly #link: () => Link;
+  readonly #fail: (text: string, again: () => void) => void;
+  readonly #keeper = new Keeper(kTourFile);
+  #waking = 0;
+
+  /** `link` says what is shown, `fail` what went wrong, and offers to do it again. */
+  constructor(
+    viewer: Viewer,
+    actions: Actions,
+    host: Host,
+    link: () => Link,
+    fail: (text: string, again: () => void) => void,
+  ) {
+    this.#viewer = viewer;
+    this.#host = host;
+    this.#link = link;
+    this.#fail = fail;
+    this.player = new TourPlayer({
+      store: viewer.store,
+      get caseName() {
+        return viewer.caseName;
+      },
+      get window() {
+        return viewer.window;
+      },
+      openLook: (name) => host.openLook(name),
+      isStill: () => matchMedia("(prefers-reduced-motion: reduce)").matches,
+      takeHold: (holder) => actions.takeHold(holder),
+      letGo: (holder) => actions.letGo(holder),
+      wake: () => (this.#waking ||= requestAnimationFrame(() => this.tick())),
+    });
+  }
+
+  get store(): ViewerStore {
+    return this.#viewer.store;
+  }
+
+  get trouble(): ViewsDesk["trouble"] {
+    return this.#keeper.trouble;
+  }
+
+  /** Before a frame. */
+  tick(): void {
+    cancelAnimationFrame(this.#waking);
+    this.#waking = 0;
+    this.player.tick(performance.now());
+  }
+
+  /** Those of the case of this name, which is shown now, in place of those before; of a person's own file, in this browser. */
+  async bring(name: string, isOwn = false): Promise<void> {
+    this.player.leave();
+    const { volume } = this.#viewer.info!;
+    const inBrowser = () => Promise.resolve(new BrowserPlace(kTourFile, volume, name));
+    const place = (!isOwn && this.#host.tourPlace?.(name, volume)) || inBrowser();
+    const stops = await this.#keeper.open(place, volumeOf(this.#viewer));
+    this.#keeper.adopt(stops);
+    this.store.setStops(stops);
+  }
+
+  /** After every change of the viewer's state. */
+  observe(): void {
+    this.#keeper.observe(this.store.state.stops, volumeOf(this.#viewer));
+  }
+
+  /** Saves what is shown, after the view that is shown or else at the end; null where there are too many. */
+  save(name = texts().views.first(this.player.stops.length + 1), text = ""): Stop | null {
+    if (!this.#viewer.info) {
+      return null;
+    }
+    const stop = { ...makeStop(this.#words, name), text };
+    const stops = withStop(this.player.stops, stop, this.player.stop.peek()?.id);
+    if (!stops) {
+      this.#fail(texts().views.tooMany(kMostStops), () => this.save(name, text));
+      return null;
+    }
+    this.store.setStops(stops);
+    return stop;
+  }
+
+  update(id: string): void {
+    this.store.setStops(withChange(this.player.stops, id, { show: this.#words }));
+  }
+
+  saveFile(): void {
+    const { caseName, info } = this.#viewer;
+    const text = formatTour(this.player.stops, info?.volume ?? "");
+    download(new Blob([text], { type: "application/json" }), `${caseName ?? "case"}.tour.json`);
+  }
+
+  openFile(file: File): void {
+    void this.#open(file).catch((error: Error) => this.#fail(error.message, () => this.openFile(file)));
+  }
+
+  /** What is to be kept is kept at once. */
+  flush(): void {
+    this.#keeper.flush();
+  }
+
+  dispose(): void {
+    this.player.leave();
+    cancelAnimationFrame(this.#waking);
+    this.flush();
+  }
+
+  /** A file's views come in place of those that are there; undo brings these back. */
+  async #open(file: File): Promise<void> {
+    const stops = parseTour(await file.text(), file.name, this.#viewer.info?.volume ?? "");
+    this.player.leave();
+    this.store.setStops(stops);
+  }
+
+  /** What is shown, in the words of an address. */
+  get #words(): string {
+    return formatLink({ ...this.#link(), beside: undefined }).slice(1);
+  }
+}
