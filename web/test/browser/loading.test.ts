@@ -21,7 +21,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
   });
 
   it("shows what is coming, then the body, before the file is there", async () => {
-    const proxy = await startSlowProxy(session.url, "/cases/phantom.sog", 80_000);
+    const proxy = await startSlowProxy(session.url, "/cases/phantom.sog");
     const visitor = await session.openPage(`${proxy.url}#case=phantom`, errors);
     const loading = visitor.getByRole("progressbar", { name: "Loading" });
     await expect.poll(() => loading.textContent()).toMatch(/Torso phantom\d+ of \d+ KB/);
