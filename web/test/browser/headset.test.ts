@@ -182,6 +182,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     for (const what of ["hand", "controller"] as const) {
       it(`draws each ${what} by its model, before the cut face where it is nearer`, async () => {
         await wearer.wear();
+        await wearer.use(what === "hand" ? "controller" : "hand"); // what is in use already is not fetched again
         models.length = 0;
         await wearer.use(what);
         await page.evaluate(() => window.clipgs.setPlane({ normal: [0, -1, 0], offset: 0 })); // its face is turned to the eyes
