@@ -51,6 +51,7 @@ TEST_F(EvalCommandTest, MeasuresASceneAndACase) {
   run({"pack", at("scene.ply"), "-o", at("case.sog")});
   const Finished info = run_clipgs({"info", at("case.sog"), "--json"});
   EXPECT_EQ(nlohmann::json::parse(info.out).at("title"), "Trunk, soft tissue");
+  EXPECT_EQ(nlohmann::json::parse(info.out).at("created").get<std::string>().size(), 10u);
   for (const std::string& scene : {at("scene.ply"), at("case.sog")}) {
     const Finished finished =
         run_clipgs({"eval", scene, "--dataset", at("dataset"), "--json", at("figures.json"),

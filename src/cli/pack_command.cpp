@@ -33,6 +33,9 @@ void run_pack(const PackArguments& arguments) {
   } else if (scene.title.empty()) {
     scene.title = usual_title(scene.look, scene.preset);
   }
+  if (scene.created.empty()) {
+    scene.created = today();
+  }
   if (arguments.section.none) {
     contents.section.reset();
   } else if (contents.section) {

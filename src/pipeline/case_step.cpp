@@ -11,16 +11,11 @@
 
 namespace clipgs {
 
-namespace {
-
-/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte.
 std::string today() {
   const char* epoch = std::getenv("SOURCE_DATE_EPOCH");
   const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
   return fmt::format("{:%Y-%m-%d}", fmt::gmtime(time));
 }
-
-}  // namespace
 
 void name_case(Case& contents, const std::string& title) {
   Scene& scene = contents.scene;

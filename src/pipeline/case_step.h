@@ -7,6 +7,9 @@
 
 namespace clipgs {
 
+/// Today, or the day of SOURCE_DATE_EPOCH for builds that must repeat to the byte: ISO 8601.
+std::string today();
+
 /// Gives a case that is made now its title (empty: the usual one of its look) and its date.
 void name_case(Case& contents, const std::string& title);
 

@@ -648,7 +648,7 @@ export class App {
     const below = box.width >= clientWidth;
     const card = this.#card?.isAside ? this.#card.element.getBoundingClientRect() : null;
     if (below && !this.#panel.classList.contains("open")) {
-      this.#root.style.setProperty("--sheet", `${box.height}px`);
+      this.#root.style.setProperty("--panel-height", `${box.height}px`);
     }
     const free = this.#slices.free.getBoundingClientRect();
     const sliced = free.width > 0;

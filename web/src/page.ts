@@ -1,6 +1,13 @@
 import type { ClipgsApi } from "./api";
 import { App, type Host } from "./app";
-import { caseFile, type CaseIndex, type CaseSummary, fetchIndex, sayGoodbye } from "./model/case_list";
+import {
+  caseFile,
+  type CaseIndex,
+  type CaseSummary,
+  fetchIndex,
+  kNoAnswer,
+  sayGoodbye,
+} from "./model/case_list";
 import { newsText } from "./model/case_news";
 import { type Look, looksOf } from "./model/looks";
 import { type Place, servedPlace } from "./model/keeper";
@@ -11,7 +18,7 @@ import { kTourFile, type Stop } from "./model/tour";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
 import { texts } from "./text/text";
-import { CaseMenu } from "./ui/case_card";
+import type { CaseLibrary } from "./ui/case_library";
 import type { LoadingCard } from "./ui/loading_card";
 import { LooksMenu } from "./ui/looks_menu";
 import type { CaseClient } from "./worker/case_client";
@@ -38,10 +45,8 @@ export function startPage(
 class Page implements Host {
   readonly keys = window;
   readonly app: App;
-  readonly #menu = new CaseMenu(
-    (name, beside) => (beside ? this.#showBeside(name) : void this.open(name).catch(() => {})),
-    (file) => void this.app.openFile(file),
-  );
+  readonly #root: HTMLElement;
+  #library: CaseLibrary | null = null; // loaded when it is opened first
   readonly #looksMenu = new LooksMenu((name) => void this.open(name).catch(() => {}));
   readonly #name = crypto.randomUUID?.() ?? String(Math.random()).slice(2); // that the server knows it by
   #index: CaseIndex = { cases: [], making: null, keepsMarks: false, keepsTours: false };
@@ -54,7 +59,8 @@ class Page implements Host {
 
   constructor(root: HTMLElement, client: CaseClient, loading: LoadingCard) {
     this.app = new App(root, this, client, loading);
-    root.append(this.#menu.element, this.#looksMenu.element);
+    this.#root = root;
+    root.append(this.#looksMenu.element);
     // By now the address may have been written over.
     addEventListener("hashchange", (event) => void this.#follow(new URL(event.newURL).hash).catch(() => {}));
   }
@@ -119,6 +125,7 @@ class Page implements Host {
     } catch {
       return;
     }
+    this.#library?.update(this.#index);
     const { viewer } = this.app;
     const shown = this.#cases.find((one) => one.name === viewer.caseName);
     const isNew = shown && !shown.error && this.#version !== "" && shown.version !== this.#version;
@@ -248,11 +255,11 @@ class Page implements Host {
   }
 
   choose(): void {
-    void this.#showMenu();
+    void this.#showLibrary();
   }
 
   chooseBeside(): void {
-    void this.#showMenu(true);
+    void this.#showLibrary(true);
   }
 
   address(): string | null {
@@ -283,7 +290,7 @@ class Page implements Host {
     const name = link.case ?? wanted ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {
       app.endLoading();
-      await this.#showMenu();
+      await this.#showLibrary();
       return;
     }
     if (name === wanted) {
@@ -312,11 +319,26 @@ class Page implements Host {
     }
   }
 
-  async #showMenu(beside = false): Promise<void> {
+  async #showLibrary(beside = false): Promise<void> {
     try {
-      this.#menu.show(await this.cases(), this.app.viewer.caseName, beside);
+      const [library] = await Promise.all([this.#loadLibrary(), this.cases()]);
+      library.show(this.#index, this.app.viewer.caseName, beside);
     } catch (error) {
-      this.app.fail((error as CaseError).message, () => void this.#showMenu(beside));
+      this.app.fail((error as CaseError).message, () => void this.#showLibrary(beside));
     }
+  }
+
+  async #loadLibrary(): Promise<CaseLibrary> {
+    const { CaseLibrary } = await import("./ui/case_library").catch(() => {
+      throw new CaseError(kNoAnswer);
+    });
+    if (!this.#library) {
+      this.#library = new CaseLibrary(
+        (name, beside) => (beside ? this.#showBeside(name) : void this.open(name).catch(() => {})),
+        (file) => void this.app.openFile(file),
+      );
+      this.#root.append(this.#library.element);
+    }
+    return this.#library;
   }
 }

@@ -7,6 +7,10 @@ export interface CaseLook {
   volume: string;
   title: string;
   description: string;
+  /** "CT", "MR", …; absent where it is not known. */
+  modality?: string;
+  /** Of the body; absent where it is not known. */
+  region?: string;
 }
 
 /** One case of the server's index; a broken one has an error instead of a file. */
@@ -20,7 +24,10 @@ export interface CaseSummary {
   title: string;
   preset: string;
   look: CaseLook | null;
+  /** ISO 8601; "": not known. */
+  created: string;
   splats: number;
+  /** "": it is being made, and not there yet. */
   file: string;
   thumbnail: string | null;
   error: string | null;
@@ -78,6 +85,7 @@ export async function fetchIndex(page = ""): Promise<CaseIndex> {
     title: one.title || one.name || "",
     preset: one.preset ?? "",
     look: one.look ?? null,
+    created: one.created ?? "",
     splats: one.splats ?? 0,
     file: one.file ?? caseFile(one.name ?? ""),
     thumbnail: one.thumbnail ?? null,

@@ -42,7 +42,12 @@ export function groupCases(cases: readonly CaseSummary[]): CaseGroup[] {
   for (const one of cases) {
     // What one case's alone is called has a character that no volume has.
     const key = one.look?.volume || `/${one.name}`;
-    groups.set(key, [...(groups.get(key) ?? []), one]);
+    const members = groups.get(key);
+    if (members) {
+      members.push(one);
+    } else {
+      groups.set(key, [one]);
+    }
   }
   return [...groups.values()].map((members) => {
     const names = namesOf(members);

@@ -11,6 +11,11 @@ export function texts(): Texts {
   return kLanguages[chosen]!;
 }
 
+/** The language that was chosen, as BCP 47 has it. */
+export function language(): string {
+  return chosen;
+}
+
 /** From now on, of BCP 47 tags the first that is spoken here ("de-CH"), or English. Returns it. */
 export function chooseLanguage(wanted: readonly (string | null | undefined)[]): string {
   const codes = wanted.map((tag) => tag?.toLowerCase().split("-")[0] ?? "");

@@ -1,5 +1,5 @@
 import { texts } from "../text/text";
-import { sheetDialog } from "./case_card";
+import { sheetDialog } from "./sheet_dialog";
 import { h } from "./dom";
 
 /** What is done with fingers, where those are what there is, or with a mouse and keys. */

@@ -1,7 +1,8 @@
 import type { Look } from "../model/looks";
 import { texts } from "../text/text";
-import { caseCard, sheetDialog } from "./case_card";
+import { caseCard } from "./case_card";
 import { h } from "./dom";
+import { sheetDialog } from "./sheet_dialog";
 
 /** The looks of one volume with their pictures, and what each shows. */
 export class LooksMenu {
@@ -24,7 +25,7 @@ export class LooksMenu {
   show(looks: readonly Look[], current: string | null): void {
     this.#cards.replaceChildren(
       ...looks.map(({ case: one, name }) =>
-        caseCard(one, name, one.look?.description ?? "", one.name === current, () => {
+        caseCard(one, name, [h("small", {}, one.look?.description ?? "")], one.name === current, () => {
           this.element.close();
           this.#choose(one.name);
         }),

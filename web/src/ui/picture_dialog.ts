@@ -2,7 +2,7 @@ import { computed, signal } from "@preact/signals-core";
 
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
-import { sheetDialog } from "./case_card";
+import { sheetDialog } from "./sheet_dialog";
 import { h } from "./dom";
 import type { WantedPicture } from "./save_picture";
 import { choices } from "./segments";

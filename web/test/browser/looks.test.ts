@@ -167,6 +167,26 @@ describe.skipIf(missing !== undefined)(
       await expect.poll(shown).toBe("photo");
     });
 
+    it("are found in the library by keys alone, beside the names of their files", async () => {
+      await page.locator("canvas").focus();
+      await page.keyboard.press("m");
+      const library = page.getByRole("dialog", { name: "Cases" });
+      const focused = () =>
+        page.evaluate(() => document.activeElement?.closest<HTMLElement>("[data-case]")?.dataset["case"]);
+      await expect.poll(focused).toBe("photo");
+      const text = await library.locator('[data-case="phantom"]').textContent();
+      expect(text).toMatch(/phantom\.sog.*Trunk · [\d.]+.[KM]B · \w+.\d+,.\d{4}/);
+      await page.keyboard.press("End");
+      await page.keyboard.press("ArrowLeft");
+      expect(await focused()).not.toBe("photo");
+      await page.keyboard.type("trunk SKÉLETON");
+      await expect.poll(() => library.getByRole("status").textContent()).toBe("1 of 5 cases");
+      expect(await library.locator(".card").count()).toBe(1);
+      await page.keyboard.press("Enter");
+      await expect.poll(shown).toBe("skeleton");
+      expect(await library.count()).toBe(0);
+    });
+
     it("are not offered where there is one", async () => {
       await page.evaluate(() => window.clipgs.open("photo"));
       expect(await page.getByRole("button", { name: /^Look:/ }).count()).toBe(0);

@@ -22,6 +22,11 @@ export class Server {
     await this.#serve("0");
   }
 
+  /** Of the program that serves. */
+  get pid(): number {
+    return this.#server.pid!;
+  }
+
   /** As a power cut does. */
   async cutPower(): Promise<void> {
     const gone = new Promise((done) => this.#server.once("exit", done));

@@ -15,6 +15,7 @@ function summary(name: string, title: string, volume = "", look = ""): CaseSumma
     trained: 1,
     preset: "",
     look: volume ? { volume, title: look, description: "" } : null,
+    created: "",
     splats: 1,
     file: "",
     thumbnail: null,
