@@ -1,3 +1,4 @@
+import { createHash } from "node:crypto";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
@@ -38,6 +39,38 @@ const inlineStyles: Plugin = {
   },
 };
 
+/** The layout engine of the headset's panel is WebAssembly in base 64: as a file it is a third smaller, compressed. */
+const unpackYoga: Plugin = {
+  name: "unpack-yoga",
+  apply: "build",
+  transform(code, id) {
+    if (!id.endsWith("yoga-wasm-base64-esm.js")) {
+      return null;
+    }
+    const [address, base64] = /data:application\/octet-stream;base64,([\w+/=]+)/.exec(code)!;
+    const source = Buffer.from(base64!, "base64");
+    const name = `yoga-${createHash("sha256").update(source).digest("base64url").slice(0, 8)}.wasm`;
+    this.emitFile({ type: "asset", fileName: `assets/${name}`, source }); // beside the code, where it is looked for
+    return code.replace(address, name);
+  },
+};
+
+/** Comments of shaders are for those who read the source. */
+const stripShaders: Plugin = {
+  name: "strip-shaders",
+  apply: "build",
+  enforce: "pre",
+  load(id) {
+    const [file, query] = id.split("?");
+    if (!file!.endsWith(".glsl") || query !== "raw") {
+      return null;
+    }
+    const lines = readFileSync(file!, "utf8").split("\n");
+    const code = lines.map((line) => line.replace(/\/\/.*$/, "").trimEnd()).filter((line) => line !== "");
+    return `export default ${JSON.stringify(code.join("\n"))};`;
+  },
+};
+
 /** Puts FILE.br and FILE.gz beside every file that they make smaller, as the server sends them. */
 const compressFiles: Plugin = {
   name: "compress-files",
@@ -61,7 +94,7 @@ const compressFiles: Plugin = {
 
 export default defineConfig({
   base: "./",
-  plugins: [preloadPage, inlineStyles, compressFiles],
+  plugins: [preloadPage, inlineStyles, unpackYoga, stripShaders, compressFiles],
   resolve: {
     alias: {
       "@wasm": out,
@@ -74,6 +107,7 @@ export default defineConfig({
     outDir: resolve(out, "dist"),
     emptyOutDir: true,
     target: "es2022",
+    minify: "terser", // 2 % smaller than by default
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 800,
   },

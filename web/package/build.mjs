@@ -13,7 +13,7 @@ import {
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { build } from "vite";
+import { build, loadConfigFromFile } from "vite";
 
 const web = resolve(dirname(fileURLToPath(import.meta.url)), "..");
 const folder = resolve(process.argv[2] ?? process.env.CLIPGS_WEB_OUT ?? resolve(web, "build"));
@@ -51,58 +51,96 @@ function copyTypes(name) {
   }
 }
 
+const { config } = await loadConfigFromFile({ command: "build", mode: "production" }, "vite.config.ts");
 const bundled = new Set();
-await build({
-  logLevel: "warn",
-  plugins: [
-    {
-      name: "package",
-      enforce: "post",
-      generateBundle(_options, chunks) {
-        for (const chunk of Object.values(chunks)) {
-          // As bundlers know it: a worker at a literal address beside the module.
-          chunk.code = chunk.code?.replace(
-            /new URL\(""\+(new URL\("[^"]+",import\.meta\.url\))\.href,import\.meta\.url\)/g,
-            "$1",
-          );
-        }
-        for (const id of this.getModuleIds()) {
-          bundled.add(id);
-        }
+/** Builds src/ENTRY.ts, without the packages that are those of who uses it. */
+function bundle(entry, external, emptyOutDir) {
+  return build({
+    ...config,
+    configFile: false,
+    logLevel: "warn",
+    plugins: [
+      config.plugins.find(({ name }) => name === "strip-shaders"),
+      {
+        name: "bundled",
+        generateBundle() {
+          for (const id of this.getModuleIds()) {
+            bundled.add(id);
+          }
+        },
+      },
+    ],
+    resolve: {
+      alias: { ...config.resolve.alias, "./start_workers": resolve(web, "package/inline_workers.ts") },
+    },
+    worker: { format: "es", rollupOptions: { output: { inlineDynamicImports: true } } },
+    build: {
+      ...config.build,
+      outDir: output,
+      emptyOutDir,
+      copyPublicDir: false,
+      assetsDir: "",
+      minify: "esbuild", // whoever bundles it does that again
+      assetsInlineLimit: (file) => file.endsWith(".wasm"), // of workers, which have no address
+      modulePreload: false,
+      rollupOptions: {
+        input: `src/${entry}.ts`,
+        external,
+        preserveEntrySignatures: "strict",
+        output: { entryFileNames: `${entry}.js` },
       },
     },
-  ],
-  build: {
-    outDir: output,
-    copyPublicDir: false,
-    assetsDir: "",
-    modulePreload: false,
-    rollupOptions: {
-      input: "src/index.ts",
-      preserveEntrySignatures: "strict",
-      output: { entryFileNames: "index.js" },
-    },
-  },
-});
+  });
+}
+
+await bundle("index", [], true);
+await bundle("three", ["three"], false);
 const declared = mkdtempSync(join(tmpdir(), "clipgs-types-"));
 execFileSync("node_modules/.bin/tsc", ["-p", "package/tsconfig.json", "--outDir", declared], {
   stdio: "inherit",
 });
 copyTypes("index");
+copyTypes("three");
 rmSync(declared, { recursive: true });
 
-const { name, description, license } = JSON.parse(readFileSync("package.json", "utf8"));
+const { name, description, license, dependencies } = JSON.parse(readFileSync("package.json", "utf8"));
 const version = /project\(clipgs VERSION ([\d.]+)/.exec(readFileSync("../CMakeLists.txt", "utf8"))[1];
 const manifest = {
   name,
   version,
   description,
   license,
+  author: "The clipgs developers",
+  keywords: [
+    "gaussian-splatting",
+    "medical-imaging",
+    "volume-rendering",
+    "ct",
+    "mri",
+    "clipping",
+    "three.js",
+    "web-components",
+    "webxr",
+  ],
   type: "module",
-  exports: { ".": { types: "./index.d.ts", default: "./index.js" } },
+  exports: {
+    ".": { types: "./index.d.ts", default: "./index.js" },
+    "./three": { types: "./three.d.ts", default: "./three.js" },
+    "./custom-elements.json": "./custom-elements.json",
+    "./package.json": "./package.json",
+  },
+  main: "./index.js",
+  module: "./index.js",
   types: "./index.d.ts",
+  unpkg: "./index.js",
+  jsdelivr: "./index.js",
+  sideEffects: ["./index*.js"], // they define the element
+  customElements: "./custom-elements.json",
+  peerDependencies: { three: `>=${dependencies.three.split(".").slice(0, 2).join(".")}` },
+  peerDependenciesMeta: { three: { optional: true } }, // of clipgs-viewer/three alone
 };
 writeFileSync(`${output}/package.json`, `${JSON.stringify(manifest, null, 2)}\n`);
+copyFileSync("package/custom-elements.json", `${output}/custom-elements.json`);
 copyFileSync("package/README.md", `${output}/README.md`);
 copyFileSync("../LICENSE", `${output}/LICENSE`);
 writeFileSync(

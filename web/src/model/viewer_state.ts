@@ -45,7 +45,7 @@ export interface ViewerState extends Style {
 /** A crosshair that is nearer to the cut lies in it, mm. */
 const kInCut = 1e-6;
 
-const kFirst: ViewerState = {
+export const kFirst: ViewerState = {
   view: viewFrom(0, 0),
   mode: "arbitrary",
   cuts: [],

@@ -126,6 +126,7 @@ export class SplatLayer {
     uDepth: { value: null as DepthTexture | null },
     uMiddleDepth: { value: 1 },
     ...this.#faceDepths.uniforms,
+    uToLinear: { value: false },
   };
   #outlined: SectionFaces | null = null; // that the object's material is made for, and
   #straight: FullScreenPass<CompositeUniforms> | null = null;
@@ -219,14 +220,25 @@ export class SplatLayer {
   }
 
   /**
-   * For speed, what an eye sees in a viewport of a headset's picture: `solid` shows it until another eye's is drawn. The
-   * splats keep their colours.
+   * What an eye sees in a viewport of a picture, for speed unless it is `still`: `solid` shows it until another eye's is
+   * drawn. The splats keep their colours.
    */
-  drawEye(subject: Subject, eye: PerspectiveCamera, { x, y, z: width, w: height }: Vector4): void {
-    this.#draw(subject, eye, this.#moving, width, height);
-    this.#solidUniforms.uDepth.value = this.#moving.depthTexture;
+  drawEye(
+    subject: Subject,
+    eye: PerspectiveCamera,
+    { x, y, z: width, w: height }: Vector4,
+    still = false,
+  ): void {
+    const target = still ? this.#still : this.#moving;
+    this.#draw(subject, eye, target, width, height);
+    this.#solidUniforms.uDepth.value = target.depthTexture;
     this.#faceDepths.set(subject.mesh, subject.faces?.ends ?? [], eye);
     this.#show(x, y, width, height);
+  }
+
+  /** Whether `solid` is drawn into a picture of linear light; else its colours are display sRGB, as screens have them. */
+  set toLinear(toLinear: boolean) {
+    this.#solidUniforms.uToLinear.value = toLinear;
   }
 
   /** Shows what was drawn in so many pixels. */
@@ -274,7 +286,7 @@ export class SplatLayer {
 
   /** The case is gone whose picture is still shown. */
   forget(): void {
-    this.#outlineBy(null);
+    this.outlineBy(null);
     this.#surface?.forget();
   }
 
@@ -359,7 +371,7 @@ export class SplatLayer {
 
   /** The outline is that of the volume where what is cut ends by the plane itself, as it does in the volume. Returns whose it is. */
   #setOutline(mesh: SplatMesh, faces: SectionFaces | null, camera: PerspectiveCamera): SectionFaces | null {
-    this.#outlineBy(faces);
+    this.outlineBy(faces);
     const byPlane = mesh.clip === kClipOperators.exact || mesh.planes.length === 0;
     const outlined = faces?.hasOutline && byPlane && faces.detail !== "splats" ? faces : null;
     this.#outline.uniforms.uHasOutline.value = outlined !== null;
@@ -369,7 +381,8 @@ export class SplatLayer {
     return outlined;
   }
 
-  #outlineBy(faces: SectionFaces | null): void {
+  /** Makes the material by which these faces are shown, if it is not that already; drawing does, too. */
+  outlineBy(faces: SectionFaces | null): void {
     if (this.#outlined !== faces) {
       this.#outlined = faces;
       for (const mesh of [this.object, this.solid]) {

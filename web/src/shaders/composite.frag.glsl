@@ -52,6 +52,7 @@ float faceDepth(vec2 at) {
   }
   return 0.5 + 0.5 * z;
 }
+uniform bool uToLinear;  // into a picture of linear light
 #endif
 
 // Planes that are seen along themselves end the picture: the twin of KeptShare in src/splat/kept_share.h.
@@ -156,6 +157,10 @@ void main() {
 #endif
   depth = depth < kFace ? faceDepth(at) : depth < 1.0 ? depth : uMiddleDepth;
   gl_FragDepth = c.a < 0.5 ? 1.0 : depth;
+  if (uToLinear && c.a > 0.0) {
+    vec3 s = clamp(c.rgb / c.a, 0.0, 1.0);
+    c.rgb = c.a * mix(s / 12.92, pow((s + 0.055) / 1.055, vec3(2.4)), step(0.04045, s));
+  }
 #endif
   if (kStraight == 1) {
     c.rgb /= max(c.a, 1e-6);

@@ -12,6 +12,7 @@ import {
   type SectionReply,
   type SectionRequest,
 } from "./protocol";
+import { startCaseWorker, startSectionWorker } from "./start_workers";
 
 const kStopped = "the viewer's worker stopped; open the case again";
 const kGone = "the viewer is gone";
@@ -142,7 +143,7 @@ export class CaseClient {
   }
 
   #startWorker(): Worker {
-    const worker = new Worker(new URL("./case_worker.ts", import.meta.url), { type: "module" });
+    const worker = startCaseWorker();
     worker.onmessage = (event: MessageEvent<Reply>) => this.#receive(event.data);
     worker.onerror = () => this.#stop(kStopped);
     return worker;
@@ -196,7 +197,7 @@ export class CaseClient {
 
   /** Begins to decode a section. Its worker goes on as that of its light, or ends. */
   #decode(coded: CodedSection, { resolve, reject }: Waiting<Decoded>): void {
-    const worker = new Worker(new URL("./section_worker.ts", import.meta.url), { type: "module" });
+    const worker = startSectionWorker();
     const forget = (): void => {
       if (this.#stopDecoding === stop) {
         this.#stopDecoding = () => {}; // it would hold what was decoded

@@ -19,6 +19,7 @@ import type { Marking } from "../model/marking";
 import type { Reading } from "../model/values";
 import { cameraAxes } from "../model/view";
 import { PlaneWidget } from "../render/plane_widget";
+import { setWorldCamera } from "../render/world_camera";
 import type { Viewer } from "../viewer";
 import { BodyTarget } from "./body_target";
 import { BoundsControl } from "./bounds_control";
@@ -218,14 +219,7 @@ export class Stage {
 
   /** Sets `out` so that it sees of the viewer's world what a camera in the room does, as near to its near plane. */
   seeWorld(camera: PerspectiveCamera, out: PerspectiveCamera): void {
-    out.matrixWorld.multiplyMatrices(kWorldFromPatient, this.#patientFromRoom).multiply(camera.matrixWorld);
-    const scale = out.position.setFromMatrixScale(out.matrixWorld).x;
-    out.position.setFromMatrixPosition(out.matrixWorld);
-    out.matrixWorld.scale(new Vector3().setScalar(1 / scale));
-    out.matrixWorldInverse.copy(out.matrixWorld).invert();
-    out.projectionMatrix.copy(camera.projectionMatrix);
-    out.projectionMatrix.elements[14] *= scale; // that of the near plane
-    out.projectionMatrixInverse.copy(out.projectionMatrix).invert();
+    setWorldCamera(out, camera, this.#patientFromRoom);
   }
 
   /** A point of the room in RAS mm. */

@@ -1,14 +1,27 @@
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createServer, type Server } from "node:http";
+import {
+  cpSync,
+  existsSync,
+  mkdirSync,
+  mkdtempSync,
+  readFileSync,
+  rmSync,
+  symlinkSync,
+  writeFileSync,
+} from "node:fs";
+import { createServer, type RequestListener, type Server } from "node:http";
 import type { AddressInfo } from "node:net";
 import { tmpdir } from "node:os";
-import { extname, join, resolve } from "node:path";
+import { dirname, extname, join, resolve } from "node:path";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, inject, it } from "vitest";
 import { build } from "vite";
 
+import type * as Three from "three";
+
+import type { ClippableSplats } from "../../src/clippable_splats";
 import type { ClipgsViewerElement } from "../../src/element";
+import { ofPage, psnr } from "./picture";
 import { missing } from "./program";
 import { launchBrowser } from "./session";
 
@@ -28,6 +41,46 @@ const kPage = `<!doctype html>
     <clipgs-viewer src="cases/phantom.sog" link="view=30,20&plane=0,-1,0,0&clip=soft"></clipgs-viewer>
     <script>const viewer = (() => { const first = document.querySelector("clipgs-viewer"); return () => first; })();</script>
   </body>`;
+
+/** A page that draws a case among its own objects, with its own three.js. */
+const kThreePage = `<!doctype html>
+  <script type="importmap">{"imports": {
+    "three": "./node_modules/three/build/three.module.js",
+    "clipgs-viewer/three": "./node_modules/clipgs-viewer/three.js"
+  }}</script>
+  <script type="module">
+    import * as three from "three";
+    import { ClippableSplats } from "clipgs-viewer/three";
+    const renderer = new three.WebGLRenderer();
+    renderer.setSize(192, 192);
+    document.body.append(renderer.domElement);
+    const scene = new three.Scene();
+    const splats = new ClippableSplats(renderer);
+    const box = new three.Mesh(new three.BoxGeometry(20, 20, 20), new three.MeshBasicMaterial({ color: 0xff0000 }));
+    box.visible = false;
+    splats.add(box);
+    scene.add(splats);
+    const camera = new three.PerspectiveCamera(40, 1, 0.05, 10);
+    let changes = 0;
+    splats.addEventListener("change", () => ++changes);
+    window.made = { three, renderer, scene, splats, camera, box, changes: () => changes };
+    window.loaded = splats.load("cases/phantom.sog").then(() => {});
+  </script>`;
+
+const kThreeConsumer = `import { ClippableSplats } from "clipgs-viewer/three";
+import { Plane, Scene, Vector3, WebGLRenderer } from "three";
+
+const splats = new ClippableSplats(new WebGLRenderer());
+new Scene().add(splats);
+splats.addEventListener("change", () => console.log(splats.title));
+await splats.load("head.sog", (share) => console.log(share.toFixed()));
+splats.planes = [new Plane(new Vector3(0, 0, -1), 40)];
+splats.clip = "exact";
+const radius: number | undefined = splats.sphere?.radius;
+console.log(radius);
+// @ts-expect-error: there are three operators
+splats.clip = "sharp";
+`;
 
 /** How a page may use the package: what its types must take, and what they must not. */
 const kConsumer = `import { type ClipgsApi, type ClipgsViewerElement, type Triple } from "clipgs-viewer";
@@ -53,8 +106,9 @@ viewer.clipgs.stats;
 describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is missing)` : ""}`, () => {
   const folder = mkdtempSync(join(tmpdir(), "clipgs-package-"));
   const errors: string[] = [];
-  let server: Server;
+  const servers: Server[] = [];
   let url: string;
+  let elsewhere: string; // another origin, which allows to be used
   let browser: Awaited<ReturnType<typeof launchBrowser>>;
   let page: Page;
 
@@ -75,27 +129,44 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     writeFileSync(join(folder, "early.html"), kPage + set + module);
     writeFileSync(join(folder, "app.html"), `${kPage}<script type="module" src="./app.js"></script>`);
     writeFileSync(join(folder, "app.js"), 'import "clipgs-viewer";');
-    server = createServer((request, response) => {
+    const answer: RequestListener = (request, response) => {
       const path = join(folder, new URL(request.url!, "http://host").pathname);
       try {
         const body = readFileSync(path);
-        response.writeHead(200, { "content-type": kTypes[extname(path)] ?? "application/octet-stream" });
+        response.writeHead(200, {
+          "content-type": kTypes[extname(path)] ?? "application/octet-stream",
+          ...(request.headers.host === new URL(elsewhere).host && { "access-control-allow-origin": "*" }),
+        });
         response.end(body);
       } catch {
         response.writeHead(404).end();
       }
-    });
-    await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
-    url = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+    };
+    url = await listen(answer);
+    elsewhere = await listen(answer);
+    const cdn = `${elsewhere}/node_modules/clipgs-viewer/index.js`;
+    writeFileSync(join(folder, "cdn.html"), `${kPage}<script type="module" src="${cdn}"></script>`);
+    writeFileSync(join(folder, "three.html"), kThreePage);
+    for (const peer of ["three", "@types/three"]) {
+      mkdirSync(join(folder, "node_modules", dirname(peer)), { recursive: true });
+      symlinkSync(resolve("node_modules", peer), join(folder, "node_modules", peer));
+    }
     browser = await launchBrowser();
     page = await openPage("index.html");
   });
 
   afterAll(async () => {
     await browser?.close();
-    server?.close();
+    servers.forEach((server) => server.close());
     rmSync(folder, { recursive: true, force: true });
   });
+
+  async function listen(answer: RequestListener): Promise<string> {
+    const server = createServer(answer);
+    servers.push(server);
+    await new Promise<void>((done) => server.listen(0, "127.0.0.1", done));
+    return `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+  }
 
   /** A page of the folder, once its first viewer has drawn its case. */
   async function openPage(path: string): Promise<Page> {
@@ -140,6 +211,38 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
         cwd: folder,
         stdio: "inherit",
       });
+    }
+  });
+
+  it("can be served by another origin than the page's", async () => {
+    const served = await openPage("cdn.html");
+    expect(await coverage(served)).toBeGreaterThan(0.03);
+    await served.close();
+  });
+
+  it("says what it has: of the element, and of the package", async () => {
+    const inPackage = (name: string) =>
+      JSON.parse(readFileSync(join(folder, "node_modules/clipgs-viewer", name), "utf8")) as unknown;
+    const manifest = inPackage("custom-elements.json") as ElementManifest;
+    const [element] = manifest.modules[0]!.declarations;
+    const { observed, members, parts } = await page.evaluate(() => ({
+      observed: [
+        ...(customElements.get("clipgs-viewer") as unknown as typeof ClipgsViewerElement).observedAttributes,
+      ],
+      members: Object.getOwnPropertyNames(customElements.get("clipgs-viewer")!.prototype),
+      parts: [...viewer().shadowRoot!.querySelectorAll("[part]")].map((part) => part.getAttribute("part")!),
+    }));
+    const names = (of: readonly { name: string }[]) => of.map(({ name }) => name).sort();
+    expect(names(element!.attributes)).toEqual(observed.sort());
+    expect(members).toEqual(expect.arrayContaining(names(element!.members)));
+    expect(parts).toEqual(expect.arrayContaining(names(element!.cssParts)));
+    const { exports } = inPackage("package.json") as {
+      exports: Record<string, string | Record<string, string>>;
+    };
+    for (const file of Object.values(exports).flatMap((one) =>
+      typeof one === "string" ? one : Object.values(one),
+    )) {
+      expect(existsSync(join(folder, "node_modules/clipgs-viewer", file)), file).toBe(true);
     }
   });
 
@@ -279,10 +382,144 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     expect(await coverage(page)).toBeGreaterThan(0.03);
   });
 
+  it("draws a case among the objects of a page that has three.js", async () => {
+    writeFileSync(join(folder, "three_consumer.ts"), kThreeConsumer);
+    const options =
+      "--noEmit --strict --skipLibCheck --target es2022 --module esnext --moduleResolution bundler";
+    execFileSync(resolve("node_modules/.bin/tsc"), [...options.split(" "), "three_consumer.ts"], {
+      cwd: folder,
+      stdio: "inherit",
+    });
+    const own = await browser.newPage();
+    own.on("pageerror", (error) => errors.push(error.message));
+    await own.goto(`${url}/three.html`);
+    await own.waitForFunction(() => "loaded" in window);
+    await own.evaluate(() => loaded);
+    // As the element shows it, uncut and cut.
+    await page.evaluate(() => {
+      viewer().src = "cases/phantom.sog";
+      viewer().link = "view=30,20&clip=exact";
+      return viewer().clipgs!.ready;
+    });
+    for (const plane of [null, [0, -1, 0, -5] as const]) {
+      await page.evaluate(
+        (cut) => viewer().clipgs!.setPlane(cut && { normal: [cut[0], cut[1], cut[2]], offset: cut[3] }),
+        plane,
+      );
+      const wanted = await page.evaluate(async () => {
+        const { data } = await viewer().clipgs!.renderToPixels(192, 192);
+        return btoa(Array.from(data, (byte) => String.fromCharCode(byte)).join(""));
+      });
+      const drawn = await own.evaluate(drawAmongOthers, plane);
+      const size = { width: 192, height: 192 };
+      const picture = { ...size, data: ofPage(drawn.picture) };
+      expect(psnr(picture, { ...size, data: ofPage(wanted) }).color).toBeGreaterThan(40);
+      expect(drawn.linear).toBeLessThan(0.01);
+      expect(drawn.before).toEqual([255, 0, 0]);
+      expect(drawn.behind[0]! - drawn.behind[1]!).toBeLessThan(128);
+      expect(drawn.changes).toBeGreaterThan(0);
+      expect(drawn.autoClear).toBe(true);
+    }
+    expect(await own.evaluate(() => made.splats.title)).toBe("Torso phantom");
+    await own.evaluate(() => made.splats.dispose());
+    await expect.poll(() => own.workers().length).toBe(0);
+    await own.close();
+  });
+
   it("leaves no error in the page", () => {
     expect(errors).toEqual([]);
   });
 });
+
+interface ElementManifest {
+  modules: {
+    declarations: Record<"attributes" | "members" | "cssParts", { name: string }[]>[];
+  }[];
+}
+
+/** In the page of kThreePage. */
+declare const loaded: Promise<void>;
+declare const made: {
+  three: typeof Three;
+  renderer: Three.WebGLRenderer;
+  scene: Three.Scene;
+  splats: ClippableSplats;
+  camera: Three.PerspectiveCamera;
+  box: Three.Mesh;
+  changes: () => number;
+};
+
+/** There: the case from 30° to the left and 20° above, at rest, on black; and what a box before and behind it shows. */
+async function drawAmongOthers(plane: readonly [number, number, number, number] | null) {
+  const { three, renderer, scene, splats, camera, box, changes } = made;
+  const [azimuth, elevation] = [Math.PI / 6, Math.PI / 9];
+  const { center, radius } = splats.sphere!;
+  const towards = new three.Vector3(
+    -Math.sin(azimuth) * Math.cos(elevation),
+    Math.cos(azimuth) * Math.cos(elevation),
+    Math.sin(elevation),
+  );
+  const fov = 0.6981317;
+  const distance = radius / Math.sin(Math.atan(0.9 * Math.tan(0.5 * fov)));
+  const at = (along: number) => center.clone().addScaledVector(towards, along);
+  splats.updateMatrixWorld();
+  camera.fov = (fov * 180) / Math.PI;
+  camera.position.copy(splats.localToWorld(at(distance)));
+  camera.lookAt(splats.localToWorld(center.clone()));
+  camera.updateProjectionMatrix();
+  splats.planes = plane ? [new three.Plane(new three.Vector3(plane[0], plane[1], plane[2]), -plane[3])] : [];
+  const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+  const read = () => {
+    renderer.render(scene, camera);
+    const gl = renderer.getContext();
+    const bytes = new Uint8Array(4 * 192 * 192);
+    gl.readPixels(0, 0, 192, 192, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    return bytes;
+  };
+  do {
+    renderer.render(scene, camera);
+    await frame();
+  } while (!splats.settled);
+  const rows = read();
+  // The same in linear light.
+  const target = new three.WebGLRenderTarget(192, 192, { type: three.FloatType });
+  renderer.setRenderTarget(target);
+  renderer.setClearAlpha(0);
+  renderer.render(scene, camera);
+  renderer.setClearAlpha(1);
+  const light = new Float32Array(4 * 192 * 192);
+  renderer.readRenderTargetPixels(target, 0, 0, 192, 192, light);
+  renderer.setRenderTarget(null);
+  target.dispose();
+  let linear = 0; // the largest difference
+  rows.forEach((byte, i) => {
+    // What is behind shines through otherwise there: light adds up, display values do not.
+    if (i % 4 !== 3 && light[i - (i % 4) + 3]! > 0.999) {
+      const wanted = new three.Color().setRGB(byte / 255, 0, 0, "srgb").r;
+      linear = Math.max(linear, Math.abs(wanted - light[i]!));
+    }
+  });
+  const middle = () => [...read().subarray(4 * (96 * 192 + 96), 4 * (96 * 192 + 96) + 3)];
+  box.visible = true;
+  box.position.copy(at(radius));
+  const before = middle();
+  box.position.copy(at(-radius));
+  const behind = middle();
+  box.visible = false;
+  const upright = new Uint8Array(rows.length);
+  for (let y = 0; y < 192; ++y) {
+    upright.set(rows.subarray(4 * 192 * (191 - y), 4 * 192 * (192 - y)), 4 * 192 * y);
+  }
+  const picture = btoa(Array.from(upright, (byte) => String.fromCharCode(byte)).join(""));
+  return {
+    picture,
+    linear,
+    before,
+    behind,
+    changes: changes(),
+    autoClear: renderer.autoClear,
+  };
+}
 
 /** In the page: its first viewer. */
 declare function viewer(): ClipgsViewerElement;
