@@ -734,8 +734,10 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       extra.forEach((file) => cpSync(join(session.cases, "other.sog"), file));
       await wearer.pressText("right", "View");
       await wearer.pressText("right", "Cases");
-      await wearer.pressText("right", "On");
       const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
+      await expect.poll(() => find("w1")).not.toBeNull(); // by then all is where it stays
+      await wearer.frames(5);
+      await wearer.pressText("right", "On");
       await expect.poll(() => find("2 of 2")).not.toBeNull();
       await expect.poll(() => find("w3")).not.toBeNull();
       await wearer.pressText("right", "Back");

@@ -97,7 +97,7 @@ describe.skipIf(missing !== undefined)(
       expect(before.marks.length).toBe(2);
       const opener = page.getByRole("button", { name: "Look: Skin and bone" });
       await opener.click();
-      await gallery().getByText("Not for diagnosis").waitFor();
+      await gallery().getByText("Not for diagnosis", { exact: true }).waitFor();
       expect(await gallery().locator(".card img").count()).toBe(4);
       const current = gallery().locator('[aria-current="true"]');
       expect(await current.textContent()).toMatch(/^Skin and bone.*inside/);

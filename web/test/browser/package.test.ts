@@ -188,7 +188,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
   it("shows a case in a page that is not isolated, with what it is not for", async () => {
     expect(await page.evaluate(() => crossOriginIsolated)).toBe(false);
     expect(await coverage(page)).toBeGreaterThan(0.03);
-    const label = page.getByText("Not for diagnosis");
+    const label = page.getByText("Not for diagnosis", { exact: true });
     expect(await label.isVisible()).toBe(true);
     expect(await page.evaluate(() => viewer().clipgs!.state)).toMatchObject({
       case: "phantom",
@@ -328,7 +328,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     expect(await panel.isVisible()).toBe(true);
     await page.evaluate(() => viewer().setAttribute("panel", "none"));
     await panel.waitFor({ state: "hidden" });
-    expect(await page.getByText("Not for diagnosis").isVisible()).toBe(true);
+    expect(await page.getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(true);
     const ground = () =>
       page
         .locator("canvas")
@@ -402,10 +402,10 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
       return viewer().clipgs!.ready;
     });
     for (const plane of [null, [0, -1, 0, -5] as const]) {
-      await page.evaluate(
-        (cut) => viewer().clipgs!.setPlane(cut && { normal: [cut[0], cut[1], cut[2]], offset: cut[3] }),
-        plane,
-      );
+      await page.evaluate((cut) => {
+        viewer().clipgs!.setMode("arbitrary");
+        viewer().clipgs!.setPlane(cut && { normal: [cut[0], cut[1], cut[2]], offset: cut[3] });
+      }, plane);
       const wanted = await page.evaluate(async () => {
         const { data } = await viewer().clipgs!.renderToPixels(192, 192);
         return btoa(Array.from(data, (byte) => String.fromCharCode(byte)).join(""));

@@ -1019,7 +1019,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.getByRole("dialog", { name: "Cases" }).locator('[data-case="photo"]').click();
     const beside = page.getByRole("region", { name: "Beside it" });
     await beside.getByText("Places count from the middle of each").waitFor();
-    expect(await beside.getByText("Not for diagnosis").isVisible()).toBe(true);
+    expect(await beside.getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(true);
     expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
     await page.waitForFunction(() => location.hash.endsWith("&beside=photo"));
     const { x, y, height } = (await beside.locator("canvas").boundingBox())!;
@@ -1038,7 +1038,9 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
   });
 
   it("says what it is not for, and keeps the view in the address", async () => {
-    expect(await page.locator("footer").getByText("Not for diagnosis").isVisible()).toBe(true);
+    expect(await page.locator("footer").getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(
+      true,
+    );
     await show(page, { view: [12, 34, 1.5], plane: [0, 0, -1, 5], clip: "hard" });
     await page.waitForFunction(() => location.hash.includes("view=12,34,1.5"));
     expect(await hashOf(page)).toBe("#case=phantom&view=12,34,1.5&plane=0,0,-1,5&clip=hard");
