@@ -510,7 +510,8 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     const third = await visit(shot);
     expect(await marks(third)).toEqual(made.slice(1));
 
-    const open = (name: string) => third.locator("input[type=file]").setInputFiles(name);
+    const ofMarks = third.locator("div").filter({ has: third.locator(":scope > .mark-list") });
+    const open = (name: string) => ofMarks.locator("input[type=file]").setInputFiles(name);
     await open(path);
     await expect.poll(() => marks(third)).toHaveLength(2);
     const other = join(session.folder, "other.json");
