@@ -744,6 +744,9 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await expect.poll(() => find("w3")).toBeNull();
       await expect.poll(() => find("damaged")).not.toBeNull();
       extra.forEach((file) => rmSync(file));
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Cases"); // lists what is left
+      await expect.poll(() => find("w1")).toBeNull();
       await wearer.pressText("right", "Cut");
     });
 
