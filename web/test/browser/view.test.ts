@@ -98,7 +98,11 @@ describe.skipIf(missing !== undefined)(`a better version of a case${why}`, () =>
     await page.evaluate(() => window.clipgs.ready);
     const warned = page.waitForEvent("console", (message) => message.type() === "warning");
     const bytes = readFileSync(join(inject("made"), "cases", "phantom.sog"));
-    bytes[bytes.indexOf("means_l.webp") + 300]! ^= 0x10;
+    let image = bytes.indexOf("means_l.webp");
+    while (bytes.readUInt32LE(image - 30) !== 0x04034b50) {
+      image = bytes.indexOf("means_l.webp", image + 1); // not where it is only named
+    }
+    bytes[image + 300]! ^= 0x10;
     writeFileSync(join(session.cases, "a.part"), bytes);
     renameSync(join(session.cases, "a.part"), join(session.cases, "a.sog"));
     expect((await warned).text()).toMatch(/a: .*damaged/);
