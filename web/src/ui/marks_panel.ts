@@ -6,6 +6,7 @@ import { kLongestName, kLongestNote, type Mark } from "../model/marks";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { each, h, icon, kIcons } from "./dom";
+import { fileField } from "./file_field";
 import type { MarkTexts } from "./marks_overlay";
 import { choices } from "./segments";
 
@@ -40,18 +41,7 @@ export function marksPanel(
   const hint = computed(() => (marking.kind ? t.next[marking.kind] : ""));
   const list = h("ul", { class: "mark-list", "aria-label": t.list });
   each(list, marks, (mark) => row(mark));
-  const input = h("input", {
-    type: "file",
-    accept: ".json,application/json",
-    hidden: true,
-    onchange: () => {
-      const [file] = input.files ?? [];
-      input.value = "";
-      if (file) {
-        files.open(file);
-      }
-    },
-  });
+  const input = fileField(".json,application/json", (file) => files.open(file));
   const isEmpty = computed(() => marks.value.length === 0);
 
   function row(mark: Mark): HTMLElement {

@@ -1,22 +1,12 @@
 import { texts } from "../text/text";
 import { h } from "./dom";
+import { fileField } from "./file_field";
 
 const kEndings = ".sog,.ply,.spz";
 
 /** A button that lets a person choose a file of their own. */
 export function openFileButton(open: (file: File) => void): HTMLElement {
-  const field: HTMLInputElement = h("input", {
-    type: "file",
-    accept: kEndings,
-    hidden: true,
-    onchange: () => {
-      const [file] = field.files ?? [];
-      field.value = ""; // the same one may be chosen again
-      if (file) {
-        open(file);
-      }
-    },
-  });
+  const field = fileField(kEndings, open);
   const button = h(
     "button",
     { class: "solid quiet open-file", title: texts().files.openHint, onclick: () => field.click() },

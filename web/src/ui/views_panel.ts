@@ -7,6 +7,7 @@ import type { ViewerStore } from "../model/viewer_state";
 import { texts } from "../text/text";
 import type { TourPlayer } from "../tour_player";
 import { each, h, icon, kIcons } from "./dom";
+import { fileField } from "./file_field";
 import { segments } from "./segments";
 
 /** What is done with views that are saved. */
@@ -33,18 +34,7 @@ export function viewsPanel(desk: ViewsDesk, live: Follow, picture: () => void): 
   const edited = signal<string | null>(null);
   const list = h("ol", { class: "view-list", "aria-label": t.list });
   each(list, ids, (id) => viewRow(desk, stops, id, edited));
-  const input = h("input", {
-    type: "file",
-    accept: ".json,application/json",
-    hidden: true,
-    onchange: () => {
-      const [file] = input.files ?? [];
-      input.value = "";
-      if (file) {
-        desk.openFile(file);
-      }
-    },
-  });
+  const input = fileField(".json,application/json", (file) => desk.openFile(file));
   const play = computed(() => (player.playing ? t.pause : t.play));
   return h(
     "div",
