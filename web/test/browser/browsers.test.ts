@@ -401,12 +401,12 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         expect(await failure("other-texels")).toMatch(/^quats\.webp .*its checksum differs.*not shown/);
         expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
         expect(await failure("other-voxels")).toBe("");
-        expect(await textOf(page, "[role=alert]")).toMatch(
+        expect(await textOf(page, ".message[role=alert]")).toMatch(
           /without its section .*section\.webp .*checksum differs/,
         );
         expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBe(0);
         expect(await failure("older")).toBe("");
-        expect(await textOf(page, "[role=alert]")).toBeNull();
+        expect(await textOf(page, ".message[role=alert]")).toBeNull();
         await choose(page, "phantom");
       });
 
