@@ -139,7 +139,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
       }
       await page.keyboard.press("Escape");
       await dialog.waitFor({ state: "hidden" });
-      expect(await opener.evaluate((element) => element === document.activeElement)).toBe(true);
+      await expect.poll(() => opener.evaluate((element) => element === document.activeElement)).toBe(true);
     }
   });
 
