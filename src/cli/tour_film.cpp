@@ -12,6 +12,7 @@
 #include "asset/draw_case.h"
 #include "cli/arguments.h"
 #include "cli/caption.h"
+#include "cli/draw_marks.h"
 #include "cli/film.h"
 #include "core/error.h"
 #include "core/progress.h"
@@ -127,7 +128,7 @@ class Draughtsman {
     return *case_;
   }
 
-  Image draw(LitCase& lit, const Shown& shown, const std::vector<Vec3>& pins) const {
+  Image draw(LitCase& lit, const Shown& shown, std::vector<SaidMark>& marks) const {
     const Case& contents = lit.lit_for(shown);
     const Camera camera =
         camera_of(shown.view, contents.scene.sphere, arguments_.width, arguments_.height);
@@ -149,13 +150,19 @@ class Draughtsman {
                               static_cast<float>(shown.window->width)};
     }
     Image picture = draw_case(contents, camera, cut, options);
-    const bool is_grey = by_volume && shown.grey > 0 && !cut.empty();
-    if (is_grey || (contents.section && !pins.empty())) {
-      annotate(picture, *contents.section, camera, cut, options.style, pins);
+    if (by_volume && shown.grey > 0 && !cut.empty()) {
+      annotate(picture, *contents.section, camera, cut, options.style, {});
     }
     const std::optional<Background> background =
         shown.background ? find_background(*shown.background) : arguments_.background;
-    return background ? composite(picture, *background) : picture;
+    if (background) {
+      picture = composite(picture, *background);
+    }
+    if (!marks.empty()) {
+      const Section* const section = contents.section ? &*contents.section : nullptr;
+      draw_marks(picture, marks, camera, cut, section, shown.body);
+    }
+    return picture;
   }
 
  private:
@@ -176,55 +183,115 @@ Shown shown_of(const ReadStop& stop, const Shown& before, const Scene& scene) {
   return stop.link.shown(before, states, scene.axis);
 }
 
+/// Between two pictures of one form: as much of `b` as that says. Straight alpha.
+Image mixed(const Image& a, const Image& b, float share) {
+  Image result = a;
+  for (size_t i = 0; i < a.data.size(); i += static_cast<size_t>(a.channels)) {
+    const bool has_alpha = a.channels == 4;
+    const float of_a = (1 - share) * (has_alpha ? a.data[i + 3] : 1);
+    const float of_b = share * (has_alpha ? b.data[i + 3] : 1);
+    const float alpha = of_a + of_b;
+    for (size_t c = 0; alpha > 0 && c < 3; ++c) {
+      result.data[i + c] = (of_a * a.data[i + c] + of_b * b.data[i + c]) / alpha;
+    }
+    if (has_alpha) {
+      result.data[i + 3] = alpha;
+    }
+  }
+  return result;
+}
+
+/// A tour, from stop to stop.
+class TourFilm {
+ public:
+  TourFilm(const TourFilmArguments& arguments, const std::vector<ReadStop>& stops)
+      : arguments_(arguments),
+        draughtsman_(arguments),
+        film_(make_film(arguments.output, arguments.fps)),
+        progress_("tour", frames_of(stops)) {}
+
+  /// Flies there, but to the first one, and stays.
+  void show(const ReadStop& one) {
+    const bool is_other = file_ && *file_ != one.file;
+    LitCase& lit = draughtsman_.open(one.file);
+    const Scene& scene = lit.contents().scene;
+    if (!shown_.window) {
+      shown_.window = usual_window(lit.contents());
+    }
+    if (file_) {
+      shown_.view = reframed(shown_.view, sphere_, scene.sphere);
+    }
+    const Shown there = shown_of(one, shown_, scene);
+    const auto& section = lit.contents().section;
+    std::vector<SaidMark> marks = said_marks(there.marks ? one.link.marks() : std::vector<Mark>(),
+                                             section ? &*section : nullptr);
+    const int flown = file_ ? frames_of(one.stop.fly) : 0;
+    Image still;  // of the look that comes, where the one that goes is
+    for (int i = 0; i < flown; ++i) {
+      const double share = static_cast<double>(i) / flown;
+      const Crossing way = is_other ? crossing(share) : Crossing{0, share};
+      if (way.before > 0) {
+        still = still.data.empty() ? draughtsman_.draw(lit, shown_, marks_) : std::move(still);
+        add(one, mixed(still, picture_, static_cast<float>(way.before)), 1);
+      } else {
+        const Shown now = flight(shown_, there, way.flown, scene.sphere);
+        add(one, draughtsman_.draw(lit, now, way.flown < 0.5 ? marks_ : marks), 1);
+      }
+    }
+    picture_ = draughtsman_.draw(lit, there, marks);
+    add(one, picture_, std::max(1, frames_of(one.stop.stay)));
+    shown_ = there;
+    marks_ = std::move(marks);
+    sphere_ = scene.sphere;
+    file_ = one.file;
+  }
+
+  void finish() { film_->finish(); }
+
+ private:
+  int frames_of(double seconds) const {
+    return static_cast<int>(std::lround(seconds * static_cast<double>(arguments_.fps)));
+  }
+
+  /// That are drawn: of a stay, one.
+  size_t frames_of(const std::vector<ReadStop>& stops) const {
+    size_t total = stops.size();
+    for (size_t i = 1; i < stops.size(); ++i) {
+      total += static_cast<size_t>(frames_of(stops[i].stop.fly));
+    }
+    return total;
+  }
+
+  void add(const ReadStop& one, Image picture, int times) {
+    if (arguments_.captions) {
+      draw_caption(picture, one.stop.name, one.stop.text);
+    }
+    film_->add(picture, times);
+    progress_.update(++drawn_);
+  }
+
+  const TourFilmArguments& arguments_;
+  Draughtsman draughtsman_;
+  std::unique_ptr<Film> film_;
+  Progress progress_;
+  size_t drawn_ = 0;
+  // Of the stop before.
+  Shown shown_;
+  std::vector<SaidMark> marks_;
+  Image picture_;
+  Sphere sphere_;                 ///< that `shown_` is a view of
+  std::optional<fs::path> file_;  ///< none: there was no stop yet
+};
+
 }  // namespace
 
 void write_tour_film(const TourFilmArguments& arguments) {
   const std::vector<ReadStop> stops = read_stops(arguments);
-  const std::unique_ptr<Film> film = make_film(arguments.output, arguments.fps);
-  Draughtsman draughtsman(arguments);
-  const auto frames_of = [&](double seconds) {
-    return static_cast<int>(std::lround(seconds * static_cast<double>(arguments.fps)));
-  };
-  const auto is_first = [&](const ReadStop& one) { return &one == stops.data(); };
-  size_t total = 0;
-  for (const ReadStop& one : stops) {
-    total += static_cast<size_t>(is_first(one) ? 0 : frames_of(one.stop.fly)) + 1;
+  TourFilm film(arguments, stops);
+  for (const ReadStop& stop : stops) {
+    film.show(stop);
   }
-  Progress progress("tour", total);
-  size_t drawn = 0;
-  Shown before;
-  std::vector<Vec3> pins_before;
-  Sphere sphere;  // that `before` is a view of
-  for (const ReadStop& one : stops) {
-    LitCase& lit = draughtsman.open(one.file);
-    const Scene& scene = lit.contents().scene;
-    const auto show = [&](const Shown& shown, const std::vector<Vec3>& pins, int times) {
-      Image picture = draughtsman.draw(lit, shown, pins);
-      if (arguments.captions) {
-        draw_caption(picture, one.stop.name, one.stop.text);
-      }
-      film->add(picture, times);
-      progress.update(++drawn);
-    };
-    if (!before.window) {
-      before.window = usual_window(lit.contents());
-    }
-    if (!is_first(one)) {
-      before.view = reframed(before.view, sphere, scene.sphere);
-    }
-    const Shown there = shown_of(one, before, scene);
-    const std::vector<Vec3> pins = there.marks ? one.link.pins() : std::vector<Vec3>();
-    const int flown = is_first(one) ? 0 : frames_of(one.stop.fly);
-    for (int i = 0; i < flown; ++i) {
-      const double share = static_cast<double>(i) / flown;
-      show(flight(before, there, share, scene.sphere), share < 0.5 ? pins_before : pins, 1);
-    }
-    show(there, pins, std::max(1, frames_of(one.stop.stay)));
-    before = there;
-    pins_before = pins;
-    sphere = scene.sphere;
-  }
-  film->finish();
+  film.finish();
 }
 
 }  // namespace clipgs

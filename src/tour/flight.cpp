@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace clipgs {
 
@@ -11,6 +12,9 @@ using glm::dvec3;
 
 constexpr double kOutside = 1.05;  // radii of the sphere
 constexpr double kOther = -0.5;    // cosine
+constexpr double kCrossing = 1.0 / 3;
+constexpr double kPole = 1e-4;
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 double eased(double share) {
   const double s = std::clamp(share, 0.0, 1.0);
@@ -34,13 +38,35 @@ dvec3 slerp(const dvec3& from, const dvec3& to, double share) {
   return glm::normalize(std::sin((1 - share) * angle) * from + std::sin(share * angle) * to);
 }
 
+struct Angles {
+  double azimuth;
+  double elevation;
+};
+
+/// Of what a view shows: from above and below the picture lies as from the front.
+Angles shown_angles(const ShownView& view) {
+  const double azimuth = view.azimuth / kDegrees;
+  const double elevation = view.elevation / kDegrees;
+  const dvec3 direction(-std::sin(azimuth) * std::cos(elevation),
+                        std::cos(azimuth) * std::cos(elevation), std::sin(elevation));
+  if (std::hypot(direction.x, direction.y) < kPole) {
+    return {0, direction.z > 0 ? 90.0 : -90.0};
+  }
+  if (std::abs(view.elevation) <= 90) {
+    return {view.azimuth, view.elevation};
+  }
+  return {std::atan2(-direction.x, direction.y) * kDegrees, std::asin(direction.z) * kDegrees};
+}
+
 ShownView mix_view(const ShownView& from, const ShownView& to, double share) {
+  const Angles here = shown_angles(from);
+  const Angles there = shown_angles(to);
   const double zoomed = std::log(to.zoom / from.zoom);
   const double panned =
       std::abs(zoomed) < 1e-6 ? share : std::expm1(-share * zoomed) / std::expm1(-zoomed);
-  return {mix_angle(from.azimuth, to.azimuth, share), mix(from.elevation, to.elevation, share),
-          from.zoom * std::exp(share * zoomed), glm::mix(from.pan, to.pan, panned),
-          mix(from.back, to.back, share)};
+  return {mix_angle(here.azimuth, there.azimuth, share),
+          mix(here.elevation, there.elevation, share), from.zoom * std::exp(share * zoomed),
+          glm::mix(from.pan, to.pan, panned), mix(from.back, to.back, share)};
 }
 
 /// How far a plane is from the middle of the body, towards what it removes.
@@ -91,6 +117,11 @@ std::vector<ShownCut> mix_cuts(const std::vector<ShownCut>& from, const std::vec
 }
 
 }  // namespace
+
+Crossing crossing(double share) {
+  return {1 - eased(share / kCrossing),
+          std::clamp((share - kCrossing) / (1 - kCrossing), 0.0, 1.0)};
+}
 
 Shown flight(const Shown& from, const Shown& to, double share, const Sphere& sphere) {
   if (share <= 0 || share >= 1) {

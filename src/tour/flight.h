@@ -11,4 +11,11 @@ namespace clipgs {
 /// numbers.
 Shown flight(const Shown& from, const Shown& to, double share, const Sphere& sphere);
 
+/// On the way to another look, which comes before anything moves.
+struct Crossing {
+  double before;  ///< of the picture, what the look before still is
+  double flown;   ///< of the flight, what is behind
+};
+Crossing crossing(double share);
+
 }  // namespace clipgs

@@ -85,6 +85,16 @@ TEST(Flight, ShowsWhatTheViewerDoes) {
   }
 }
 
+TEST(Crossing, IsTheViewers) {
+  const json fixture = json::parse(read_text(CLIPGS_SOURCE_DIR "/src/tour/flights.json"));
+  ASSERT_GT(fixture["crossings"].size(), 5U);
+  for (const json& one : fixture["crossings"]) {
+    const Crossing way = crossing(one["share"]);
+    EXPECT_NEAR(way.before, one["before"].get<double>(), kNear);
+    EXPECT_NEAR(way.flown, one["flown"].get<double>(), kNear);
+  }
+}
+
 TEST(Flight, EndsWhereItIsToEnd) {
   const Shown from = Link("view=170,10").shown(Shown(), {}, Vec3(0, 0, 1));
   const Shown to = Link("view=-150,60,8&plane=0,0,-1,-40").shown(Shown(), {}, Vec3(0, 0, 1));
@@ -99,11 +109,11 @@ TEST(Link, LeavesOutWhatIsNotValid) {
       "view=30,20,0&plane=0,0,0,1&slab=1,0,0,2,-3&grey=2&window=40,0&rig=moon&lamp=0,0,0&clip=x&"
       "state=-1&background=pink&depth-cue=nan&pin=1,2&pin=1,2,3,4");
   expect_near(json_of(link.shown(before, {}, Vec3(0, 0, 1))), json_of(before), "nothing");
-  EXPECT_TRUE(link.pins().empty());
+  EXPECT_TRUE(link.marks().empty());
   const Link said("#case=Sch%C3%A4del+2&pin=1,-2.5,3&plane=off&view=1");
   EXPECT_EQ(said.case_name(), "Schädel 2");
-  ASSERT_EQ(said.pins().size(), 1U);
-  EXPECT_EQ(said.pins()[0], Vec3(1, -2.5f, 3));
+  ASSERT_EQ(said.marks().size(), 1U);
+  EXPECT_EQ(said.marks()[0].points[0], glm::dvec3(1, -2.5, 3));
 }
 
 TEST(ShownView, IsTheCameraOfTheRendererAndStaysWhereItIsInAnotherSphere) {

@@ -95,6 +95,30 @@ bool lights_cases(const std::string& rig) {
                              [](const KeyLight& key) { return key.distance <= 0; });
 }
 
+std::optional<MarkKind> mark_kind(const std::string& key) {
+  constexpr std::array kKeys = {"pin", "length", "angle", "region", "outline"};
+  const auto* const found = std::ranges::find(kKeys, key);
+  return found == kKeys.end() ? std::nullopt
+                              : std::optional(static_cast<MarkKind>(found - kKeys.begin()));
+}
+
+/// `to`, as links had it once, measures from the point before it.
+void join(std::vector<Mark>& marks, const std::string& text) {
+  std::vector<double> numbers = parsed(text, 3, 3);
+  const bool joins = !numbers.empty() && !marks.empty() && !marks.back().is_flat() &&
+                     marks.back().kind != MarkKind::kAngle;
+  if (joins) {
+    const dvec3 from = marks.back().points.back();
+    numbers.insert(numbers.begin(), {from.x, from.y, from.z});
+    if (marks.back().kind == MarkKind::kPoint) {
+      marks.pop_back();
+    }
+  }
+  if (auto mark = make_mark(joins ? MarkKind::kLength : MarkKind::kPoint, numbers)) {
+    marks.push_back(std::move(*mark));
+  }
+}
+
 }  // namespace
 
 Link::Link(std::string_view words) {
@@ -208,14 +232,21 @@ Shown Link::shown(const Shown& before, const PlaneStates& states, const Vec3& ax
   return result;
 }
 
-std::vector<Vec3> Link::pins() const {
-  std::vector<Vec3> points;
+std::vector<Mark> Link::marks() const {
+  std::vector<Mark> marks;
   for (const Word& word : words_) {
-    if (const std::vector<double> p = parsed(word.value, 3, 3); word.key == "pin" && !p.empty()) {
-      points.emplace_back(p[0], p[1], p[2]);
+    if (word.key == "to") {
+      join(marks, word.value);
+    } else if (const std::optional<MarkKind> kind = mark_kind(word.key)) {
+      if (auto mark = make_mark(*kind, parsed(word.value, 3, 3 * (kMostCorners + 1)))) {
+        marks.push_back(std::move(*mark));
+      }
+    } else if (word.key == "name" && !marks.empty()) {
+      marks.back().name = word.value;
     }
   }
-  return points;
+  marks.resize(std::min(marks.size(), kMostMarks));
+  return marks;
 }
 
 }  // namespace clipgs

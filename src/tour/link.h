@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tour/mark.h"
 #include "tour/shown.h"
 
 #include "splat/scene.h"
@@ -21,8 +22,8 @@ class Link {
   std::string case_name() const { return get("case"); }
   /// What is shown where `before` was, of a case with these states, along that axis.
   Shown shown(const Shown& before, const PlaneStates& states, const Vec3& axis) const;
-  /// The points that are marked by themselves, RAS mm.
-  std::vector<Vec3> pins() const;
+  /// What is marked, in its order; `name` is of the mark before it.
+  std::vector<Mark> marks() const;
 
  private:
   struct Word {

@@ -79,6 +79,8 @@ export interface Host {
   tourPlace?(name: string, volume: string): Promise<Place<Stop>>;
   /** Shows another look of the volume, by the name of its case. Rejects with a line that says why it cannot be had. */
   openLook(name: string): Promise<void>;
+  /** Fetches another look, which may be shown next. */
+  expectLook(name: string): void;
   /** A link to what is shown, null where it is nobody else's; absent where no address says it. */
   address?(): string | null;
 }
@@ -219,6 +221,7 @@ export class App {
     this.#announcer = new Announcer(this.viewer, this.actions);
     this.#fullScreen = new FullScreen(root);
     root.append(
+      this.views.veil.element,
       this.#overlay.element,
       firstHint(root),
       this.#marks.element,

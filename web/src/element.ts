@@ -43,6 +43,7 @@ export class ClipgsViewerElement extends HTMLElement {
     open: (src) => this.#openOther(src),
     openFile: (file) => this.#openOwn(file),
     openLook: (name) => this.#openLook(name),
+    expectLook: (name) => this.#app?.viewer.prefetch(this.#lookFile(name)),
     tourPlace: (name, volume) => Promise.resolve(this.#tourPlace(name, volume)),
   };
   #app: App | null = null;
@@ -144,10 +145,15 @@ export class ClipgsViewerElement extends HTMLElement {
     await this.#drawn();
   }
 
+  /** The address of the case of that name, which lies beside the one that is shown. */
+  #lookFile(name: string): string {
+    return new URL(`${encodeURIComponent(name)}.sog`, new URL(this.src, document.baseURI)).href;
+  }
+
   /** Of the case that lies beside the one that is shown. What fails is said by who asked for it. */
   async #openLook(name: string): Promise<void> {
     const app = this.#app!;
-    const file = new URL(`${encodeURIComponent(name)}.sog`, new URL(this.src, document.baseURI)).href;
+    const file = this.#lookFile(name);
     try {
       await app.open({ name, file, error: null }, {}, () => {});
     } catch (error) {

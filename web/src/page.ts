@@ -246,6 +246,13 @@ class Page implements Host {
     await this.open(name);
   }
 
+  expectLook(name: string): void {
+    const look = this.#cases.find((one) => one.name === name);
+    if (look && !look.error) {
+      this.app.viewer.prefetch(look.file);
+    }
+  }
+
   news(): string {
     return this.app.news;
   }

@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 
-import { flight } from "./model/flight";
+import { crossing, flight } from "./model/flight";
 import type { Window } from "./model/grey";
 import { type Link, parseLink } from "./model/link";
 import { linkedState } from "./model/linked_state";
@@ -17,6 +17,12 @@ export interface TourStage {
   readonly caseName: string | null;
   /** Shows another look of the volume, by its name. Rejects with a line that says why it cannot be had. */
   openLook(name: string): Promise<void>;
+  /** Another look may be wanted soon. */
+  expectLook(name: string): void;
+  /** Whether the picture of the look before is still seen over the one that was opened. */
+  readonly isVeiled: boolean;
+  /** How much of it is left, from 1 to 0. */
+  veil(share: number): void;
   /** Whether nothing is to move by itself: flights are jumps. */
   isStill(): boolean;
   /** What changes from now on is one step of the history, … */
@@ -33,6 +39,7 @@ interface Leg {
   to: ViewerState;
   slices: Link["slices"]; // that are shown there
   ms: number;
+  crosses: boolean; // from one look to another
   began: number | null; // with the first frame
   share: number; // of the way that is behind
 }
@@ -171,6 +178,7 @@ export class TourPlayer {
         await this.#stage.openLook(link.case);
       } catch (error) {
         if (going === this.#going) {
+          this.#stage.veil(0);
           this.#playing.value = false;
           this.#trouble.value = texts().views.missing(index + 1, (error as Error).message);
         }
@@ -180,7 +188,7 @@ export class TourPlayer {
     if (going !== this.#going) {
       return;
     }
-    const { store, window } = this.#stage;
+    const { store, window, isVeiled } = this.#stage;
     const from = { ...store.state, window };
     const to = { ...linkedState(link, store.state, store.states), tourMarks: link.marks ?? [] };
     this.#stage.takeHold(this);
@@ -189,6 +197,7 @@ export class TourPlayer {
       to,
       slices: link.slices,
       ms: this.#stage.isStill() ? 0 : 1000 * stop.fly,
+      crosses: isVeiled,
       began: null,
       share: 0,
     };
@@ -206,11 +215,23 @@ export class TourPlayer {
       this.#endLeg();
       this.#arrived = true;
       this.#until = now + 1000 * (this.stop.peek()?.stay ?? 0);
+      this.#expectNext();
     } else {
-      const shown = flight(leg.from, leg.to, leg.share, info.sphere);
+      const { before, flown } = leg.crosses ? crossing(leg.share) : { before: 0, flown: leg.share };
+      this.#stage.veil(before);
+      const shown = flight(leg.from, leg.to, flown, info.sphere);
       this.#set({ ...leg.to, ...shown, mode: "arbitrary", active: 0 });
     }
     this.#applied = store.state;
+  }
+
+  /** The look of the stop after this one is fetched while this one is seen. */
+  #expectNext(): void {
+    const next = this.stops[this.index + 1];
+    const look = next && parseLink(next.show).case;
+    if (look && look !== this.#stage.caseName) {
+      this.#stage.expectLook(look);
+    }
   }
 
   /** What others make of the tour meanwhile stays, and so do the person's own marks. */
@@ -223,6 +244,7 @@ export class TourPlayer {
   #endLeg(): void {
     if (this.#leg) {
       this.#leg = null;
+      this.#stage.veil(0);
       this.#stage.letGo(this);
     }
   }

@@ -79,6 +79,8 @@ export class Viewer {
     sectionMs: 0,
   };
   drawnFrame: () => void = () => {};
+  /** Called before another case takes the place of the one that is seen. */
+  leaving: () => void = () => {};
   failed: (error: CaseError) => void = () => {};
 
   readonly #version = signal(0);
@@ -227,6 +229,7 @@ export class Viewer {
         throw new CaseError("the viewer is gone");
       }
       const fresh = this.#take(name, loaded);
+      this.leaving();
       this.#replaceCase(fresh);
       this.stats.total = loaded.scene.count;
       begin();
@@ -568,6 +571,18 @@ export class Viewer {
         return copy();
       },
     );
+  }
+
+  /** Puts what the canvas shows onto another one. Returns whether it shows a case. */
+  copyCanvas(onto: HTMLCanvasElement): boolean {
+    if (!this.#pictured || this.#worn) {
+      return false;
+    }
+    this.#drawCanvas();
+    const { width, height } = this.canvas;
+    Object.assign(onto, { width, height }); // begins empty
+    onto.getContext("2d")!.drawImage(this.canvas, 0, 0);
+    return true;
   }
 
   /** Who draws: a headset, in its own frames, or the page. */

@@ -16,6 +16,7 @@ import type { ViewerStore } from "./model/viewer_state";
 import { texts } from "./text/text";
 import { TourPlayer } from "./tour_player";
 import { download } from "./ui/download";
+import { LookVeil } from "./ui/look_veil";
 import type { ViewsDesk } from "./ui/views_panel";
 import type { Viewer } from "./viewer";
 
@@ -27,6 +28,8 @@ export function volumeOf({ info, caseName }: Viewer): string {
 /** The views that are saved of a volume: where they are kept, and the tour of them. */
 export class Views implements ViewsDesk {
   readonly player: TourPlayer;
+  /** Over the canvas, while a tour goes from look to look. */
+  readonly veil: LookVeil;
   readonly #viewer: Viewer;
   readonly #host: Host;
   readonly #link: () => Link;
@@ -46,6 +49,7 @@ export class Views implements ViewsDesk {
     this.#host = host;
     this.#link = link;
     this.#fail = fail;
+    const veil = (this.veil = new LookVeil(viewer));
     this.player = new TourPlayer({
       store: viewer.store,
       get caseName() {
@@ -54,7 +58,15 @@ export class Views implements ViewsDesk {
       get window() {
         return viewer.window;
       },
-      openLook: (name) => host.openLook(name),
+      openLook: (name) => {
+        veil.expect();
+        return host.openLook(name);
+      },
+      expectLook: (name) => host.expectLook(name),
+      get isVeiled() {
+        return veil.isUp;
+      },
+      veil: (share) => veil.set(share),
       isStill: () => matchMedia("(prefers-reduced-motion: reduce)").matches,
       takeHold: (holder) => actions.takeHold(holder),
       letGo: (holder) => actions.letGo(holder),

@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import type { Cut } from "./cut";
 import type { Sphere, Triple } from "./geometry";
 import type { Window } from "./grey";
-import type { View } from "./view";
+import { anglesOf, type View, viewDirection } from "./view";
 import type { ViewerState } from "./viewer_state";
 
 // What is shown on the way from one view to another. The twin of src/tour/flight.cpp: src/tour/flights.json holds both
@@ -16,6 +16,10 @@ export type Shown = Omit<ViewerState, "mode" | "active" | "marks" | "tourMarks" 
 const kOutside = 1.05;
 /** Cosine: planes that are turned farther than 120° are others, and not to be turned over in the body. */
 const kOther = -0.5;
+/** Of a flight to another look, the share in which that comes. */
+const kCrossing = 1 / 3;
+/** From above or below, as cameraAxes() has it. */
+const kPole = 1e-4;
 
 /** Begins and ends without a jerk, on [0, 1]. */
 function eased(share: number): number {
@@ -45,17 +49,27 @@ function slerp(from: Vector3, to: Vector3, share: number): Vector3 {
     .normalize();
 }
 
+/** The angles of what a view shows: from above and below the picture lies as from the front, whatever the azimuth. */
+function shownAngles({ azimuth, elevation }: View): Pick<View, "azimuth" | "elevation"> {
+  const direction = viewDirection(azimuth, elevation);
+  if (Math.hypot(direction.x, direction.y) < kPole) {
+    return { azimuth: 0, elevation: direction.z > 0 ? 90 : -90 };
+  }
+  return Math.abs(elevation) > 90 ? anglesOf(direction) : { azimuth, elevation };
+}
+
 /**
  * The camera keeps the patient's head up, so it turns by its two angles: the shortest way over the sphere would lead it
  * over the head, where the picture turns round at once. What is zoomed at comes to the middle steadily, for which what
  * is looked at follows 1/zoom.
  */
 function mixView(from: View, to: View, share: number): View {
+  const [here, there] = [shownAngles(from), shownAngles(to)];
   const zoomed = Math.log(to.zoom / from.zoom);
   const panned = Math.abs(zoomed) < 1e-6 ? share : Math.expm1(-share * zoomed) / Math.expm1(-zoomed);
   return {
-    azimuth: mixAngle(from.azimuth, to.azimuth, share),
-    elevation: mix(from.elevation, to.elevation, share),
+    azimuth: mixAngle(here.azimuth, there.azimuth, share),
+    elevation: mix(here.elevation, there.elevation, share),
     zoom: from.zoom * Math.exp(share * zoomed),
     pan: from.pan.clone().lerp(to.pan, panned),
     back: mix(from.back, to.back, share),
@@ -110,6 +124,22 @@ function mixWindow(from: Window | null, to: Window | null, share: number): Windo
 function mixLamp(from: Triple, to: Triple, share: number): Triple {
   const [a, b] = [new Vector3(...from), new Vector3(...to)];
   return a.dot(b) > kOther ? slerp(a, b, share).toArray() : share < 0.5 ? from : to;
+}
+
+/** On the way to another look. */
+export interface Crossing {
+  /** Of the picture, what the look before still is. */
+  before: number;
+  /** Of the flight, what is behind. */
+  flown: number;
+}
+
+/** One look becomes the other before anything moves: both are seen as the view that is left has them. */
+export function crossing(share: number): Crossing {
+  return {
+    before: 1 - eased(share / kCrossing),
+    flown: Math.min(1, Math.max(0, (share - kCrossing) / (1 - kCrossing))),
+  };
 }
 
 /** What is shown after a share of the way, of a body in that sphere. */

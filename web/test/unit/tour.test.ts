@@ -3,10 +3,12 @@ import { Vector3 } from "three";
 import { beforeEach, describe, expect, it } from "vitest";
 
 import { planesOf } from "../../src/model/cut";
-import { flight } from "../../src/model/flight";
+import { crossing, flight } from "../../src/model/flight";
 import { changeBetween, changed } from "../../src/model/keeper";
+import { layOut } from "../../src/model/label_layout";
 import { parseLink } from "../../src/model/link";
 import { linkedState } from "../../src/model/linked_state";
+import { anchorOf, markText, measure } from "../../src/model/marks";
 import { kModes, type PlaneStates } from "../../src/model/states";
 import {
   formatTour,
@@ -19,6 +21,7 @@ import {
   withoutStop,
   withStop,
 } from "../../src/model/tour";
+import { cameraAxes, type View, viewDirection } from "../../src/model/view";
 import { ViewerStore } from "../../src/model/viewer_state";
 import { TourPlayer } from "../../src/tour_player";
 import { kBase, shownOf } from "./tour_fixture";
@@ -27,6 +30,14 @@ interface Fixture {
   sphere: { center: [number, number, number]; radius: number };
   states: Omit<PlaneStates, "axis"> & { axis: [number, number, number] };
   flights: { from: string; to: string; share: number; shown: object }[];
+  crossings: { share: number; before: number; flown: number }[];
+}
+
+interface MarksFixture {
+  marks: { link: string; marks: { text: string; anchor: number[] }[] }[];
+  picture: [number, number];
+  moved: [number, number];
+  layouts: { labels: [number, number, number, number][]; first: number[]; again: number[] }[];
 }
 
 const fixture = JSON.parse(readFileSync("../src/tour/flights.json", "utf8")) as Fixture;
@@ -51,6 +62,35 @@ describe("a flight", () => {
   it("shows what that of `clipgs render` does", () => {
     for (const { from, to, share, shown } of fixture.flights) {
       expectNear(shownOf(from, to, share, sphere, states), shown, `${from} → ${to} at ${share}`);
+    }
+  });
+
+  it("crosses to another look before anything moves, as that of `clipgs render` does", () => {
+    for (const { share, ...way } of fixture.crossings) {
+      expectNear(crossing(share), way, `at ${share}`);
+    }
+    let last = crossing(0);
+    expect(last).toEqual({ before: 1, flown: 0 });
+    for (let share = 0.01; share <= 1; share += 0.01) {
+      const now = crossing(share);
+      expect(now.before).toBeLessThanOrEqual(last.before);
+      expect(now.before > 0 && now.flown > 0).toBe(false);
+      last = now;
+    }
+  });
+
+  it("turns no picture round at once, even where it begins or ends above the head", () => {
+    const places = ["0,0", "40,20", "180,0", "-90,45", "120,-70", "0,89.9", "90,90", "200,-90", "60,130"];
+    const rightOf = (view: View) => cameraAxes(viewDirection(view.azimuth, view.elevation).negate()).right;
+    for (const [from, to] of places.flatMap((a) => places.map((b) => [a, b] as const))) {
+      const ends = [stateOf(`view=${from}`), stateOf(`view=${to}`)] as const;
+      let last = flight(...ends, 0, sphere).view;
+      for (let i = 1; i <= 200; ++i) {
+        const now = flight(...ends, i / 200, sphere).view;
+        const degrees = (rightOf(now).angleTo(rightOf(last)) * 180) / Math.PI;
+        expect(degrees, `${from} → ${to} at ${i / 200}`).toBeLessThan(2);
+        last = now;
+      }
     }
   });
 
@@ -89,10 +129,34 @@ describe("a flight", () => {
       let last = flight(from, to, 0, sphere);
       for (let i = 1; i <= 200; ++i) {
         const now = flight(from, to, i / 200, sphere);
-        expect(Math.abs(now.view.elevation - last.view.elevation)).toBeLessThan(2);
+        const [up, before] = [now, last].map(({ view }) => viewDirection(view.azimuth, view.elevation).z);
+        expect(Math.abs(Math.asin(up!) - Math.asin(before!)) * (180 / Math.PI)).toBeLessThan(2);
         expect(Math.abs(now.grey - last.grey)).toBeLessThan(0.02);
         last = now;
       }
+    }
+  });
+});
+
+describe("marks of a film", () => {
+  const { marks, picture, moved, layouts } = JSON.parse(
+    readFileSync("../src/tour/marks.json", "utf8"),
+  ) as MarksFixture;
+
+  it("say and stand where the page has them", () => {
+    for (const one of marks) {
+      const read = parseLink(one.link).marks ?? [];
+      const said = read.map((mark) => markText(mark, measure(mark, null)));
+      expect(said).toEqual(one.marks.map(({ text }) => text));
+      read.forEach((mark, i) => expectNear(anchorOf(mark).toArray(), one.marks[i]!.anchor, one.link));
+    }
+    const size = { width: picture[0], height: picture[1] };
+    for (const { labels, first, again } of layouts) {
+      const shifted = (by: readonly [number, number]) =>
+        labels.map(([x, y, width, height]) => ({ anchor: { x: x + by[0], y: y + by[1] }, width, height }));
+      const laid = layOut(shifted([0, 0]), size).map(({ choice }) => choice);
+      expect(laid).toEqual(first);
+      expect(layOut(shifted(moved), size, laid).map(({ choice }) => choice)).toEqual(again);
     }
   });
 });
@@ -152,14 +216,29 @@ describe("a player", () => {
   let refusal: string | null = null;
   let still = false;
   let holds = 0;
+  let caseName = "head";
+  let expected: string[] = [];
+  let veil = 0;
   const player = new TourPlayer({
     store,
     window: null,
-    caseName: "head",
-    openLook: (name) => {
-      wanted.push(name);
-      return refusal === null ? Promise.resolve() : Promise.reject(new Error(refusal));
+    get caseName() {
+      return caseName;
     },
+    openLook: async (name) => {
+      wanted.push(name);
+      await Promise.resolve();
+      if (refusal !== null) {
+        throw new Error(refusal);
+      }
+      caseName = name;
+      veil = 1;
+    },
+    expectLook: (name) => expected.push(name),
+    get isVeiled() {
+      return veil > 0;
+    },
+    veil: (share) => (veil = share),
     isStill: () => still,
     takeHold: () => ++holds,
     letGo: () => --holds,
@@ -175,6 +254,9 @@ describe("a player", () => {
   beforeEach(() => {
     player.leave();
     wanted = [];
+    expected = [];
+    caseName = "head";
+    veil = 0;
     refusal = null;
     still = false;
     store.setCase({
@@ -239,12 +321,51 @@ describe("a player", () => {
     expect(player.playing).toBe(false);
   });
 
+  it("has the look before fade before anything moves, and fetches the next one while it stays", async () => {
+    const [first, second] = store.state.stops as [Stop, Stop];
+    store.setStops([first, { ...second, show: "case=bone&view=90,10" }]);
+    await player.play();
+    after(1.1);
+    expect([expected, wanted]).toEqual([["bone"], []]);
+    after(2);
+    await settle();
+    expect(wanted).toEqual(["bone"]);
+    player.tick((now += 1));
+    expect([veil, store.state.view.azimuth]).toEqual([1, 0]);
+    player.tick((now += 200));
+    expect(veil).toBeLessThan(0.5);
+    expect([veil > 0, store.state.view.azimuth]).toEqual([true, 0]);
+    player.tick((now += 300));
+    expect(veil).toBe(0);
+    expect(store.state.view.azimuth).toBeGreaterThan(0);
+    after(1);
+    expect(store.state.view.azimuth).toBe(90);
+  });
+
+  it("shows another look at once where nothing is to move, and leaves none half faded", async () => {
+    const [first, second] = store.state.stops as [Stop, Stop];
+    store.setStops([first, { ...second, show: "case=bone&view=90,10" }]);
+    still = true;
+    await player.show("2");
+    player.tick((now += 16));
+    expect([veil, store.state.view.azimuth]).toEqual([0, 90]);
+    still = false;
+    caseName = "head";
+    await player.show("2");
+    player.tick((now += 16));
+    player.tick((now += 100));
+    expect(veil).toBeGreaterThan(0);
+    player.pause();
+    expect(veil).toBe(0);
+  });
+
   it("says which case is missing, loses nothing, and goes on when told to", async () => {
     const stops = store.state.stops;
     store.setStops([{ ...stops[0]!, show: "case=gone&view=1,1" }, stops[1]!]);
     refusal = "there is no gone.sog";
     await player.play();
     expect(wanted).toEqual(["gone"]);
+    expect(veil).toBe(0);
     expect(player.trouble).toBe("View 1 is not shown: there is no gone.sog");
     expect(player.playing).toBe(false);
     expect(store.state.stops.length).toBe(2);
