@@ -1,5 +1,6 @@
 import type { ClipgsApi } from "./api";
-import { App, type Host, type OpenedCase } from "./app";
+import { App } from "./app";
+import type { Host, OpenedCase } from "./host";
 import { BrowserPlace, type Place } from "./model/keeper";
 import { formatLink, type Link, parseLink } from "./model/link";
 import { kTourFile, parseTour, type Stop } from "./model/tour";
@@ -44,7 +45,7 @@ export class ClipgsViewerElement extends HTMLElement {
     openFile: (file) => this.#openOwn(file),
     openLook: (name) => this.#openLook(name),
     expectLook: (name) => this.#app?.viewer.prefetch(this.#lookFile(name)),
-    tourPlace: (name, volume) => Promise.resolve(this.#tourPlace(name, volume)),
+    tourPlace: (name, volume) => this.#tourPlace(name, volume),
   };
   #app: App | null = null;
   #api: ClipgsApi | null = null;
@@ -155,9 +156,9 @@ export class ClipgsViewerElement extends HTMLElement {
     const app = this.#app!;
     const file = this.#lookFile(name);
     try {
-      await app.open({ name, file, error: null }, {}, () => {});
+      await app.opening.open({ name, file, error: null }, {}, () => {});
     } catch (error) {
-      app.dismiss();
+      app.message.dismiss();
       throw error;
     }
     this.src = file;
@@ -185,7 +186,7 @@ export class ClipgsViewerElement extends HTMLElement {
       return parseTour(await response.text(), file, volume);
     } catch (error) {
       const { message } = error as CaseError;
-      this.#app?.fail(message, () => this.attributeChangedCallback("tour"));
+      this.#app?.message.say(message, () => this.attributeChangedCallback("tour"));
       this.dispatchEvent(new ErrorEvent("error", { message }));
       return [];
     }
@@ -237,7 +238,7 @@ export class ClipgsViewerElement extends HTMLElement {
   async #open(app: App, shown: OpenedCase, link: Link | null, again: () => void): Promise<void> {
     const opening = ++this.#opening;
     try {
-      await app.open(shown, link ?? {}, again);
+      await app.opening.open(shown, link ?? {}, again);
     } catch (error) {
       if (opening === this.#opening) {
         this.dispatchEvent(new ErrorEvent("error", { message: (error as Error).message }));

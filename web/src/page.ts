@@ -1,5 +1,6 @@
 import type { ClipgsApi } from "./api";
-import { App, type Host } from "./app";
+import { App } from "./app";
+import type { Host } from "./host";
 import {
   caseFile,
   type CaseIndex,
@@ -72,8 +73,8 @@ class Page implements Host {
       addEventListener("pagehide", () => this.#index.making && sayGoodbye(this.#name));
       await this.#firstCase();
     } catch (error) {
-      this.app.endLoading();
-      this.app.fail((error as CaseError).message, () => location.reload());
+      this.app.opening.end();
+      this.app.message.say((error as CaseError).message, () => location.reload());
       throw error;
     }
     const study = new URLSearchParams(location.search).get("study");
@@ -131,7 +132,7 @@ class Page implements Host {
     const isNew = shown && !shown.error && this.#version !== "" && shown.version !== this.#version;
     if (isNew && !this.#opening && !this.app.isInStudy) {
       this.#version = shown.version; // one that cannot be shown is not tried again
-      await this.app.renew(shown);
+      await this.app.opening.renew(shown);
     }
   }
 
@@ -157,8 +158,8 @@ class Page implements Host {
       await this.open(plan.case);
       await beginStudy(plan, this.app);
     } catch (error) {
-      this.app.endLoading();
-      this.app.fail((error as CaseError).message, () => location.reload());
+      this.app.opening.end();
+      this.app.message.say((error as CaseError).message, () => location.reload());
       throw error;
     }
   }
@@ -202,14 +203,14 @@ class Page implements Host {
   async #open(name: string): Promise<void> {
     const known = this.#cases.find((one) => one.name === name);
     const again = () => void this.open(name).catch(() => {});
-    await this.app.open(
+    await this.app.opening.open(
       known ?? { name, file: caseFile(name), error: null },
       parseLink(location.hash),
       again,
     );
     this.#own = null;
     this.#version = known?.version ?? "";
-    document.title = `${this.app.title} · clipgs`;
+    document.title = `${this.app.viewer.title} · clipgs`;
     this.#prefetchAfter(name);
     this.#watch();
   }
@@ -217,12 +218,12 @@ class Page implements Host {
   /** The address cannot say what is shown then. */
   async #openOwn(file: File): Promise<void> {
     const { name } = file;
-    await this.app.open({ name, file, error: null }, {}, () => void this.app.openFile(file));
+    await this.app.opening.open({ name, file, error: null }, {}, () => void this.app.openFile(file));
     this.#own = file;
     this.#version = "";
     clearTimeout(this.#linkTimer);
     history.replaceState(null, "", location.pathname + location.search);
-    document.title = `${this.app.title} · clipgs`;
+    document.title = `${this.app.viewer.title} · clipgs`;
   }
 
   marksPlace(name: string, volume: string): Promise<Place<Mark>> {
@@ -296,7 +297,7 @@ class Page implements Host {
     const wanted = this.#opening?.name ?? app.viewer.caseName;
     const name = link.case ?? wanted ?? this.#cases.find((one) => !one.error)?.name;
     if (name === undefined) {
-      app.endLoading();
+      app.opening.end();
       await this.#showLibrary();
       return;
     }
@@ -331,7 +332,7 @@ class Page implements Host {
       const [library] = await Promise.all([this.#loadLibrary(), this.cases()]);
       library.show(this.#index, this.app.viewer.caseName, beside);
     } catch (error) {
-      this.app.fail((error as CaseError).message, () => void this.#showLibrary(beside));
+      this.app.message.say((error as CaseError).message, () => void this.#showLibrary(beside));
     }
   }
 

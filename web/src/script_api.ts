@@ -139,7 +139,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
       };
     },
     renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
-    picture: (wanted) => app.picture({ transparent: false, labels: true, ...wanted }),
+    picture: (wanted) => app.pictures.take({ transparent: false, labels: true, ...wanted }),
     headset: {
       get worn() {
         return headset.worn;

@@ -180,6 +180,11 @@ export class Viewer {
     return this.store.info;
   }
 
+  /** Of the case that is shown; "": there is none. */
+  get title(): string {
+    return this.info?.title || (this.caseName ?? "");
+  }
+
   /** Why faces are not drawn from a volume, whatever the state asks for; null: they are. */
   get noSection(): string | null {
     return this.#case?.noSection ?? null;

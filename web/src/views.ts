@@ -1,6 +1,6 @@
 import type { Actions } from "./actions";
-import type { Host } from "./app";
-import { BrowserPlace, Keeper } from "./model/keeper";
+import type { Fail, Host } from "./host";
+import { BrowserPlace, Keeper, volumeOf } from "./model/keeper";
 import { formatLink, type Link } from "./model/link";
 import {
   formatTour,
@@ -20,11 +20,6 @@ import { LookVeil } from "./ui/look_veil";
 import type { ViewsDesk } from "./ui/views_panel";
 import type { Viewer } from "./viewer";
 
-/** The volume that a viewer shows, or, where that is not known, the case. */
-export function volumeOf({ info, caseName }: Viewer): string {
-  return info?.volume || `/${caseName}`;
-}
-
 /** The views that are saved of a volume: where they are kept, and the tour of them. */
 export class Views implements ViewsDesk {
   readonly player: TourPlayer;
@@ -33,18 +28,12 @@ export class Views implements ViewsDesk {
   readonly #viewer: Viewer;
   readonly #host: Host;
   readonly #link: () => Link;
-  readonly #fail: (text: string, again: () => void) => void;
+  readonly #fail: Fail;
   readonly #keeper = new Keeper(kTourFile);
   #waking = 0;
 
   /** `link` says what is shown, `fail` what went wrong, and offers to do it again. */
-  constructor(
-    viewer: Viewer,
-    actions: Actions,
-    host: Host,
-    link: () => Link,
-    fail: (text: string, again: () => void) => void,
-  ) {
+  constructor(viewer: Viewer, actions: Actions, host: Host, link: () => Link, fail: Fail) {
     this.#viewer = viewer;
     this.#host = host;
     this.#link = link;
@@ -93,8 +82,8 @@ export class Views implements ViewsDesk {
   async bring(name: string, isOwn = false): Promise<void> {
     this.player.leave();
     const { volume } = this.#viewer.info!;
-    const inBrowser = () => Promise.resolve(new BrowserPlace(kTourFile, volume, name));
-    const place = (!isOwn && this.#host.tourPlace?.(name, volume)) || inBrowser();
+    const place =
+      (!isOwn && this.#host.tourPlace?.(name, volume)) || new BrowserPlace(kTourFile, volume, name);
     const stops = await this.#keeper.open(place, volumeOf(this.#viewer));
     this.#keeper.adopt(stops);
     this.store.setStops(stops);

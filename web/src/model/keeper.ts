@@ -34,6 +34,17 @@ export interface Place<T extends Kept> {
   change(change: Change<T>): Promise<void>;
 }
 
+/** Whose things are kept: those of a volume or, where that is not known, of the case that a viewer shows. */
+export function volumeOf({
+  info,
+  caseName,
+}: {
+  info: { volume: string } | null;
+  caseName: string | null;
+}): string {
+  return info?.volume || `/${caseName}`;
+}
+
 export function changeBetween<T extends Kept>(
   before: readonly T[],
   after: readonly T[],
@@ -206,7 +217,7 @@ export class Keeper<T extends Kept> {
   }
 
   /** What there was before `of` a volume. From now on its own, and no others, are kept in that place. */
-  async open(place: Promise<Place<T>>, of: string): Promise<readonly T[]> {
+  async open(place: Place<T> | Promise<Place<T>>, of: string): Promise<readonly T[]> {
     this.flush();
     this.#place = null; // what cannot be read is not written over
     this.#of = of;

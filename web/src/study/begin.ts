@@ -1,8 +1,9 @@
 import type { App } from "../app";
 import { readSection } from "../model/values";
 import { CaseError } from "../sog/zip";
-import { StudyCard } from "../ui/study_card";
+import { download } from "../ui/download";
 import { offeredSurroundings } from "../xr/headset";
+import { StudyGuide } from "./guide";
 import { fetchPlan } from "./journal";
 import { parsePlan, type Plan } from "./plan";
 import { Study } from "./study";
@@ -32,15 +33,6 @@ function requireTargets(plan: Plan, app: App): void {
   }
 }
 
-/** Offers a text as a file to be saved. */
-function save(name: string, text: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "application/jsonl" }));
-  link.download = name;
-  link.click();
-  URL.revokeObjectURL(link.href);
-}
-
 /** Begins a study in an app that shows its case. Rejects with CaseError. */
 export async function beginStudy(plan: Plan, app: App): Promise<void> {
   const { viewer, headset } = app;
@@ -62,7 +54,7 @@ export async function beginStudy(plan: Plan, app: App): Promise<void> {
       leave: () => queueMicrotask(() => void headset.leave()), // not while a press there is still told of
     },
     displayHz: () => headset.frameRate,
-    save,
+    save: (name, text) => download(new Blob([text], { type: "application/jsonl" }), name),
   });
-  app.setStudy(study, new StudyCard(app.actions));
+  app.lead(new StudyGuide(study, app));
 }

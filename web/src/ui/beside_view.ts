@@ -48,7 +48,7 @@ export class BesideView {
   async open({ name, file }: Pick<CaseSummary, "name" | "file">): Promise<void> {
     this.#title.textContent = name;
     await this.#viewer.open(name, file, null, () => {
-      this.#title.textContent = this.#viewer.info!.title || name;
+      this.#title.textContent = this.#viewer.title;
       this.update();
     });
     this.update();

@@ -125,6 +125,13 @@ export class MarksOverlay {
     this.chosen.value = null;
   }
 
+  removeChosen(): void {
+    if (this.chosen.value) {
+      this.#viewer.store.removeMark(this.chosen.value);
+      this.chosen.value = null;
+    }
+  }
+
   /** After every frame. */
   update(): void {
     this.#moved = false;

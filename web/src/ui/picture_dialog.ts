@@ -4,7 +4,7 @@ import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { sheetDialog } from "./sheet_dialog";
 import { h } from "./dom";
-import type { WantedPicture } from "./save_picture";
+import type { WantedPicture } from "./pictures";
 import { choices } from "./segments";
 
 type Size = "once" | "twice" | "fourK" | "own";

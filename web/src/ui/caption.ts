@@ -1,10 +1,8 @@
 import { layOut } from "../model/label_layout";
 import { anchorOf, linesOf } from "../model/marks";
 import { shownMarks } from "../model/viewer_state";
-import { CaseError } from "../sog/zip";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
-import { download } from "./download";
 import { type FaceMarks, faceMarks } from "./face_overlay";
 import type { MarkTexts } from "./marks_overlay";
 
@@ -26,71 +24,17 @@ interface Colors {
   halo: string;
 }
 
-/**
- * Saves what the viewer shows as a PNG, in the colours of `root`: its name is the case's. Rejects with CaseError where
- * that case is closed meanwhile.
- */
-export async function savePicture(
-  viewer: Viewer,
-  title: string,
-  root: HTMLElement,
-  said: MarkTexts,
-): Promise<void> {
-  const name = viewer.caseName ?? "clipgs";
-  const picture = await viewer.snapshot((drawn) => drawCaption(drawn, viewer, title, root, said));
-  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
-  if (blob) {
-    download(blob, `${name}.png`);
-  }
-}
-
-/** A picture that somebody wants otherwise than it is seen. */
-export interface WantedPicture {
-  width: number; // px
-  height: number;
-  transparent: boolean;
-  labels: boolean; // what stands over it: marks, directions, the title, what it is not for
-}
-
-/** What browsers make canvases of. */
-export const kLargestSide = 16384;
-const kMostPixels = 1e8;
-
-/** Such a picture of what is shown, as a PNG. Rejects with CaseError. */
-export async function pictureOf(
-  viewer: Viewer,
-  title: string,
-  root: HTMLElement,
-  said: MarkTexts,
-  { width, height, transparent, labels }: WantedPicture,
-): Promise<Blob> {
-  const isSide = (side: number) => Number.isInteger(side) && side >= 16 && side <= kLargestSide;
-  if (!isSide(width) || !isSide(height) || width * height > kMostPixels) {
-    throw new CaseError(texts().picture.tooLarge(kLargestSide, kMostPixels / 1e6));
-  }
-  const picture = await viewer.paint(width, height, transparent, (over) => {
-    if (labels) {
-      drawCaption(over, viewer, title, root, said);
-    }
-  });
-  const blob = await new Promise<Blob | null>((resolve) => picture.toBlob(resolve, "image/png"));
-  if (!blob) {
-    throw new CaseError(texts().picture.tooLargeHere);
-  }
-  return blob;
-}
-
-function drawCaption(
+/** Draws it over a picture of what the viewer shows, in the colours of `root`. */
+export function drawCaption(
   picture: HTMLCanvasElement,
   viewer: Viewer,
-  title: string,
   root: HTMLElement,
   said: MarkTexts,
 ): void {
   const styles = getComputedStyle(root);
   const color = (name: string) => styles.getPropertyValue(`--${name}`);
   const colors = { text: color("text"), panel: color("panel"), halo: color("halo") };
-  new Caption(picture, viewer, colors, styles.fontFamily, said).draw(title);
+  new Caption(picture, viewer, colors, styles.fontFamily, said).draw();
 }
 
 /** What stands over a case's picture: its title, what it is not for, what is marked, and the directions of grey faces. */
@@ -112,7 +56,8 @@ class Caption {
     this.#context.textBaseline = "middle";
   }
 
-  draw(title: string): void {
+  draw(): void {
+    const { title } = this.#viewer;
     const { height } = this.#viewer.camera.freeSize;
     if (this.#viewer.state.layers.marks) {
       this.#drawMarks();

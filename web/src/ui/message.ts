@@ -1,0 +1,42 @@
+import type { Host } from "../host";
+import { texts } from "../text/text";
+import { h, icon, kIcons } from "./dom";
+
+/** What went wrong, in a line, and what can be done. */
+export class Message {
+  readonly element = h("div", { class: "message", role: "alert", hidden: true });
+  readonly #host: Pick<Host, "choose">;
+
+  constructor(host: Pick<Host, "choose">) {
+    this.#host = host;
+  }
+
+  say(text: string, again: (() => void) | null): void {
+    const t = texts().page;
+    const host = this.#host;
+    const retry = (): void => {
+      this.dismiss();
+      again?.();
+    };
+    this.element.replaceChildren(
+      h(
+        "button",
+        { class: "plain dismiss", "aria-label": t.dismiss, onclick: () => this.dismiss() },
+        icon(kIcons.close),
+      ),
+      icon(kIcons.warning),
+      h("p", {}, text),
+      h(
+        "div",
+        { class: "row" },
+        host.choose ? h("button", { class: "solid", onclick: () => host.choose?.() }, t.chooseCase) : null,
+        again && h("button", { class: "solid quiet", onclick: retry }, t.again),
+      ),
+    );
+    this.element.hidden = false;
+  }
+
+  dismiss(): void {
+    this.element.hidden = true;
+  }
+}
