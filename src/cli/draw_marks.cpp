@@ -43,7 +43,7 @@ class MarksPainter {
  public:
   MarksPainter(const Overlay& overlay, const Image& picture, const Camera& camera)
       : cairo_(overlay.cairo()),
-        unit_(std::max(9.0, 0.022 * std::min(picture.width, picture.height)) / kLetters),
+        unit_(std::max(9.0, 0.018 * std::min(picture.width, picture.height)) / kLetters),
         size_(dvec2(picture.width, picture.height) / unit_),
         camera_(camera) {
     cairo_scale(cairo_, unit_, unit_);

@@ -252,7 +252,9 @@ export class App {
     if (this.isInStudy) {
       return;
     }
-    if (/\.json$/i.test(file.name)) {
+    if (/\.tour\.json$/i.test(file.name)) {
+      this.views.openFile(file);
+    } else if (/\.json$/i.test(file.name)) {
       this.marks.open(file);
     } else {
       await this.host.openFile(file).catch(() => {});

@@ -12,7 +12,7 @@ import hostStyle from "./ui/element.css?inline";
 import { themeFrom } from "./ui/theme";
 import viewerStyle from "./ui/viewer.css?inline";
 
-const kAttributes = ["src", "link", "tour", "panel", "theme"] as const;
+const kAttributes = ["src", "link", "tour", "beside", "panel", "theme"] as const;
 
 /** One for all elements of a page. */
 let styles: CSSStyleSheet[] | undefined;
@@ -78,7 +78,9 @@ export class ClipgsViewerElement extends HTMLElement {
 
   /** What is shown of the case, in the words of the viewer's address. */
   get link(): string {
-    return this.#app ? formatLink({ ...this.#app.link, case: undefined }) : (this.getAttribute("link") ?? "");
+    return this.#app
+      ? formatLink({ ...this.#app.link, case: undefined, beside: undefined })
+      : (this.getAttribute("link") ?? "");
   }
 
   set link(link: string) {
@@ -216,6 +218,9 @@ export class ClipgsViewerElement extends HTMLElement {
     }
     app.setPanel(this.getAttribute("panel") !== "none");
     app.setTheme(themeFrom(this.getAttribute("theme")));
+    if (stale.has("beside")) {
+      this.#showBeside(app);
+    }
     const linked = stale.has("link") && this.hasAttribute("link");
     const link = parseLink(linked ? this.getAttribute("link")! : "");
     if (stale.has("src") && this.src) {
@@ -232,6 +237,13 @@ export class ClipgsViewerElement extends HTMLElement {
         void this.#ready.then(() => app.views.bring(app.viewer.caseName!)).catch(() => {});
       }
     }
+  }
+
+  /** The other case that the page names, once there is one that it is beside of; or none. */
+  #showBeside(app: App): void {
+    const file = this.getAttribute("beside");
+    const one = file ? { name: caseName(file), file, error: null } : null;
+    queueMicrotask(() => void this.#ready.then(() => app.showBeside(one)).catch(() => {}));
   }
 
   /** Shows a case; the view and planes stay unless `link` is another. Tells listeners how that ended. */

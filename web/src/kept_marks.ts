@@ -1,7 +1,7 @@
 import type { ReadonlySignal } from "@preact/signals-core";
 
 import type { Fail, Host } from "./host";
-import { BrowserPlace, Keeper, volumeOf } from "./model/keeper";
+import { BrowserPlace, Keeper, textOf, volumeOf } from "./model/keeper";
 import type { Mark } from "./model/marks";
 import { formatMarks, kMarksFile, mergedMarks, parseMarks } from "./model/marks_file";
 import { download } from "./ui/download";
@@ -68,8 +68,9 @@ export class KeptMarks implements MarksFiles {
 
   /** A file's marks come to those that are there. */
   async #open(file: File): Promise<void> {
-    const text = await file.text();
+    const text = await textOf(file);
     const { info, state, store } = this.#viewer;
-    store.setMarks(mergedMarks(state.marks, parseMarks(text, file.name, info?.volume ?? "")));
+    const marks = parseMarks(text, file.name, info?.volume ?? "");
+    store.setMarks(mergedMarks(state.marks, marks, file.name));
   }
 }

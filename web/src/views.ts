@@ -1,6 +1,6 @@
 import type { Actions } from "./actions";
 import type { Fail, Host } from "./host";
-import { BrowserPlace, Keeper, volumeOf } from "./model/keeper";
+import { BrowserPlace, Keeper, textOf, volumeOf } from "./model/keeper";
 import { formatLink, type Link } from "./model/link";
 import {
   formatTour,
@@ -99,7 +99,7 @@ export class Views implements ViewsDesk {
     if (!this.#viewer.info) {
       return null;
     }
-    const stop = { ...makeStop(this.#words, name), text };
+    const stop = makeStop(this.#words, name, text);
     const stops = withStop(this.player.stops, stop, this.player.stop.peek()?.id);
     if (!stops) {
       this.#fail(texts().views.tooMany(kMostStops), () => this.save(name, text));
@@ -136,7 +136,7 @@ export class Views implements ViewsDesk {
 
   /** A file's views come in place of those that are there; undo brings these back. */
   async #open(file: File): Promise<void> {
-    const stops = parseTour(await file.text(), file.name, this.#viewer.info?.volume ?? "");
+    const stops = parseTour(await textOf(file), file.name, this.#viewer.info?.volume ?? "");
     this.player.leave();
     this.store.setStops(stops);
   }

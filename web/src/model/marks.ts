@@ -151,7 +151,15 @@ export function withWords(
   id: string,
   words: Partial<Pick<Mark, "name" | "note">>,
 ): readonly Mark[] {
-  return marks.map((mark) => (mark.id === id ? { ...mark, ...words } : mark));
+  return marks.map((mark) =>
+    mark.id === id
+      ? {
+          ...mark,
+          name: (words.name ?? mark.name).slice(0, kLongestName),
+          note: (words.note ?? mark.note).slice(0, kLongestNote),
+        }
+      : mark,
+  );
 }
 
 /** Where what is said of a mark belongs to. */

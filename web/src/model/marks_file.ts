@@ -2,7 +2,7 @@ import { Vector3 } from "three";
 
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
-import type { KeptKind } from "./keeper";
+import { type KeptKind, wordsOf } from "./keeper";
 import {
   isFlat,
   isShape,
@@ -48,14 +48,13 @@ function readMark(reader: JsonReader): Mark {
     return new Vector3(...(numbers.length === 3 ? numbers : [NaN, NaN, NaN]));
   });
   const normal = flat ? new Vector3(...reader.vector("normal")) : null;
-  const text = (key: string, longest: number) => (reader.has(key) ? reader.text(key).slice(0, longest) : "");
   const mark: Mark = {
     id: reader.text("id").slice(0, kLongestId),
     kind,
     points,
     normal: normal?.normalize() ?? null,
-    name: text("name", kLongestName),
-    note: text("note", kLongestNote),
+    name: wordsOf(reader, "name", kLongestName),
+    note: wordsOf(reader, "note", kLongestNote),
   };
   return isShape(mark) && (normal?.length() ?? 1) > 0.5 ? mark : reader.fail("points");
 }
@@ -92,10 +91,15 @@ export function parseMarks(text: string, name: string, volume: string): Mark[] {
   return [...new Map(marks.map((mark) => [mark.id, mark])).values()];
 }
 
-/** All marks of both; of one that both have, that of `newer`. */
-export function mergedMarks(older: readonly Mark[], newer: readonly Mark[]): Mark[] {
+/** All marks of both; of one that both have, that of `newer`. Throws CaseError where they are too many: `name` holds `newer`. */
+export function mergedMarks(older: readonly Mark[], newer: readonly Mark[], name: string): Mark[] {
   const all = new Map([...older, ...newer].map((mark) => [mark.id, mark]));
-  return [...all.values()].slice(0, kMostMarks);
+  if (all.size > kMostMarks) {
+    throw new CaseError(
+      `${name}: with those that are here, ${all.size} marks, of which no more than ${kMostMarks} can be shown`,
+    );
+  }
+  return [...all.values()];
 }
 
 export const kMarksFile: KeptKind<Mark> = {

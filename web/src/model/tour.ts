@@ -1,6 +1,6 @@
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
-import type { KeptKind } from "./keeper";
+import { type KeptKind, wordsOf } from "./keeper";
 import { kLongestName, kLongestNote } from "./marks";
 
 // Tours of a case, and the files that hold them: docs/format.md. The twin of src/tour/tour_file.cpp.
@@ -28,9 +28,9 @@ const kLongestId = 40;
 const kLongestShow = 40_000;
 
 /** A stop at what is shown. */
-export function makeStop(show: string, name: string): Stop {
+export function makeStop(show: string, name: string, text = ""): Stop {
   const id = `${Date.now().toString(36)}${Math.random().toString(36).slice(2, 8)}`;
-  return { id, name: name.slice(0, kLongestName), text: "", show, fly: kFlight, stay: kStay };
+  return shortened({ id, name, text, show, fly: kFlight, stay: kStay });
 }
 
 /** With one more, after the one of that id, or else at the end; null: there are too many. */
@@ -44,7 +44,25 @@ export function withoutStop(stops: readonly Stop[], id: string): Stop[] {
 }
 
 export function withChange(stops: readonly Stop[], id: string, change: Partial<Omit<Stop, "id">>): Stop[] {
-  return stops.map((stop) => (stop.id === id ? { ...stop, ...change } : stop));
+  return stops.map((stop) => (stop.id === id ? shortened({ ...stop, ...change }) : stop));
+}
+
+/** As files hold it. */
+function shortened(stop: Stop): Stop {
+  return { ...stop, name: stop.name.slice(0, kLongestName), text: stop.text.slice(0, kLongestNote) };
+}
+
+/** Two of one id, as people who write files have them, are two. */
+function withOwnIds(stops: readonly Stop[]): Stop[] {
+  const ids = new Set<string>();
+  return stops.map((stop) => {
+    let { id } = stop;
+    for (let i = 2; ids.has(id); ++i) {
+      id = `${stop.id.slice(0, kLongestId - 4)}-${i}`;
+    }
+    ids.add(id);
+    return { ...stop, id };
+  });
 }
 
 /** One place earlier (−1) or later (1), where there is one. */
@@ -73,12 +91,11 @@ export function formatTour(stops: readonly Stop[], volume: string): string {
 }
 
 function readStop(reader: JsonReader): Stop {
-  const text = (key: string, longest: number) => (reader.has(key) ? reader.text(key).slice(0, longest) : "");
   const show = reader.text("show");
   return {
     id: reader.text("id").slice(0, kLongestId),
-    name: text("name", kLongestName),
-    text: text("text", kLongestNote),
+    name: wordsOf(reader, "name", kLongestName),
+    text: wordsOf(reader, "text", kLongestNote),
     show: show.length <= kLongestShow ? show.replace(/^#/, "") : reader.fail("show"),
     fly: reader.has("fly") ? reader.number("fly", 0, kLongestFlight) : kFlight,
     stay: reader.has("stay") ? reader.number("stay", 0, kLongestStay) : kStay,
@@ -113,8 +130,7 @@ export function parseTour(text: string, name: string, volume: string): Stop[] {
       `${name}: has ${listed.length} stops, of which no more than ${kMostStops} can be shown`,
     );
   }
-  const stops = reader.children("stops", kMostStops).map(readStop);
-  return [...new Map(stops.map((stop) => [stop.id, stop])).values()];
+  return withOwnIds(reader.children("stops", kMostStops).map(readStop));
 }
 
 export const kTourFile: KeptKind<Stop> = {

@@ -28,8 +28,13 @@ export class JsonReader {
   }
 
   fail(key: string): never {
+    this.refuse(key, "is missing or out of range");
+  }
+
+  /** Throws CaseError that says what is wrong. */
+  refuse(key: string, why: string): never {
     const { name, remedy } = this.#file;
-    throw new CaseError(`${name}: ${this.#name}.${key} is missing or out of range; ${remedy}`);
+    throw new CaseError(`${name}: ${this.#name}.${key} ${why}; ${remedy}`);
   }
 
   has(key: string): boolean {

@@ -1,6 +1,7 @@
 import { signedDistance } from "../model/geometry";
 import { layOut } from "../model/label_layout";
 import { anchorOf, linesOf, type Mark } from "../model/marks";
+import { shownMarks } from "../model/viewer_state";
 import { placeOf, planeOf, pointOf, type SliceFrame, sliceSpacing } from "../model/slice";
 import { each, follow, h, svg } from "./dom";
 import { begunText, pathOf } from "./marks_overlay";
@@ -28,7 +29,7 @@ export class SliceMarks {
     this.element = h("div", { class: "slice-marks" }, this.#drawing, labels, this.#begunText);
     follow(() => {
       const frame = pane.frame.value;
-      void [marks.chosen.value, viewer.state.marks];
+      void [marks.chosen.value, shownMarks(viewer.state)];
       this.#draw(frame ? there.value : [], frame);
     });
     follow(() => {
@@ -44,7 +45,7 @@ export class SliceMarks {
     if (!frame || !section || !state.layers.marks) {
       return [];
     }
-    return state.marks.filter((mark) => mark.points.some((point) => this.#isNear(frame, point)));
+    return shownMarks(state).filter((mark) => mark.points.some((point) => this.#isNear(frame, point)));
   }
 
   #isNear(frame: SliceFrame, point: Mark["points"][number]): boolean {

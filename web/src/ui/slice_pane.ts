@@ -123,6 +123,16 @@ export class SlicePane {
     this.#zoom.value = kFitted;
   }
 
+  /** Shows this slice alone, or those of the body beside each other; the focus goes with it. */
+  enlarge(alone: boolean): void {
+    const { store } = this.context.viewer;
+    const { kind } = this;
+    if (alone || kind !== "plane") {
+      store.showSlices(alone ? kind : "all");
+      requestAnimationFrame(() => this.canvas.focus({ preventScroll: true }));
+    }
+  }
+
   /** Larger by a factor; what is at a place stays there. */
   zoomAt(place: Place, factor: number): void {
     const frame = this.frame.value;

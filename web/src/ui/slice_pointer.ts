@@ -34,7 +34,7 @@ export class SlicePointer {
     canvas.addEventListener("pointercancel", (event) => this.#up(event, false));
     canvas.addEventListener("pointerleave", () => (pane.pointer.value = null));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    canvas.addEventListener("dblclick", () => pane.context.marking.finish());
+    canvas.addEventListener("dblclick", () => this.#double());
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     canvas.addEventListener("keydown", (event) => {
       if (this.#key(event)) {
@@ -42,6 +42,16 @@ export class SlicePointer {
         event.stopPropagation(); // the same keys do other things to the case
       }
     });
+  }
+
+  /** What is begun is ended; or else the slice is enlarged, or all of them are seen again. */
+  #double(): void {
+    const { marking, viewer } = this.#pane.context;
+    if (marking.kind !== null) {
+      marking.finish();
+    } else {
+      this.#pane.enlarge(viewer.state.slices?.shown === "all");
+    }
   }
 
   #at(event: MouseEvent): Place {
@@ -185,6 +195,7 @@ export class SlicePointer {
       ArrowDown: [0, 1],
     };
     const arrow = arrows[key];
+    const { marking } = pane.context;
     const times = shiftKey ? kFast : 1;
     if (metaKey) {
       return false;
@@ -203,6 +214,8 @@ export class SlicePointer {
       pane.zoomAt(this.#aim, key === "-" ? 1 / kZoomBy : kZoomBy);
     } else if (key === "0") {
       pane.fit();
+    } else if (key === "Enter" && marking.kind === null) {
+      this.#double();
     } else if (key === "i" || key === "l" || key === " ") {
       return this.#mark(key);
     } else {

@@ -231,7 +231,12 @@ describe("marks that are kept", () => {
   it("are those of both files, and what a person changed is changed there alone", () => {
     const [a, b, c] = marks as [Mark, Mark, Mark];
     const renamed = { ...b, name: "other" };
-    expect(mergedMarks([a, b], [renamed, c])).toEqual([a, renamed, c]);
+    expect(mergedMarks([a, b], [renamed, c], "c.json")).toEqual([a, renamed, c]);
+    const many = Array.from({ length: kMostMarks - 1 }, (_, i) =>
+      makeMark({ kind: "point", points: [new Vector3(i, 0, 0)], normal: null }),
+    );
+    expect(mergedMarks(many, [renamed], "c.json").length).toBe(kMostMarks);
+    expect(() => mergedMarks(many, [a, c], "c.json")).toThrow(/^c\.json: .* 501 marks, .* 500 /);
     const change = changeBetween([a, b], [renamed, c]);
     expect(change).toEqual({ put: [renamed, c], gone: new Set([a.id]) });
     expect(changed([a, b, marks[3]!], change)).toEqual([renamed, marks[3]!, c]);

@@ -4,7 +4,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 
 import { planesOf } from "../../src/model/cut";
 import { crossing, flight } from "../../src/model/flight";
-import { changeBetween, changed } from "../../src/model/keeper";
+import { changeBetween, changed, textOf } from "../../src/model/keeper";
 import { layOut } from "../../src/model/label_layout";
 import { parseLink } from "../../src/model/link";
 import { linkedState } from "../../src/model/linked_state";
@@ -191,6 +191,29 @@ describe("a tour's file", () => {
     for (const text of ["", "[]", "{}", "null", "{"]) {
       expect(() => parseTour(text, "a.json", "abc")).toThrow(/^a\.json: /);
     }
+  });
+
+  it("loses nothing of what is too much for it, and says so", () => {
+    const text = (change: object) => JSON.stringify({ clipgs_tour: 1, volume: "", ...change });
+    const stop = { id: "a", show: "view=1,1" };
+    const read = (stops: object[]) => parseTour(text({ stops }), "a.json", "abc");
+    expect(() => read(Array<object>(10_000).fill(stop))).toThrow("a.json: has 10000 stops");
+    expect(() => read([{ ...stop, text: "x".repeat(10_000_000) }])).toThrow(
+      /^a\.json: tour\.stops\[0\]\.text has more than 2000 characters; [^\n]{1,40}$/,
+    );
+    expect(() => read([{ ...stop, name: "x".repeat(121) }])).toThrow(/name has more than 120 characters/);
+    expect(() => parseTour(text({ stops: [stop] }).slice(0, -3), "a.json", "")).toThrow("a.json: not a tour");
+    expect(read([stop, stop, { ...stop, id: "a-2" }]).map(({ id }) => id)).toEqual(["a", "a-2", "a-2-2"]);
+    const long = makeStop("view=1,1", "n".repeat(500), "t".repeat(5000));
+    expect(parseTour(formatTour([long], ""), "a.json", "")).toEqual([long]);
+    const [changed] = withChange([long], long.id, { text: "u".repeat(5000) });
+    expect(parseTour(formatTour([changed!], ""), "a.json", "")[0]!.text.length).toBe(2000);
+  });
+
+  it("of a person is not waited for where it is none by its size", async () => {
+    const huge = { name: "huge.json", size: 2 ** 25, text: () => Promise.reject(new Error("read")) };
+    await expect(textOf(huge as unknown as File)).rejects.toThrow(/^huge\.json: has more than 16 MiB/);
+    await expect(textOf(new File(["{}"], "a.json"))).resolves.toBe("{}");
   });
 
   it("keeps the order that a person put, and what somebody else added meanwhile", () => {
