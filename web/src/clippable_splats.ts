@@ -20,15 +20,12 @@ import { canDraw, type Cut, kMaxPlanes } from "./model/cut";
 import { kWorldFromPatient } from "./model/geometry";
 import { kFirst, type Style } from "./model/viewer_state";
 import { kAtRest, kMoving, OpenCase } from "./render/open_case";
+import { kSettleMs, Schedule } from "./render/schedule";
 import { SplatLayer, type Subject } from "./render/splat_layer";
 import { setWorldCamera } from "./render/world_camera";
-import { SectionError } from "./sog/section";
 import { CaseError } from "./sog/zip";
 import { CaseClient } from "./worker/case_client";
 import { kSuperseded } from "./worker/protocol";
-
-/** Without changes for this long the picture is drawn at its best. */
-const kSettleMs = 160;
 
 export interface ClippableSplatsEventMap extends Object3DEventMap {
   /** Something is drawn otherwise than in the last frame: whoever renders on demand renders again. */
@@ -67,6 +64,7 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
   readonly isClippableSplats = true;
   readonly #renderer: WebGLRenderer;
   readonly #client = new CaseClient();
+  readonly #schedule = new Schedule(this.#client);
   readonly #layer: SplatLayer;
   #case: OpenCase | null = null;
   #planes: readonly Plane[] = [];
@@ -74,13 +72,11 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
   #window: GreyWindow | null = null;
   #subject: Subject | null = null;
   #subjectOf = { height: 0, still: false };
-  #changedAt = 0; // ms
   #settling = 0; // timer
   #disposed = false;
   readonly #seen = new PerspectiveCamera(); // the viewer's world
   readonly #before = { pose: new Matrix4(), projection: new Matrix4() };
   readonly #sorted = new PerspectiveCamera(); // that it was sorted for last
-  #sortStale = true;
   readonly #patientFromRoom = new Matrix4();
   readonly #viewport = new Vector4();
 
@@ -113,35 +109,23 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
     if (this.#disposed) {
       throw new CaseError("these splats are disposed of");
     }
-    const opened = new OpenCase(address, loaded, this.#client);
     this.#release();
-    this.#case = opened;
+    const opened = (this.#case = new OpenCase(address, loaded, this.#client));
     this.#layer.solid.position.copy(opened.info.sphere.center);
     this.#layer.solid.visible = true;
     this.#changed();
-    await this.#complete(opened, loaded.ticket);
-    return this;
-  }
-
-  /** Gives a case its section, once that is there. Rejects with CaseError. */
-  async #complete(opened: OpenCase, ticket: number): Promise<void> {
+    const isShown = () => this.#case === opened;
     try {
-      const decoded = await this.#client.section(ticket);
-      if (this.#case !== opened) {
-        decoded?.light.dispose();
+      await opened.complete(this.#renderer, isShown, () => this.#changed());
+      if (!isShown()) {
         throw new CaseError(kSuperseded);
       }
-      if (decoded) {
-        await opened.setSection(decoded, this.#renderer, () => this.#case === opened && this.#changed());
-      }
     } catch (error) {
-      if (!(error instanceof SectionError) || this.#case !== opened) {
-        this.#forgetIf(opened);
-        throw error;
-      }
-      opened.loseSection(error.message);
+      this.#forgetIf(opened);
+      throw error;
     }
     this.#changed();
+    return this;
   }
 
   /** Shows nothing of a case that is broken from now on. */
@@ -233,11 +217,10 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
   /** Whether the last frame was drawn at its best: nothing moves or is still to come. */
   get settled(): boolean {
     const current = this.#case;
-    const isWhole = current !== null && !current.awaitsSection && current.canChangeRig !== null;
-    const isOrdered = !this.#sortStale && this.#client.sorting === null;
-    return (
-      isWhole && isOrdered && this.#subjectOf.still && this.#subject !== null && current.isLit(this.#style)
-    );
+    if (!current || current.canChangeRig === null) {
+      return false; // how it can be lit is still to come
+    }
+    return this.#schedule.isSettled(current, this.#style);
   }
 
   /** Ends the worker and gives back what the GPU holds. Nothing can be shown then. */
@@ -269,7 +252,6 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
       return;
     }
     this.#subject = null;
-    this.#sortStale = true;
     // The material must be there before a frame begins, which goes on with the one that it began with.
     const byVolume = this.#style.section === "volume" && this.#style.layers.faces;
     this.#layer.outlineBy((byVolume && this.#case?.faces) || null);
@@ -278,7 +260,7 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
   }
 
   #moved(): void {
-    this.#changedAt = performance.now();
+    this.#schedule.touch();
     clearTimeout(this.#settling);
     this.#settling = window.setTimeout(() => this.dispatchEvent({ type: "change" }), kSettleMs + 1);
   }
@@ -307,7 +289,7 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
     this.#follow(eye);
     setWorldCamera(this.#seen, eye, this.#patientFromRoom);
     this.#seen.fov = eye.fov;
-    const still = !eye.viewport && performance.now() - this.#changedAt > kSettleMs;
+    const still = !eye.viewport && !this.#schedule.isMoving(performance.now());
     this.#prepare(current, viewport.w, still);
     this.#sort(current, viewport.z, viewport.w);
     withOwnState(renderer, eye.viewport, () => {
@@ -317,6 +299,7 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
       }
       this.#layer.drawEye(this.#subject!, this.#seen, viewport, still);
     });
+    this.#schedule.drawn(!still);
   }
 
   /** Notices where the camera or the object moved. */
@@ -327,7 +310,6 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
     if (!now.equals(pose) || !eye.projectionMatrix.equals(projection)) {
       pose.copy(now);
       projection.copy(eye.projectionMatrix);
-      this.#sortStale = true;
       this.#moved();
     }
   }
@@ -351,12 +333,12 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
 
   /** Orders the splats for what is seen now, unless that is being done. */
   #sort(current: OpenCase, width: number, height: number): void {
-    if (!this.#sortStale || this.#client.sorting) {
+    if (!this.#schedule.wantsOrder) {
       return;
     }
-    this.#sortStale = false;
     this.#sorted.copy(this.#seen, false);
-    void current.sort(this.#sorted, width, height, this.#style).then(
+    const frame = { camera: this.#sorted, width, height, leastPixels: 0 };
+    void this.#schedule.order(current, frame, this.#style).then(
       () => this.dispatchEvent({ type: "change" }),
       (error: CaseError) => {
         this.#forgetIf(current);

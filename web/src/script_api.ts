@@ -138,7 +138,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         layers: { ...layers },
       };
     },
-    renderToPixels: (width, height, moving) => viewer.renderToPixels(width, height, moving),
+    renderToPixels: (width, height, moving) => viewer.captures.pixels(width, height, moving),
     picture: (wanted) => app.pictures.take({ transparent: false, labels: true, ...wanted }),
     headset: {
       get worn() {

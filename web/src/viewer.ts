@@ -1,10 +1,10 @@
 import { effect, signal } from "@preact/signals-core";
-import { type PerspectiveCamera, Scene, WebGLRenderer } from "three";
+import type { WebGLRenderer } from "three";
 
-import type { Picture, ViewerStats } from "./api";
+import type { ViewerStats } from "./api";
+import { Captures, kNotPictured, type Studio } from "./captures";
 import type { CaseInfo } from "./model/case_info";
 import { type Cut, planesOf } from "./model/cut";
-import type { FaceEffort } from "./model/face_style";
 import type { Grip } from "./model/plane_drag";
 import type { Window } from "./model/grey";
 import type { MarkShape } from "./model/marks";
@@ -12,62 +12,41 @@ import { regionValues } from "./model/region";
 import { readSection } from "./model/values";
 import type { Inset } from "./model/view";
 import { isSamePicture, type ViewerState, ViewerStore } from "./model/viewer_state";
-import { Background } from "./render/background";
-import { CanvasCamera, type Frame } from "./render/canvas_camera";
+import type { Background } from "./render/background";
+import type { CanvasCamera, Frame } from "./render/canvas_camera";
 import { FrameRate } from "./render/frame_rate";
-import { kAtRest, kMoving, OpenCase, type SortResult } from "./render/open_case";
-import { Picking } from "./render/picking";
-import { PlaneWidget } from "./render/plane_widget";
-import { SplatLayer, type Subject } from "./render/splat_layer";
-import { tileCamera, tilesOf } from "./render/tiles";
-import { type Section, SectionError } from "./sog/section";
+import { kAtRest, kMoving, OpenCase, type SortFrame } from "./render/open_case";
+import { Painter } from "./render/painter";
+import type { Picking } from "./render/picking";
+import { kSettleMs, Schedule } from "./render/schedule";
+import type { SplatLayer } from "./render/splat_layer";
+import type { Section } from "./sog/section";
 import { CaseError } from "./sog/zip";
-import type { CaseClient, DecodedSection, LoadListener } from "./worker/case_client";
+import type { CaseClient, LoadListener } from "./worker/case_client";
 import { type CaseSource, kSuperseded, type LoadedCase } from "./worker/protocol";
-
-/** What splats are sorted for: without those that reach no farther than `leastPixels`. */
-interface SortFrame {
-  camera: PerspectiveCamera;
-  width: number;
-  height: number;
-  leastPixels: number;
-}
 
 /** Who waits for a case also hears when it is seen, whole. */
 export interface OpeningListener extends LoadListener {
   pictured?(): void;
 }
 
-/** Why there is no picture, to whoever waited for it. */
-const kNotPictured = "the case was closed, or a headset put on, before its picture was drawn; try again";
 /** On the browser's performance timeline: a case is seen for the first time. */
 const kPictureMark = "clipgs: picture";
-/** Without changes for this long the picture is drawn at full resolution. */
-const kSettleMs = 160;
 /** While something moves, resolution is given up for frames of this length. */
 const kFrameMs = 30;
 const kMinScale = 0.35;
-const kMaxPixelRatio = 2;
-
-function makeCanvas(width: number, height: number): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  canvas.width = width;
-  canvas.height = height;
-  return canvas;
-}
+/** What changed within so many frames moves, however long they took. */
+const kFramesOfMovement = 2;
 
 /**
  * A case in a canvas: decoding, sorting and drawing what the store says, without any panels. `drawnFrame` is called after
  * every frame, `failed` where a case that was shown cannot be shown any more.
  */
-export class Viewer {
+export class Viewer implements Studio {
   readonly canvas: HTMLCanvasElement;
   readonly store = new ViewerStore();
-  /** Where things are on the canvas. */
-  readonly camera: CanvasCamera;
-  /** What is met there. */
-  readonly picking: Picking;
-  readonly background = new Background();
+  readonly painter: Painter;
+  readonly captures = new Captures(this);
   readonly stats: ViewerStats = {
     frameMs: 0,
     sortMs: 0,
@@ -84,23 +63,15 @@ export class Viewer {
   failed: (error: CaseError) => void = () => {};
 
   readonly #version = signal(0);
-  readonly #renderer: WebGLRenderer;
-  readonly #scene = new Scene();
-  readonly #layer: SplatLayer;
-  readonly #widget = new PlaneWidget();
   readonly #client: CaseClient;
   #case: OpenCase | null = null;
   #seen: ViewerState; // that the picture is drawn of, or will be
   #asOf: ViewerState | null = null; // while a picture is drawn of what was
   readonly #unfollow: () => void;
 
-  #orderStale = false; // something moved since the last sort began
-  #splatsStale = false;
-  #coarse = false; // what is shown was drawn for speed
+  readonly #schedule: Schedule;
   #canvasStale = true;
   #captured: Promise<void> | null = null; // while a picture is drawn apart
-  #lastChange = 0; // ms, and as an animation frame
-  #changeTick = 0;
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #ticks = 0; // animation frames
   #sortedFor: SortFrame | null = null; // last, by who draws
@@ -114,30 +85,12 @@ export class Viewer {
   constructor(canvas: HTMLCanvasElement, client: CaseClient) {
     this.canvas = canvas;
     this.#client = client;
-    // An opaque canvas, which three.js does not ask for by itself, spares the page a layer to blend.
-    const context = canvas.getContext("webgl2", {
-      alpha: false,
-      antialias: false,
-      powerPreference: "high-performance",
-    });
-    if (!context) {
-      throw new CaseError(
-        "this browser has no WebGL 2, which the viewer needs; update it or turn acceleration on",
-      );
-    }
-    this.#renderer = new WebGLRenderer({ canvas, context });
-    this.#renderer.autoClear = false;
-    this.#layer = new SplatLayer(this.#renderer);
-    this.#scene.add(this.#layer.object, this.#widget.object);
-    this.#renderer.setClearColor(0, 0);
-    canvas.addEventListener("webglcontextrestored", () => {
-      this.#renderer.setClearColor(0, 0); // three.js forgets it
+    this.#schedule = new Schedule(client);
+    this.painter = new Painter(canvas, this, () => {
       this.#case?.mesh.invalidateColors();
-      void this.#case?.faces?.giveValues(this.#renderer).then(() => this.#touch());
+      void this.#case?.faces?.giveValues(this.renderer).then(() => this.#touch());
       this.#touch();
     });
-    this.camera = new CanvasCamera(() => ({ view: this.state.view, sphere: this.info?.sphere ?? null }));
-    this.picking = new Picking(this, this.camera, this.#widget);
     this.#seen = this.store.state;
     this.#unfollow = effect(() => this.#follow(this.store.state));
     this.resize(this.camera.frame.inset);
@@ -159,13 +112,28 @@ export class Viewer {
     return this.#version.value;
   }
 
+  /** Where things are on the canvas. */
+  get camera(): CanvasCamera {
+    return this.painter.camera;
+  }
+
+  /** What is met there. */
+  get picking(): Picking {
+    return this.painter.picking;
+  }
+
   get renderer(): WebGLRenderer {
-    return this.#renderer;
+    return this.painter.renderer;
   }
 
   /** What draws the body. */
   get layer(): SplatLayer {
-    return this.#layer;
+    return this.painter.layer;
+  }
+
+  /** Whether a headset draws. */
+  get isWorn(): boolean {
+    return this.#worn;
   }
 
   get openCase(): OpenCase | null {
@@ -246,7 +214,7 @@ export class Viewer {
         listener?.pictured?.();
       }
     });
-    await this.#complete(opened, loaded.ticket);
+    await this.#complete(opened);
     await this.#nextPicture();
     if (this.#case !== opened) {
       throw opened.refusal ?? new CaseError(kSuperseded);
@@ -272,7 +240,7 @@ export class Viewer {
       }
       const decoded = await this.#client.section(loaded.ticket);
       if (decoded) {
-        await fresh.setSection(decoded, this.#renderer, () => this.#case === fresh && this.#relit());
+        await fresh.setSection(decoded, this.renderer, () => this.#case === fresh && this.#relit());
         await fresh.light(this.state);
       }
       const renewed = await this.#alone(
@@ -287,9 +255,7 @@ export class Viewer {
       fresh.free();
       throw error;
     }
-    // Nothing moved: the next picture is drawn at its best.
-    this.#lastChange = -Infinity;
-    this.#changeTick = -Infinity;
+    this.#schedule.rest();
     return true;
   }
 
@@ -298,8 +264,7 @@ export class Viewer {
     if (!this.#worn) {
       this.camera.place();
     }
-    const { camera, width, height, leastPixels } = this.#sortedFor ?? this.#sortOfCanvas;
-    const sorted = await fresh.sort(camera, width, height, this.state, leastPixels);
+    const sorted = await fresh.sort(this.#sortedFor ?? this.#sortOfCanvas, this.state);
     this.#replaceCase(fresh);
     this.#ordered = sorted !== null;
     this.#pictured = true;
@@ -334,7 +299,7 @@ export class Viewer {
     this.stats.sectionBytes = 0;
     this.stats.sectionMs = 0;
     this.#rate.restart();
-    this.#widget.setSphere(opened.info.sphere);
+    this.painter.fit(opened.info);
     this.store.setCase(opened.info);
     this.#touch();
   }
@@ -350,46 +315,30 @@ export class Viewer {
     this.#firstFrame.splice(0).forEach((resolve) => resolve());
   }
 
-  /** Gives a case the rest of it, after its first picture: both wait for the GPU. Throws CaseError. */
-  async #complete(opened: OpenCase, ticket: number): Promise<void> {
+  /** Gives a case the rest of it, after its first picture: both wait for the GPU. Without its section it can be shown. Rejects with CaseError. */
+  async #complete(opened: OpenCase): Promise<void> {
     await this.#nextPicture();
-    let decoded: DecodedSection | null;
+    const isShown = () => this.#case === opened;
     try {
-      decoded = await this.#client.section(ticket);
+      const sectionMs = await opened.complete(this.renderer, isShown, () => this.#relit());
+      if (isShown()) {
+        this.stats.sectionBytes = opened.faces?.bytes ?? 0;
+        this.stats.sectionMs = sectionMs;
+      }
     } catch (error) {
-      this.#lackRest(opened, error as CaseError);
-      return;
-    }
-    if (!decoded) {
-      return;
-    }
-    if (this.#case === opened) {
-      await opened.setSection(decoded, this.#renderer, () => this.#case === opened && this.#relit());
-    } else {
-      decoded.light.dispose();
-    }
-    if (this.#case === opened) {
-      this.stats.sectionBytes = opened.faces?.bytes ?? 0;
-      this.stats.sectionMs = decoded.milliseconds;
-      this.#touch();
-    }
-  }
-
-  /** Without its section a case can be shown; of a file that is broken nothing is. Throws what is wrong with the file. */
-  #lackRest(opened: OpenCase, error: CaseError): void {
-    if (error instanceof SectionError || error.message === kSuperseded) {
-      opened.loseSection(error.message);
-      this.#touch();
-    } else {
-      this.#refuse(opened, error);
-    }
-    if (!(error instanceof SectionError)) {
+      if ((error as CaseError).message !== kSuperseded) {
+        this.#refuse(opened, error as CaseError); // its file is broken
+      }
       throw error;
+    } finally {
+      if (isShown()) {
+        this.#touch();
+      }
     }
   }
 
   #free(gone: OpenCase | null): void {
-    this.#layer.forget();
+    this.layer.forget();
     gone?.free();
   }
 
@@ -422,9 +371,10 @@ export class Viewer {
 
   /** What lies behind the case where none is chosen: a quiet glow; null: black. */
   setGlow(glow: Background["glow"]): void {
-    if (this.background.glow !== glow) {
-      this.background.glow = glow;
-      this.#splatsStale = true; // they may fade towards it
+    const { background } = this.painter;
+    if (background.glow !== glow) {
+      background.glow = glow;
+      this.#schedule.repaint(); // splats may fade towards it
       this.#canvasStale = true;
     }
   }
@@ -434,11 +384,7 @@ export class Viewer {
 
   /** Fits the drawing buffer to the canvas's size on the page; `inset` (CSS px) is covered by panels. */
   resize(inset: Inset): void {
-    const { clientWidth, clientHeight } = this.canvas;
-    const [width, height] = [Math.max(1, clientWidth), Math.max(1, clientHeight)];
-    this.camera.frame = { width, height, inset };
-    this.#renderer.setPixelRatio(Math.min(kMaxPixelRatio, devicePixelRatio));
-    this.#renderer.setSize(width, height, false);
+    this.painter.resize(inset);
     this.#touch();
   }
 
@@ -470,112 +416,8 @@ export class Viewer {
   }
 
   setHover(grip: Grip | null): void {
-    this.#widget.setHover(grip);
+    this.painter.setHover(grip);
     this.#canvasStale = true;
-  }
-
-  /**
-   * The picture of exactly width × height px without the handle: as `clipgs render` writes it, or as it is drawn while
-   * something moves.
-   */
-  async renderToPixels(width: number, height: number, moving = false): Promise<Picture> {
-    const current = this.#case;
-    if (!current || this.#worn) {
-      throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
-    }
-    const frame = { width, height, inset: { right: 0, bottom: 0 } };
-    const effort = moving ? kMoving : kAtRest;
-    return this.#capture(
-      current,
-      () => frame,
-      () =>
-        this.#layer.read(this.#subject(current, effort, height), {
-          camera: this.camera.camera,
-          width,
-          height,
-          moving,
-        }),
-    );
-  }
-
-  /**
-   * A picture of width × height px, without the handle: transparent, or over what lies behind the case. `label` draws over
-   * it while the viewer is in the state that was, as if the canvas were of that form and no smaller than it is.
-   */
-  async paint(
-    width: number,
-    height: number,
-    transparent: boolean,
-    label: (over: HTMLCanvasElement) => void,
-  ): Promise<HTMLCanvasElement> {
-    const current = this.#case;
-    if (!current || this.#worn) {
-      throw new CaseError(kNotPictured);
-    }
-    const [picture, over] = [makeCanvas(width, height), makeCanvas(width, height)];
-    const frame = { width, height, inset: { right: 0, bottom: 0 } };
-    return this.#capture(
-      current,
-      () => frame,
-      async () => {
-        const subject = this.#subject(current, kAtRest, height);
-        const camera = this.camera.camera.clone();
-        const { backdrop } = this.state;
-        this.#labelAs(frame, () => label(over));
-        const context = picture.getContext("2d")!;
-        for (const tile of tilesOf(width, height)) {
-          const { drawn } = tile;
-          const part = tileCamera(camera, width, height, tile);
-          const { data } = await this.#layer.read(subject, { ...drawn, camera: part, moving: false });
-          const pixels = new ImageData(new Uint8ClampedArray(data), drawn.width, drawn.height);
-          const [left, top] = [tile.x - drawn.x, tile.y - drawn.y];
-          context.putImageData(pixels, drawn.x, drawn.y, left, top, tile.width, tile.height);
-        }
-        if (!transparent) {
-          this.background.paint(context, width, height, backdrop);
-        }
-        context.drawImage(over, 0, 0);
-        return picture;
-      },
-    );
-  }
-
-  /** Does `work` as if the canvas were of that form. */
-  #labelAs(frame: Frame, work: () => void): void {
-    const before = this.camera.frame;
-    const { width, height } = this.camera.freeSize;
-    const scale = Math.min(frame.width, frame.height) / Math.min(width, height);
-    this.camera.frame = { ...frame, width: frame.width / scale, height: frame.height / scale };
-    try {
-      work();
-    } finally {
-      this.camera.frame = before;
-    }
-  }
-
-  /**
-   * What the canvas shows, handle and all, as good as it gets, without what panels cover of it. `finish` is called when
-   * that is drawn, while the viewer is in the state that was.
-   */
-  async snapshot(finish: (picture: HTMLCanvasElement) => void): Promise<HTMLCanvasElement> {
-    const current = this.#case;
-    const copy = (): HTMLCanvasElement => {
-      this.#drawCanvas();
-      const picture = this.#copyCanvas();
-      finish(picture);
-      return picture;
-    };
-    if (!current || this.#worn) {
-      return copy();
-    }
-    return this.#capture(
-      current,
-      () => this.camera.frame,
-      () => {
-        this.#drawSplats(current, false);
-        return copy();
-      },
-    );
   }
 
   /** Puts what the canvas shows onto another one. Returns whether it shows a case. */
@@ -583,7 +425,7 @@ export class Viewer {
     if (!this.#pictured || this.#worn) {
       return false;
     }
-    this.#drawCanvas();
+    this.painter.drawCanvas();
     const { width, height } = this.canvas;
     Object.assign(onto, { width, height }); // begins empty
     onto.getContext("2d")!.drawImage(this.canvas, 0, 0);
@@ -606,14 +448,11 @@ export class Viewer {
     }
   }
 
-  /**
-   * Lets the light follow the cut, and begins to cull and sort for `camera` and a picture of width × height px, without splats that reach no farther than
-   * `leastPixels`, unless that is being done.
-   */
-  sortFor(camera: PerspectiveCamera, width: number, height: number, leastPixels: number): void {
-    this.#case?.followLight(this.state, performance.now() - this.#lastChange < kSettleMs);
+  /** Lets the light follow the cut, and begins to cull and sort for a frame of a headset, unless that is being done. */
+  sortFor(frame: SortFrame): void {
+    this.#case?.followLight(this.state, this.#schedule.isMoving(performance.now()));
     if (this.#case && !this.#client.sorting) {
-      void this.#sort(this.#case, camera, width, height, leastPixels);
+      void this.#sort(this.#case, frame);
     }
   }
 
@@ -624,11 +463,7 @@ export class Viewer {
     this.#client.dispose();
     this.#case?.free();
     this.#case = null;
-    this.#widget.dispose();
-    this.#layer.dispose();
-    this.background.dispose();
-    this.#renderer.dispose();
-    this.#renderer.forceContextLoss(); // browsers keep few contexts, and collect them late
+    this.painter.dispose();
   }
 
   /** The picture is to be that of a state. */
@@ -649,18 +484,15 @@ export class Viewer {
   }
 
   #touch(): void {
-    this.#orderStale = true;
-    this.#splatsStale = true;
+    this.#schedule.touch();
     this.#canvasStale = true;
-    this.#lastChange = performance.now();
-    this.#changeTick = this.#ticks;
     this.stats.settled = false;
     this.#tellOfChange();
   }
 
   /** What cuts open looks otherwise. */
   #relit(): void {
-    this.#splatsStale = true;
+    this.#schedule.repaint();
     this.stats.settled = false;
     this.#tellOfChange(); // whether lights can be chosen is known by now
   }
@@ -686,15 +518,12 @@ export class Viewer {
     }
   }
 
-  /**
-   * Sorts for a frame of a case, then calls `draw`: both in the state of now, whatever has changed meanwhile. What `draw`
-   * looks at of the state, it looks at in the turn that it is called in.
-   */
-  async #capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
+  /** As Studio says. */
+  async capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
     const { state } = this;
     return this.#alone(async () => {
       await this.#inState(state, current, frame, ({ width, height }) =>
-        this.#sort(current, this.camera.camera, width, height),
+        this.#sort(current, { camera: this.camera.camera, width, height, leastPixels: 0 }),
       );
       await current.light(state);
       return this.#inState(state, current, frame, draw);
@@ -716,35 +545,17 @@ export class Viewer {
     }
   }
 
-  /** Without what panels cover of it. */
-  #copyCanvas(): HTMLCanvasElement {
-    const ratio = this.#renderer.getPixelRatio();
-    const { width, height } = this.camera.freeSize;
-    const copy = makeCanvas(Math.round(ratio * width), Math.round(ratio * height));
-    copy.getContext("2d")!.drawImage(this.canvas, 0, 0);
-    return copy;
-  }
-
-  async #sort(
-    current: OpenCase,
-    camera: PerspectiveCamera,
-    width: number,
-    height: number,
-    leastPixels = 0,
-  ): Promise<void> {
-    let sorted: SortResult | null;
-    this.#sortedFor = { camera, width, height, leastPixels };
+  async #sort(current: OpenCase, frame: SortFrame): Promise<void> {
+    this.#sortedFor = frame;
     try {
-      sorted = await current.sort(camera, width, height, this.state, leastPixels);
+      const sorted = await this.#schedule.order(current, frame, this.state);
+      if (sorted) {
+        this.#ordered = current === this.#case;
+        this.stats.sortMs = sorted.milliseconds;
+        this.stats.drawn = sorted.count;
+      }
     } catch (error) {
       this.#fail(current, error as CaseError);
-      return;
-    }
-    if (sorted) {
-      this.#ordered = current === this.#case;
-      this.stats.sortMs = sorted.milliseconds;
-      this.stats.drawn = sorted.count;
-      this.#splatsStale = true;
     }
   }
 
@@ -754,6 +565,7 @@ export class Viewer {
     }
     requestAnimationFrame(this.#frame);
     ++this.#ticks;
+    this.#schedule.tick();
     if (this.#captured || this.#worn) {
       return;
     }
@@ -762,72 +574,42 @@ export class Viewer {
       this.tick();
     }
     if (current) {
-      this.camera.place();
-      if (this.#orderStale && !this.#client.sorting) {
-        this.#orderStale = false;
-        const { camera, width, height } = this.#sortOfCanvas;
-        void this.#sort(current, camera, width, height);
-      }
-      // Where a frame takes long, so do the pauses within a movement.
-      const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
-      const changed = this.#ticks - this.#changeTick < 2 || now - this.#lastChange < pause;
-      const moving = !this.#pictured || current.awaitsSection || changed;
-      current.followLight(this.state, moving);
-      const due = moving
-        ? this.#splatsStale
-        : (this.#splatsStale || this.#coarse) && !this.#orderStale && !this.#client.sorting;
-      if (this.#ordered && due) {
-        this.#pictured = true;
-        this.#rate.count(now, this.#ticks);
-        this.stats.frameMs = this.#rate.frameMs;
-        this.#drawSplats(current, moving);
-      }
+      this.#proceed(current, now);
     }
     if (this.#canvasStale) {
       this.#canvasStale = false;
-      this.#drawCanvas();
+      this.painter.drawCanvas();
       this.drawnFrame();
     }
-    this.stats.settled =
-      current !== null &&
-      !current.awaitsSection &&
-      current.isLit(this.state) &&
-      !this.#orderStale &&
-      !this.#client.sorting &&
-      !this.#splatsStale &&
-      !this.#coarse;
+    this.stats.settled = current !== null && this.#schedule.isSettled(current, this.state);
   };
 
-  #drawSplats(current: OpenCase, moving: boolean): void {
-    this.#splatsStale = false;
+  /** Orders, lights and draws what is shown, as far as that is due. */
+  #proceed(current: OpenCase, now: number): void {
+    const schedule = this.#schedule;
+    this.camera.place();
+    if (schedule.wantsOrder) {
+      void this.#sort(current, this.#sortOfCanvas);
+    }
+    // Where a frame takes long, so do the pauses within a movement.
+    const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
+    const moving =
+      !this.#pictured || current.awaitsSection || schedule.isMoving(now, pause, kFramesOfMovement);
+    current.followLight(this.state, moving);
+    if (this.#ordered && schedule.isDue(moving)) {
+      this.#pictured = true;
+      this.#rate.count(now, this.#ticks);
+      this.stats.frameMs = this.#rate.frameMs;
+      this.#drawBody(current, moving);
+    }
+  }
+
+  #drawBody(current: OpenCase, moving: boolean): void {
+    this.#schedule.drawn(moving);
     this.#canvasStale = true;
     this.stats.scale = moving && this.steady ? this.#rate.scale : 1;
-    this.#coarse = moving;
     const detail = this.steady && this.#rate.lean ? "outline" : kMoving.detail;
-    const { camera, frame } = this.camera;
-    const subject = this.#subject(current, moving ? { ...kMoving, detail } : kAtRest, frame.height);
-    this.#placeBackground();
-    subject.cue.setBackdrop(this.background.shown, this.stats.scale);
-    this.#layer.draw(subject, camera, this.stats.scale, moving);
-  }
-
-  /** What is drawn of a case, as the state says, with `effort`, in a picture of `height` px. */
-  #subject(current: OpenCase, effort: FaceEffort, height: number): Subject {
-    return current.subject(this.camera.camera, height, this.state, this.window, effort);
-  }
-
-  #placeBackground(): void {
-    this.background.place(this.#renderer, this.state.backdrop, this.camera.frame.inset);
-  }
-
-  #drawCanvas(): void {
-    const { camera, eye, frame } = this.camera;
-    this.picking.placeHandle();
-    this.#widget.update(eye, (2 * Math.tan((camera.fov * Math.PI) / 360)) / frame.height);
-    this.#renderer.clear();
-    this.#placeBackground();
-    this.background.draw(this.#renderer);
-    this.#layer.object.visible = this.#case !== null; // its last picture is of a case that may have been refused
-    this.#renderer.render(this.#scene, camera);
+    const effort = moving ? { ...kMoving, detail } : kAtRest;
+    this.painter.drawBody(current, effort, this.stats.scale, moving);
   }
 }

@@ -8,10 +8,10 @@ import { type Window, windowPresets } from "../model/grey";
 import { isOwn, type Lighting, lightsOf } from "../model/rigs";
 import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Style } from "../model/viewer_state";
-import type { LightRig, Section } from "../sog/section";
+import { type LightRig, type Section, SectionError } from "../sog/section";
 import type { CaseError } from "../sog/zip";
 import type { CaseClient, DecodedSection } from "../worker/case_client";
-import { type ClipOperator, kViewFloats, type LoadedCase } from "../worker/protocol";
+import { type ClipOperator, kSuperseded, kViewFloats, type LoadedCase } from "../worker/protocol";
 import { DepthCue } from "./depth_cue";
 import { GpuScene } from "./gpu_scene";
 import { OpenedLight } from "./opened_light";
@@ -29,6 +29,14 @@ export const kMoving: FaceEffort = {
   detail: "surface",
   surfacePixel: 2,
 };
+
+/** What splats are sorted for: without those that reach no farther than `leastPixels`. */
+export interface SortFrame {
+  camera: PerspectiveCamera;
+  width: number; // px
+  height: number;
+  leastPixels: number;
+}
 
 /** What culling and sorting said last. */
 export interface SortResult {
@@ -106,6 +114,33 @@ export class OpenCase {
   }
 
   /**
+   * Fetches the rest of it, and gives it that while it `isShown`; `relit` is called where what cuts open looks otherwise
+   * then. What is wrong with its section is said in `sectionProblem`. Resolves with how long that was decoded, ms. Rejects
+   * with CaseError where the file is broken, or another case was loaded meanwhile.
+   */
+  async complete(renderer: WebGLRenderer, isShown: () => boolean, relit: () => void): Promise<number> {
+    let decoded: DecodedSection | null;
+    try {
+      decoded = await this.#client.section(this.#ticket);
+    } catch (error) {
+      const { message } = error as CaseError;
+      if (error instanceof SectionError || message === kSuperseded) {
+        this.loseSection(message);
+      }
+      if (error instanceof SectionError) {
+        return 0;
+      }
+      throw error;
+    }
+    if (decoded && isShown()) {
+      await this.setSection(decoded, renderer, () => isShown() && relit());
+    } else {
+      decoded?.light.dispose();
+    }
+    return decoded?.milliseconds ?? 0;
+  }
+
+  /**
    * Draws faces from the volume once `renderer` holds it, if it can, and what cuts open a little later; `relit` is called
    * when that changes.
    */
@@ -129,16 +164,10 @@ export class OpenCase {
     this.awaitsSection = false;
   }
 
-  /**
-   * Culls and sorts for a picture of width × height px, without splats that reach no farther than `leastPixels`, and
-   * hands the order to the GPU. One at a time. Null where the worker has another case by now. Rejects with CaseError.
-   */
+  /** Culls and sorts, and hands the order to the GPU. One at a time. Null where the worker has another case by now. Rejects with CaseError. */
   async sort(
-    camera: PerspectiveCamera,
-    width: number,
-    height: number,
+    { camera, width, height, leastPixels }: SortFrame,
     { cuts, clip }: Style,
-    leastPixels = 0,
   ): Promise<SortResult | null> {
     const { mesh } = this;
     this.#setClip(this.#planes(cuts), clip);

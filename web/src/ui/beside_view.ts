@@ -58,7 +58,7 @@ export class BesideView {
   update(): void {
     const [main, viewer] = [this.#main, this.#viewer];
     const { state } = main.store;
-    viewer.setGlow(main.background.glow);
+    viewer.setGlow(main.painter.background.glow);
     if (!main.info || !viewer.info) {
       return;
     }

@@ -36,7 +36,7 @@ export class Pictures {
   async save(): Promise<void> {
     const name = this.#fileName; // of the case that is pictured
     try {
-      const picture = await pngOf(await this.#viewer.snapshot((drawn) => this.#caption(drawn)));
+      const picture = await pngOf(await this.#viewer.captures.snapshot((drawn) => this.#caption(drawn)));
       if (picture) {
         download(picture, name);
       }
@@ -57,7 +57,7 @@ export class Pictures {
       throw new CaseError(texts().picture.tooLarge(kLargestSide, kMostPixels / 1e6));
     }
     const label = labels ? (over: HTMLCanvasElement) => this.#caption(over) : () => {};
-    const picture = await pngOf(await this.#viewer.paint(width, height, transparent, label));
+    const picture = await pngOf(await this.#viewer.captures.paint(width, height, transparent, label));
     if (!picture) {
       throw new CaseError(texts().picture.tooLargeHere);
     }

@@ -408,6 +408,6 @@ export class Headset {
     const middle = this.stage.toWorld(this.#eye.copy(this.#both.middle));
     shown.mesh.updateColors(viewer.renderer, shown.mesh.scenePoint(middle));
     shown.mesh.extent = effort.extent;
-    viewer.sortFor(this.#inWorld, width, height, effort.leastPixels);
+    viewer.sortFor({ camera: this.#inWorld, width, height, leastPixels: effort.leastPixels });
   }
 }
