@@ -1,35 +1,70 @@
 import type { Picture } from "./api";
 import type { ViewerState } from "./model/viewer_state";
 import type { Frame } from "./render/canvas_camera";
-import { kAtRest, kMoving, type OpenCase } from "./render/open_case";
+import { kAtRest, kMoving, type OpenCase, type SortFrame } from "./render/open_case";
 import { makeCanvas, type Painter } from "./render/painter";
 import { tileCamera, tilesOf } from "./render/tiles";
 import { CaseError } from "./sog/zip";
+import type { CaseClient } from "./worker/case_client";
 
 /** Why there is no picture, to whoever waited for it. */
-export const kNotPictured =
-  "the case was closed, or a headset put on, before its picture was drawn; try again";
+const kNotPictured = "the case was closed, or a headset put on, before its picture was drawn; try again";
 
-/** Who takes pictures. */
+/** What pictures are taken of. */
 export interface Studio {
   readonly painter: Painter;
   readonly state: ViewerState;
   readonly openCase: OpenCase | null;
   /** Whether a headset draws. */
   readonly isWorn: boolean;
-  /**
-   * Orders and lights a case for a frame, then calls `draw`: both in the state of now, whatever has changed meanwhile.
-   * What `draw` looks at of the state, it looks at in the turn that it is called in. Rejects with CaseError.
-   */
-  capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T>;
+  /** Has the splats of a case ordered. */
+  order(current: OpenCase, frame: SortFrame): Promise<void>;
 }
 
 /** Pictures of what a viewer shows, of any size, drawn apart from those of the canvas. */
 export class Captures {
   readonly #studio: Studio;
+  readonly #client: CaseClient;
+  readonly #ended: () => void;
+  #taking: Promise<void> | null = null;
+  #asOf: ViewerState | null = null;
 
-  constructor(studio: Studio) {
+  /** `ended` is called when the canvas is to be drawn again. */
+  constructor(studio: Studio, client: CaseClient, ended: () => void) {
     this.#studio = studio;
+    this.#client = client;
+    this.#ended = ended;
+  }
+
+  /** What was, while a picture is drawn of that. */
+  get asOf(): ViewerState | null {
+    return this.#asOf;
+  }
+
+  /** Whether one is taken, and nothing else is drawn. */
+  get isTaking(): boolean {
+    return this.#taking !== null;
+  }
+
+  /**
+   * Does `work` while nobody else sorts or takes pictures. It begins in the same turn as the last look at whether
+   * somebody does: some browsers draw frames, which sort, between a promise's end and those who wait for it.
+   */
+  async alone<T>(work: () => Promise<T>): Promise<T> {
+    while (this.#client.sorting || this.#taking) {
+      await (this.#client.sorting ?? this.#taking);
+    }
+    const done = work();
+    this.#taking = done.then(
+      () => {},
+      () => {},
+    );
+    try {
+      return await done;
+    } finally {
+      this.#taking = null;
+      this.#ended();
+    }
   }
 
   /**
@@ -42,7 +77,7 @@ export class Captures {
       throw new Error(current ? "the case is in the headset; take it off first" : "no case is open");
     }
     const effort = moving ? kMoving : kAtRest;
-    return this.#studio.capture(
+    return this.#capture(
       current,
       () => frameOf(width, height),
       () => {
@@ -72,7 +107,7 @@ export class Captures {
       throw new CaseError(kNotPictured);
     }
     const [picture, over] = [makeCanvas(width, height), makeCanvas(width, height)];
-    return this.#studio.capture(
+    return this.#capture(
       current,
       () => frameOf(width, height),
       async () => {
@@ -112,7 +147,7 @@ export class Captures {
     if (!current || isWorn) {
       return copy();
     }
-    return this.#studio.capture(
+    return this.#capture(
       current,
       () => painter.camera.frame,
       () => {
@@ -120,6 +155,37 @@ export class Captures {
         return copy();
       },
     );
+  }
+
+  /**
+   * Sorts for a frame of a case, then calls `draw`: both in the state of now, whatever has changed meanwhile. What `draw`
+   * looks at of the state, it looks at in the turn that it is called in. Rejects with CaseError.
+   */
+  async #capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
+    const { painter, state } = this.#studio;
+    return this.alone(async () => {
+      await this.#inState(state, current, frame, ({ width, height }) =>
+        this.#studio.order(current, { camera: painter.camera.camera, width, height, leastPixels: 0 }),
+      );
+      await current.light(state);
+      return this.#inState(state, current, frame, draw);
+    });
+  }
+
+  /** Does `work` as if the viewer were in that state, with the camera for a frame of `current`. Throws CaseError. */
+  #inState<T>(state: ViewerState, current: OpenCase, frame: () => Frame, work: (frame: Frame) => T): T {
+    const { openCase, painter, isWorn } = this.#studio;
+    if (openCase !== current || isWorn) {
+      throw new CaseError(kNotPictured);
+    }
+    this.#asOf = state;
+    try {
+      const wanted = frame();
+      painter.camera.place(wanted);
+      return work(wanted);
+    } finally {
+      this.#asOf = null;
+    }
   }
 
   /** Does `work` as if the canvas were of that form. */

@@ -217,10 +217,11 @@ export class ClippableSplats extends Object3D<ClippableSplatsEventMap> {
   /** Whether the last frame was drawn at its best: nothing moves or is still to come. */
   get settled(): boolean {
     const current = this.#case;
-    if (!current || current.canChangeRig === null) {
-      return false; // how it can be lit is still to come
+    if (!current) {
+      return false;
     }
-    return this.#schedule.isSettled(current, this.#style);
+    // How it can be lit comes last.
+    return current.canChangeRig !== null && this.#schedule.isSettled(current, this.#style);
   }
 
   /** Ends the worker and gives back what the GPU holds. Nothing can be shown then. */

@@ -2,7 +2,7 @@ import { effect, signal } from "@preact/signals-core";
 import type { WebGLRenderer } from "three";
 
 import type { ViewerStats } from "./api";
-import { Captures, kNotPictured, type Studio } from "./captures";
+import { Captures, type Studio } from "./captures";
 import type { CaseInfo } from "./model/case_info";
 import { type Cut, planesOf } from "./model/cut";
 import type { Grip } from "./model/plane_drag";
@@ -13,7 +13,7 @@ import { readSection } from "./model/values";
 import type { Inset } from "./model/view";
 import { isSamePicture, type ViewerState, ViewerStore } from "./model/viewer_state";
 import type { Background } from "./render/background";
-import type { CanvasCamera, Frame } from "./render/canvas_camera";
+import type { CanvasCamera } from "./render/canvas_camera";
 import { FrameRate } from "./render/frame_rate";
 import { kAtRest, kMoving, OpenCase, type SortFrame } from "./render/open_case";
 import { Painter } from "./render/painter";
@@ -46,7 +46,7 @@ export class Viewer implements Studio {
   readonly canvas: HTMLCanvasElement;
   readonly store = new ViewerStore();
   readonly painter: Painter;
-  readonly captures = new Captures(this);
+  readonly captures: Captures;
   readonly stats: ViewerStats = {
     frameMs: 0,
     sortMs: 0,
@@ -66,12 +66,10 @@ export class Viewer implements Studio {
   readonly #client: CaseClient;
   #case: OpenCase | null = null;
   #seen: ViewerState; // that the picture is drawn of, or will be
-  #asOf: ViewerState | null = null; // while a picture is drawn of what was
   readonly #unfollow: () => void;
 
   readonly #schedule: Schedule;
   #canvasStale = true;
-  #captured: Promise<void> | null = null; // while a picture is drawn apart
   readonly #rate = new FrameRate(kFrameMs, kMinScale);
   #ticks = 0; // animation frames
   #sortedFor: SortFrame | null = null; // last, by who draws
@@ -86,6 +84,7 @@ export class Viewer implements Studio {
     this.canvas = canvas;
     this.#client = client;
     this.#schedule = new Schedule(client);
+    this.captures = new Captures(this, client, () => this.#touch());
     this.painter = new Painter(canvas, this, () => {
       this.#case?.mesh.invalidateColors();
       void this.#case?.faces?.giveValues(this.renderer).then(() => this.#touch());
@@ -99,7 +98,7 @@ export class Viewer implements Studio {
 
   /** What is shown: that of the store, but for pictures that are drawn of what was. */
   get state(): ViewerState {
-    return this.#asOf ?? this.store.state;
+    return this.captures.asOf ?? this.store.state;
   }
 
   /** The cut that is moved; null: nothing is cut. */
@@ -197,7 +196,7 @@ export class Viewer implements Studio {
     begin: () => void = () => {},
   ): Promise<void> {
     const loaded = await this.#client.load(source, listener, this.#case === null);
-    const opened = await this.#alone(async () => {
+    const opened = await this.captures.alone(async () => {
       if (this.#disposed) {
         throw new CaseError("the viewer is gone");
       }
@@ -243,7 +242,7 @@ export class Viewer implements Studio {
         await fresh.setSection(decoded, this.renderer, () => this.#case === fresh && this.#relit());
         await fresh.light(this.state);
       }
-      const renewed = await this.#alone(
+      const renewed = await this.captures.alone(
         async () => isWanted() && (await this.#swap(fresh, loaded.scene.count)),
       );
       if (!renewed) {
@@ -452,7 +451,7 @@ export class Viewer implements Studio {
   sortFor(frame: SortFrame): void {
     this.#case?.followLight(this.state, this.#schedule.isMoving(performance.now()));
     if (this.#case && !this.#client.sorting) {
-      void this.#sort(this.#case, frame);
+      void this.order(this.#case, frame);
     }
   }
 
@@ -497,55 +496,8 @@ export class Viewer implements Studio {
     this.#tellOfChange(); // whether lights can be chosen is known by now
   }
 
-  /**
-   * Does `work` while nobody else sorts or takes pictures. It begins in the same turn as the last look at whether
-   * somebody does: some browsers draw frames, which sort, between a promise's end and those who wait for it.
-   */
-  async #alone<T>(work: () => Promise<T>): Promise<T> {
-    while (this.#client.sorting || this.#captured) {
-      await (this.#client.sorting ?? this.#captured);
-    }
-    const done = work();
-    this.#captured = done.then(
-      () => {},
-      () => {},
-    );
-    try {
-      return await done;
-    } finally {
-      this.#captured = null;
-      this.#touch();
-    }
-  }
-
-  /** As Studio says. */
-  async capture<T>(current: OpenCase, frame: () => Frame, draw: () => T | Promise<T>): Promise<T> {
-    const { state } = this;
-    return this.#alone(async () => {
-      await this.#inState(state, current, frame, ({ width, height }) =>
-        this.#sort(current, { camera: this.camera.camera, width, height, leastPixels: 0 }),
-      );
-      await current.light(state);
-      return this.#inState(state, current, frame, draw);
-    });
-  }
-
-  /** Does `work` as if the viewer were in that state, with the camera for a frame of `current`. Throws CaseError. */
-  #inState<T>(state: ViewerState, current: OpenCase, frame: () => Frame, work: (frame: Frame) => T): T {
-    if (this.#case !== current || this.#worn) {
-      throw new CaseError(kNotPictured);
-    }
-    this.#asOf = state;
-    try {
-      const wanted = frame();
-      this.camera.place(wanted);
-      return work(wanted);
-    } finally {
-      this.#asOf = null;
-    }
-  }
-
-  async #sort(current: OpenCase, frame: SortFrame): Promise<void> {
+  /** Has the splats of a case ordered, which is shown no more where that fails. */
+  async order(current: OpenCase, frame: SortFrame): Promise<void> {
     this.#sortedFor = frame;
     try {
       const sorted = await this.#schedule.order(current, frame, this.state);
@@ -566,7 +518,7 @@ export class Viewer implements Studio {
     requestAnimationFrame(this.#frame);
     ++this.#ticks;
     this.#schedule.tick();
-    if (this.#captured || this.#worn) {
+    if (this.captures.isTaking || this.#worn) {
       return;
     }
     const current = this.#case;
@@ -589,7 +541,7 @@ export class Viewer implements Studio {
     const schedule = this.#schedule;
     this.camera.place();
     if (schedule.wantsOrder) {
-      void this.#sort(current, this.#sortOfCanvas);
+      void this.order(current, this.#sortOfCanvas);
     }
     // Where a frame takes long, so do the pauses within a movement.
     const pause = Math.max(kSettleMs, 2 * this.stats.frameMs);
