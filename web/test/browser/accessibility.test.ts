@@ -89,7 +89,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
   });
 
   it("is gone through in reading order", async () => {
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     const seen: { part: string; top: number; left: number }[] = [];
     for (let i = 0; i < 80; ++i) {
       const at = await page.evaluate(() => {
@@ -153,7 +153,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
       const pressed = () => page.getByTitle(name).getAttribute("aria-pressed");
       const before = await pressed();
       expect(["true", "false"]).toContain(before);
-      await page.locator("canvas").focus();
+      await page.locator("canvas.stage").focus();
       await page.mouse.move(5, 450);
       await page.keyboard.press(key);
       await expect.poll(pressed).toBe(before === "true" ? "false" : "true");
@@ -242,7 +242,7 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
     await expect.poll(() => shown(page)).toBe(false);
     await page.emulateMedia({ colorScheme: "light" });
     await expect.poll(() => shown(page)).toBe(true);
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("t");
     expect(await shown(page)).toBe(false);
     expect(await page.getByRole("button", { name: "Colours: dark (T)" }).count()).toBe(1);

@@ -144,7 +144,7 @@ describe.skipIf(missing !== undefined)(
 
     it("stay as they are where one is broken", async () => {
       const before = await shown();
-      await page.locator("canvas").focus();
+      await page.locator("canvas.stage").focus();
       await page.keyboard.press("k");
       await gallery().locator('[data-case="torn"]').click();
       const message = page.getByRole("alert");
@@ -156,7 +156,7 @@ describe.skipIf(missing !== undefined)(
     });
 
     it("stand together among the cases", async () => {
-      await page.locator("canvas").focus();
+      await page.locator("canvas.stage").focus();
       await page.keyboard.press("m");
       const menu = page.getByRole("dialog", { name: "Cases" });
       const volume = menu.getByRole("region", { name: "One volume, 4 looks" });
@@ -168,7 +168,7 @@ describe.skipIf(missing !== undefined)(
     });
 
     it("are found in the library by keys alone, beside the names of their files", async () => {
-      await page.locator("canvas").focus();
+      await page.locator("canvas.stage").focus();
       await page.keyboard.press("m");
       const library = page.getByRole("dialog", { name: "Cases" });
       const focused = () =>
@@ -190,7 +190,7 @@ describe.skipIf(missing !== undefined)(
     it("are not offered where there is one", async () => {
       await page.evaluate(() => window.clipgs.open("photo"));
       expect(await page.getByRole("button", { name: /^Look:/ }).count()).toBe(0);
-      await page.locator("canvas").focus();
+      await page.locator("canvas.stage").focus();
       await page.keyboard.press("k");
       expect(await gallery().count()).toBe(0);
     });

@@ -273,7 +273,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     await page.waitForFunction(() => scrollY > 0);
     expect(await zoom()).toBe(1);
     await page.evaluate(() => scrollTo(0, 0));
-    await page.locator("canvas").click({ position: { x: 60, y: 300 } });
+    await page.locator("canvas.stage").click({ position: { x: 60, y: 300 } });
     await page.keyboard.press("1");
     expect(await clip()).toBe("hard");
     await page.getByRole("button", { name: "Exact" }).click();
@@ -331,7 +331,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     expect(await page.getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(true);
     const ground = () =>
       page
-        .locator("canvas")
+        .locator("canvas.stage")
         .evaluate((canvas) => getComputedStyle(canvas.parentElement!).getPropertyValue("--ground"));
     await page.evaluate(() => viewer().setAttribute("theme", "dark"));
     const dark = await ground();

@@ -254,7 +254,7 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     }
     const mode = () => page.evaluate(() => window.clipgs.state.mode);
     expect(await mode()).toBe("arbitrary");
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("u");
     await page.keyboard.press("p");
     expect(await mode()).toBe("arbitrary");

@@ -129,7 +129,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.keyboard.press("Enter");
     expect((await state()).window).toEqual({ center: -600, width: 300 });
     await page.waitForFunction(() => location.hash.includes("grey=1&window=-600,300"));
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("g");
     expect((await state()).grey).toBe(0);
     await marks.waitFor({ state: "hidden" });
@@ -458,11 +458,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
 
     await page.getByRole("button", { name: /^Remove Nodule axis/ }).click();
     expect(await marks()).toEqual([]);
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("Control+z");
     expect((await marks())[0]!.name).toBe("Nodule axis");
     await label.click();
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("Delete");
     expect(await marks()).toEqual([]);
   });
@@ -574,7 +574,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     }
     await page.mouse.up();
     expect(Math.abs((await offset()) - before)).toBeGreaterThan(1);
-    await page.locator("canvas").focus();
+    await page.locator("canvas.stage").focus();
     await page.keyboard.press("Control+z");
     expect(await offset()).toBeCloseTo(before, 6);
   });
@@ -1023,13 +1023,13 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await beside.getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(true);
     expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
     await page.waitForFunction(() => location.hash.endsWith("&beside=photo"));
-    const { x, y, height } = (await beside.locator("canvas").boundingBox())!;
+    const { x, y, height } = (await beside.locator("canvas.stage").boundingBox())!;
     await page.mouse.move(x + 10, y + height - 60);
     await page.mouse.down();
     await page.mouse.move(x + 60, y + height - 60, { steps: 2 });
     await page.mouse.up();
     expect(await page.evaluate(() => window.clipgs.state.view.azimuth)).toBeCloseTo(0, 3);
-    const canvas = () => beside.locator("canvas").screenshot();
+    const canvas = () => beside.locator("canvas.stage").screenshot();
     const before = await canvas();
     await page.evaluate(() => window.clipgs.setPlane({ normal: [1, 0, 0], offset: 0 }));
     await expect.poll(async () => (await canvas()).equals(before)).toBe(false);
