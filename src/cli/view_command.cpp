@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "pipeline/build_case.h"
@@ -56,21 +58,48 @@ fs::path view_folder(const ViewArguments& arguments) {
   return folder;
 }
 
-/// NAME-DIGEST: the same of one volume in one look, and of no other.
-std::string case_name(const std::string& volume, const LookArguments& look) {
-  const fs::path path = fs::canonical(volume);
-  fs::path name = path.filename();
-  while (name.has_extension()) {
-    name = name.stem();  // .nii.gz
-  }
-  const Claim what = {{"volume", path.string()},
+/// What tells one volume in one look from all others, and nothing else of it.
+std::string digest_of_view(const fs::path& volume, const LookArguments& look) {
+  const Claim what = {{"volume", volume.string()},
                       {"preset", look.preset},
                       {"rig", look.rig},
                       {"exposure", look.exposure},
                       {"tone", look.tone},
                       {"gradient_opacity", look.gradient_opacity},
                       {"as_scanned", look.as_scanned}};
-  return fmt::format("{}-{}", name.string(), digest_of(what).substr(0, 8));
+  return digest_of(what).substr(0, 8);
+}
+
+/// Work that is kept under the volume's own name, which may be a patient's, goes on under a neutral
+/// one.
+void rename_work(const fs::path& folder, const std::string& from, const std::string& to) {
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().filename().string().starts_with(from)) {
+      found.push_back(entry.path().filename());
+    }
+  }
+  for (const fs::path& name : found) {
+    const fs::path target = folder / (to + name.string().substr(from.size()));
+    if (!fs::exists(target)) {
+      fs::rename(folder / name, target);
+    }
+  }
+}
+
+/// volume-DIGEST: the same of one volume in one look, and of no other. Pages show it, so that it
+/// says nothing of the file's name.
+std::string case_name(const std::string& volume, const LookArguments& look,
+                      const fs::path& folder) {
+  const fs::path path = fs::canonical(volume);
+  fs::path stem = path.filename();
+  while (stem.has_extension()) {
+    stem = stem.stem();  // .nii.gz
+  }
+  const std::string digest = digest_of_view(path, look);
+  std::string name = "volume-" + digest;
+  rename_work(folder, fmt::format("{}-{}", stem.string(), digest), name);
+  return name;
 }
 
 /// A case for each volume and look, by volume.
@@ -81,7 +110,7 @@ std::vector<std::vector<BuildArguments>> builds_of(const ViewArguments& argument
     BuildArguments build = arguments.build;
     build.volume = volume;
     require_volume(build);
-    build.output = folder / (case_name(volume, build.look) + ".sog");
+    build.output = folder / (case_name(volume, build.look, folder) + ".sog");
     volumes.push_back(builds_of_looks(build));
   }
   return volumes;
@@ -133,19 +162,28 @@ class Making {
       for (const BuildArguments& build : builds) {
         failed_ = true;
         lost_.insert(name_of(build));
-        live_.end(name_of(build), without_folders(error.what(), build));
+        live_.end(name_of(build), for_pages(error.what(), build));
       }
     }
   }
 
-  /// Browsers read it: files are named, not where they lie.
-  static std::string without_folders(std::string text, const BuildArguments& build) {
-    for (const fs::path& file : {fs::path(build.output), fs::path(build.volume)}) {
-      const std::string folder = (file.parent_path() / "").string();
-      for (size_t at = text.find(folder); folder.size() > 1 && at != std::string::npos;
-           at = text.find(folder, at)) {
-        text.erase(at, folder.size());
-      }
+  /// Browsers read it: the case is named, not the volume's file, nor where anything lies.
+  static std::string for_pages(std::string text, const BuildArguments& build) {
+    std::string volume = build.volume;
+    while (volume.size() > 1 && volume.ends_with('/')) {
+      volume.pop_back();
+    }
+    const std::string name = name_of(build);
+    for (size_t at = text.find(volume); at != std::string::npos; at = text.find(volume, at)) {
+      // Of a folder, or a .zip, the name of the file in it goes as well.
+      const size_t end = at + volume.size();
+      const size_t said = text[end] == '/' ? std::min(text.find(": ", end), text.size()) : end;
+      text.replace(at, said - at, name);
+      at += name.size();
+    }
+    const std::string folder = (fs::path(build.output).parent_path() / "").string();
+    for (size_t at = text.find(folder); at != std::string::npos; at = text.find(folder, at)) {
+      text.erase(at, folder.size());
     }
     return text;
   }
@@ -212,9 +250,11 @@ void run_view(ViewArguments& arguments) {
   const fs::path folder = view_folder(arguments);
   auto volumes = builds_of(arguments, folder);
   const std::string first = name_of(volumes.front().front());
+  std::vector<std::pair<std::string, std::string>> shown;  // which case is of which volume
   for (const auto& looks : volumes) {
     for (const BuildArguments& build : looks) {
       arguments.serving.server.only.insert(name_of(build));
+      shown.emplace_back(name_of(build), build.volume);
     }
   }
   LiveWork live;
@@ -223,7 +263,11 @@ void run_view(ViewArguments& arguments) {
   Making making(std::move(volumes), live);
   Server server(arguments.serving.server);
   const std::string query = "#case=" + first;
-  fmt::print("kept in {}\n\n", folder.string());
+  fmt::print("kept in {}\n", folder.string());
+  for (const auto& [name, volume] : shown) {
+    fmt::print("  {}: {}\n", name, volume);
+  }
+  fmt::print("\n");
   print_address(server, arguments.serving, query);
   std::fflush(stdout);
   if (!arguments.no_open && !arguments.serving.headset) {

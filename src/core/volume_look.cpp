@@ -51,9 +51,13 @@ std::string usual_title(const VolumeLook& look, const std::string& preset) {
   const std::string subject = look.part != BodyPart::kUnknown       ? body_part_name(look.part)
                               : look.modality != Modality::kUnknown ? modality_name(look.modality)
                                                                     : "volume";
-  if (shown.empty() ||
-      shown.starts_with(subject)) {  // "MR" and "PET (hot metal)" are looks as well
-    return begin_title(shown.empty() ? subject : shown);
+  if (shown.empty()) {
+    return begin_title(subject);
+  }
+  if (shown.starts_with(subject)) {  // "MR" and "PET (hot metal)" are looks as well
+    return look.modality == Modality::kPhoto
+               ? "Photographic volume"
+               : begin_title(subject) + " volume" + shown.substr(subject.size());
   }
   return begin_title(subject) + ", " + shown;
 }

@@ -28,7 +28,8 @@ VolumeLook make_volume_look(const std::string& digest, const std::string& title,
                             const std::string& description);
 
 /// What a case of it is called that nobody has named: "Head, skin and bone", or, where the part of
-/// the body is not known, "CT, skin and bone". `preset`: its name, for looks without a title.
+/// the body is not known, "CT, skin and bone" or "MR volume": never a look's name alone. `preset`:
+/// its name, for looks without a title.
 std::string usual_title(const VolumeLook& look, const std::string& preset);
 
 /// As the value of kLookKey; null if neither the volume nor what it shows of the body is known.

@@ -47,8 +47,9 @@ TEST(VolumeLook, UsualTitlesSayWhatIsShownAndHow) {
         Row{BodyPart::kUnknown, Modality::kCt, "Skin and bone", "CT, skin and bone"},
         Row{BodyPart::kUnknown, Modality::kCt, "X-ray", "CT, X-ray"},
         Row{BodyPart::kUnknown, Modality::kUnknown, "Any scan", "Volume, any scan"},
-        Row{BodyPart::kUnknown, Modality::kMr, "MR", "MR"},
-        Row{BodyPart::kUnknown, Modality::kPhoto, "Photographs", "Photographs"},
+        Row{BodyPart::kUnknown, Modality::kMr, "MR", "MR volume"},
+        Row{BodyPart::kUnknown, Modality::kPet, "PET (hot metal)", "PET volume (hot metal)"},
+        Row{BodyPart::kUnknown, Modality::kPhoto, "Photographs", "Photographic volume"},
         Row{BodyPart::kKnee, Modality::kMr, "", "Knee, surgery"}}) {
     EXPECT_EQ(usual_title({"", row.look, "", row.modality, row.part}, "surgery"), row.title);
   }

@@ -2,6 +2,7 @@ import { Matrix4, Vector3 } from "three";
 
 import { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
+import { shownTitle } from "./case_title";
 import { type FaceGain, readFaceGain } from "./face_gain";
 import type { Box, Sphere } from "./geometry";
 import { defaultStates, type PlaneStates, readStates } from "./states";
@@ -57,6 +58,16 @@ function readPlaced(reader: JsonReader): boolean {
   return placed;
 }
 
+/** What it is called, and the volume that it was made of. */
+function readName(reader: JsonReader): Pick<CaseInfo, "title" | "preset" | "volume"> {
+  const preset = reader.text("preset");
+  const look = reader.has("look") ? reader.child("look") : null;
+  const word = (key: string) => (look?.has(key) ? look.text(key) : "");
+  const title = reader.text(reader.has("whole_title") ? "whole_title" : "title");
+  const said = { title: word("title"), region: word("region"), modality: word("modality") };
+  return { title: shownTitle({ title, preset, look: said }), preset, volume: look?.text("volume") ?? "" };
+}
+
 /** Throws CaseError. */
 export function parseCaseInfo(block: unknown): CaseInfo {
   if (block === undefined) {
@@ -82,8 +93,6 @@ export function parseCaseInfo(block: unknown): CaseInfo {
     placed: readPlaced(reader),
     sphere: { center: vector(sphere, "center"), radius: sphere.number("radius", Number.MIN_VALUE) },
     bounds: { min: vector(bounds, "min"), max: vector(bounds, "max") },
-    title: reader.text(reader.has("whole_title") ? "whole_title" : "title"),
-    preset: reader.text("preset"),
-    volume: reader.has("look") ? reader.child("look").text("volume") : "",
+    ...readName(reader),
   };
 }

@@ -1,6 +1,7 @@
 import { CaseError } from "../sog/zip";
 import { texts } from "../text/text";
 import type { CaseInMaking } from "./case_news";
+import { shownTitle } from "./case_title";
 
 /** Which volume a case shows, and how (docs/format.md). */
 export interface CaseLook {
@@ -82,7 +83,7 @@ export async function fetchIndex(page = ""): Promise<CaseIndex> {
     bytes: one.bytes ?? 0,
     version: one.version ?? "",
     trained: one.trained ?? 1,
-    title: one.title || one.name || "",
+    title: one.error ? (one.name ?? "") : shownTitle({ title: "", preset: "", look: null, ...one }),
     preset: one.preset ?? "",
     look: one.look ?? null,
     created: one.created ?? "",

@@ -17,7 +17,9 @@ function leftText(seconds: number): string {
   return seconds < 5400 ? `${Math.round(seconds / 60)} min` : `${Math.round(seconds / 3600)} h`;
 }
 
-function makingText({ quality, seconds, error }: CaseInMaking): string {
+function makingText({ quality: asked, seconds, error }: CaseInMaking): string {
+  const qualities: Readonly<Record<string, string>> = texts().news.qualities;
+  const quality = qualities[asked] ?? asked;
   if (error !== null) {
     return texts().news.stopped(quality, error);
   }

@@ -1,4 +1,5 @@
 import { kCodes, kFirstInside, type Section } from "../sog/section";
+import { texts } from "../text/text";
 
 /** Values from center − width/2 (black) to center + width/2 (white), as radiologists set it. */
 export interface Window {
@@ -6,12 +7,12 @@ export interface Window {
   width: number;
 }
 
-const kCtWindows: Record<string, Window> = {
-  "Soft tissue": { center: 40, width: 400 },
-  Bone: { center: 400, width: 1800 },
-  Lung: { center: -600, width: 1500 },
-  Brain: { center: 40, width: 80 },
-};
+const kCtWindows = {
+  softTissue: { center: 40, width: 400 },
+  bone: { center: 400, width: 1800 },
+  lung: { center: -600, width: 1500 },
+  brain: { center: 40, width: 80 },
+} as const satisfies Record<string, Window>;
 
 function windowBetween(low: number, high: number): Window {
   return { center: 0.5 * (low + high), width: high - low };
@@ -32,18 +33,21 @@ function autoWindow({ counts, curve }: Section): Window {
   return windowBetween(low, Math.max(percentile(0.99), low + smallestWidth(curve)));
 }
 
-/** The windows that a section is usually seen through, the first of them at the start; none for photographs. */
+/** The windows that a section is usually seen through, by their names, the first of them at the start; none for photographs. */
 export function windowPresets(section: Section): Map<string, Window> {
   if (section.channels === 3) {
     return new Map();
   }
+  const t = texts().face.windows;
   if (section.modality === "CT") {
-    return new Map(Object.entries(kCtWindows));
+    return new Map(
+      Object.entries(kCtWindows).map(([name, one]) => [t[name as keyof typeof kCtWindows], one]),
+    );
   }
   const { curve } = section;
   return new Map([
-    ["Auto", autoWindow(section)],
-    ["Full", windowBetween(curve[kFirstInside]!, curve[kCodes - 1]!)],
+    [t.auto, autoWindow(section)],
+    [t.full, windowBetween(curve[kFirstInside]!, curve[kCodes - 1]!)],
   ]);
 }
 

@@ -10,6 +10,7 @@ import { type LayerSwitch, switchLayers } from "../model/states";
 import type { Style } from "../model/viewer_state";
 import { type LightRig, type Section, SectionError } from "../sog/section";
 import type { CaseError } from "../sog/zip";
+import { texts } from "../text/text";
 import type { CaseClient, DecodedSection } from "../worker/case_client";
 import { type ClipOperator, kSuperseded, kViewFloats, type LoadedCase } from "../worker/protocol";
 import { DepthCue } from "./depth_cue";
@@ -44,8 +45,6 @@ export interface SortResult {
   milliseconds: number;
 }
 
-const kHasNone = "This case has no section volume: its splats draw the faces.";
-const kCannotHold = "This device cannot hold the section volume: splats draw the faces.";
 
 /** Whether `renderer` has textures that are large enough for a section. */
 function hasTextureFor(section: Section, renderer: WebGLRenderer): boolean {
@@ -97,7 +96,7 @@ export class OpenCase {
     this.hasLayers = scene.hasLayers;
     this.hasWorld = loaded.hasWorld;
     this.awaitsSection = loaded.hasSection;
-    this.noSection = loaded.hasSection ? null : kHasNone;
+    this.noSection = loaded.hasSection ? null : texts().face.noVolume;
     if (loaded.sectionProblem) {
       this.loseSection(loaded.sectionProblem);
     }
@@ -110,7 +109,7 @@ export class OpenCase {
   loseSection(problem: string): void {
     this.awaitsSection = false;
     this.sectionProblem =
-      this.noSection = `Shown without its section volume, hollow where it is cut: ${problem}`;
+      this.noSection = texts().face.hollow(problem);
   }
 
   /**
@@ -159,7 +158,7 @@ export class OpenCase {
       light.dispose();
       faces?.free();
       this.#coming = null;
-      this.noSection = kCannotHold;
+      this.noSection = texts().face.cannotHold;
     }
     this.awaitsSection = false;
   }

@@ -13,5 +13,6 @@ export function helpDialog(): HTMLDialogElement {
     t.title,
     h("div", { class: "for-fingers" }, list(t.fingers)),
     h("div", { class: "for-mouse" }, list([...t.mouse, ...t.keys])),
+    h("div", { class: "for-mouse for-experts" }, list(t.expertKeys)),
   );
 }

@@ -134,7 +134,7 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
   it("says that the GPU has no memory for the section, and draws faces by splats", async () => {
     const page = await session.open("#case=phantom", errors, undefined, [kNoRoomForVolumes]);
     await page.evaluate(() => window.clipgs.ready);
-    await page.getByText("This device cannot hold the section volume").waitFor();
+    await page.getByText("This device cannot hold the values of the scan").waitFor();
     expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBe(0);
     const shot = { view: [20, 15, 1], plane: [0, -1, 0, 0], clip: "exact" } as const;
     const pictures = [];

@@ -9,7 +9,7 @@ describe("windows", () => {
   it("are those of radiologists for CT, of the values for others, and none for photographs", () => {
     expect(windowPresets(section).get("Soft tissue")).toEqual({ center: 40, width: 400 });
     expect([...windowPresets(section).keys()]).toEqual(["Soft tissue", "Bone", "Lung", "Brain"]);
-    expect([...windowPresets(makeSection({ modality: "MR" })).keys()]).toEqual(["Auto", "Full"]);
+    expect([...windowPresets(makeSection({ modality: "MR" })).keys()]).toEqual(["Auto", "Full range"]);
     expect(windowPresets(makeSection({ modality: "photographs", channels: 3 })).size).toBe(0);
   });
 
@@ -19,7 +19,7 @@ describe("windows", () => {
     voxels[400] = 255;
     const mr = withVoxels(section, voxels);
     expect(windowPresets(mr).get("Auto")).toEqual({ center: 1100, width: 200 });
-    expect(windowPresets(mr).get("Full")).toEqual({ center: 1355, width: 2390 });
+    expect(windowPresets(mr).get("Full range")).toEqual({ center: 1355, width: 2390 });
     const air = withVoxels(section, voxels.fill(0));
     expect(windowPresets(air).get("Auto")!.width).toBeGreaterThan(0);
   });
