@@ -5,6 +5,8 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
+import { threeParts } from "./vite/three_parts";
+
 // CLIPGS_WEB_OUT: where the WASM module is and the bundle goes; the build of the C++ program sets it.
 const out = resolve(process.env["CLIPGS_WEB_OUT"] ?? "build");
 
@@ -94,7 +96,7 @@ const compressFiles: Plugin = {
 
 export default defineConfig({
   base: "./",
-  plugins: [preloadPage, inlineStyles, unpackYoga, stripShaders, compressFiles],
+  plugins: [threeParts(), preloadPage, inlineStyles, unpackYoga, stripShaders, compressFiles],
   resolve: {
     alias: {
       "@wasm": out,

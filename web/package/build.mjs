@@ -53,14 +53,14 @@ function copyTypes(name) {
 
 const { config } = await loadConfigFromFile({ command: "build", mode: "production" }, "vite.config.ts");
 const bundled = new Set();
-/** Builds src/ENTRY.ts, without the packages that are those of who uses it. */
-function bundle(entry, external, emptyOutDir) {
+/** Builds src/ENTRY.ts with some of the page's plugins, without the packages that are those of who uses it. */
+function bundle(entry, plugins, external, emptyOutDir) {
   return build({
     ...config,
     configFile: false,
     logLevel: "warn",
     plugins: [
-      config.plugins.find(({ name }) => name === "strip-shaders"),
+      ...config.plugins.filter(({ name }) => plugins.includes(name)),
       {
         name: "bundled",
         generateBundle() {
@@ -93,8 +93,8 @@ function bundle(entry, external, emptyOutDir) {
   });
 }
 
-await bundle("index", [], true);
-await bundle("three", ["three"], false);
+await bundle("index", ["three-parts", "strip-shaders"], [], true);
+await bundle("three", ["strip-shaders"], ["three"], false);
 const declared = mkdtempSync(join(tmpdir(), "clipgs-types-"));
 execFileSync("node_modules/.bin/tsc", ["-p", "package/tsconfig.json", "--outDir", declared], {
   stdio: "inherit",

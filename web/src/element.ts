@@ -6,12 +6,15 @@ import { formatLink, type Link, parseLink } from "./model/link";
 import { kTourFile, parseTour, type Stop } from "./model/tour";
 import { makeApi } from "./script_api";
 import { CaseError } from "./sog/zip";
-import { chooseLanguage } from "./text/text";
+import { german } from "./text/de";
+import { english, type Texts } from "./text/en";
+import { type Language, languageOf, speak } from "./text/text";
 import { h } from "./ui/dom";
 import hostStyle from "./ui/element.css?inline";
 import { themeFrom } from "./ui/theme";
 import viewerStyle from "./ui/viewer.css?inline";
 
+const kTexts: Readonly<Record<Language, Texts>> = { en: english, de: german };
 const kAttributes = ["src", "link", "tour", "beside", "panel", "theme"] as const;
 
 /** One for all elements of a page. */
@@ -91,7 +94,9 @@ export class ClipgsViewerElement extends HTMLElement {
     if (this.#app) {
       return; // it was moved
     }
-    this.#root.lang = chooseLanguage([this.closest<HTMLElement>("[lang]")?.lang, navigator.language]);
+    const language = languageOf([this.closest<HTMLElement>("[lang]")?.lang, navigator.language]);
+    speak(language, kTexts[language]);
+    this.#root.lang = language;
     try {
       this.#app = new App(this.#root, this.#host);
     } catch (error) {

@@ -3,7 +3,7 @@ import "./ui/page.css";
 
 import type { ClipgsApi } from "./api";
 import { caseFile, fetchIndex } from "./model/case_list";
-import { chooseLanguage, texts } from "./text/text";
+import { language, languageOf, speak, texts } from "./text/text";
 import { h } from "./ui/dom";
 import { LoadingCard } from "./ui/loading_card";
 import { ViewerTheme } from "./ui/theme";
@@ -21,7 +21,13 @@ const index = fetchIndex();
 index.catch(() => {}); // said by the page
 const root = document.getElementById("app")!;
 const asked = new URLSearchParams(location.search).get("lang");
-document.documentElement.lang = chooseLanguage([asked, ...navigator.languages]);
+if (languageOf([asked, ...navigator.languages]) === "de") {
+  await import("./text/de").then(
+    ({ german }) => speak("de", german),
+    () => {}, // English is there
+  );
+}
+document.documentElement.lang = language();
 const loading = showShell();
 
 /** What the page begins with, in the language and the colours that are wanted. */

@@ -1,24 +1,29 @@
-import { german } from "./de";
 import { english, type Texts } from "./en";
 
-const kLanguages: Readonly<Record<string, Texts>> = { en: english, de: german };
 const kUsual = "en";
+/** The languages that are spoken here, by their codes. */
+const kLanguages = [kUsual, "de"] as const;
+export type Language = (typeof kLanguages)[number];
 
-let chosen = kUsual;
+let spoken: { language: Language; texts: Texts } = { language: kUsual, texts: english };
 
 /** What the viewer says, in the language that was chosen before its first part was made. */
 export function texts(): Texts {
-  return kLanguages[chosen]!;
+  return spoken.texts;
 }
 
 /** The language that was chosen, as BCP 47 has it. */
-export function language(): string {
-  return chosen;
+export function language(): Language {
+  return spoken.language;
 }
 
-/** From now on, of BCP 47 tags the first that is spoken here ("de-CH"), or English. Returns it. */
-export function chooseLanguage(wanted: readonly (string | null | undefined)[]): string {
-  const codes = wanted.map((tag) => tag?.toLowerCase().split("-")[0] ?? "");
-  chosen = codes.find((code) => Object.hasOwn(kLanguages, code)) ?? kUsual;
-  return chosen;
+/** Of BCP 47 tags the first that is spoken here ("de-CH"), or English. */
+export function languageOf(wanted: readonly (string | null | undefined)[]): Language {
+  const codes = wanted.map((tag) => tag?.toLowerCase().split("-")[0]);
+  return codes.flatMap((code) => kLanguages.find((one) => one === code) ?? []).at(0) ?? kUsual;
+}
+
+/** What is said from now on; English is always there, others are fetched by whom they are for. */
+export function speak(language: Language, texts = english): void {
+  spoken = { language, texts };
 }

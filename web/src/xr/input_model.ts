@@ -6,8 +6,8 @@ import {
   type Bone,
   BufferAttribute,
   type BufferGeometry,
+  type Material,
   Matrix4,
-  type MeshLambertMaterial,
   Skeleton,
   SkinnedMesh,
 } from "three";
@@ -30,10 +30,7 @@ export interface InputModel {
 }
 
 /** The model of what is held or bare in a hand; null: there is none, or it cannot be had. */
-export async function loadInputModel(
-  source: XRInputSource,
-  material: MeshLambertMaterial,
-): Promise<InputModel | null> {
+export async function loadInputModel(source: XRInputSource, material: Material): Promise<InputModel | null> {
   const { handedness, hand, profiles } = source;
   if (handedness === "none" || !(hand || profiles.some((profile) => kTouch.test(profile)))) {
     return null;
@@ -51,7 +48,7 @@ export async function loadInputModel(
 }
 
 /** As one mesh, whose bones are a hand's joints, or what holds a controller's parts. */
-export function modelOf({ nodes, root, meshes }: GlbModel, material: MeshLambertMaterial): InputModel {
+export function modelOf({ nodes, root, meshes }: GlbModel, material: Material): InputModel {
   const skinned = meshes.find(({ skin }) => skin !== null);
   const geometry = skinned?.geometry ?? rigid(meshes.map((mesh) => mesh.geometry));
   const skeleton = skinned

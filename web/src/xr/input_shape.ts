@@ -6,18 +6,17 @@ import {
   MathUtils,
   Matrix4,
   Mesh,
-  MeshLambertMaterial,
   type Object3D,
   SphereGeometry,
   Vector3,
   type XRHandSpace,
 } from "three";
 
+import { inputMaterial } from "./input_material";
 import { type InputModel, loadInputModel } from "./input_model";
 
 const kJoints = 25;
 const kJointRadius = 0.008; // m, where it is not told
-const kColor = 0xc9d3dd;
 /** Of a controller's buttons and axes, what moves which part: the names of the profiles' visual responses. */
 const kButtons: Readonly<Record<string, number>> = {
   xr_standard_trigger_pressed: 0,
@@ -48,7 +47,7 @@ export class InputShape {
   readonly object = new Group();
   readonly #bare: XRHandSpace;
   readonly #grip: Object3D;
-  readonly #material = new MeshLambertMaterial({ color: kColor });
+  readonly #material = inputMaterial();
   readonly #joints = new InstancedMesh(new SphereGeometry(1, 12, 8), this.#material, kJoints);
   readonly #stick = new Mesh(new CapsuleGeometry(0.016, 0.07, 4, 12).rotateX(-0.9), this.#material);
   #source: XRInputSource | null = null;

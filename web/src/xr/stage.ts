@@ -1,9 +1,7 @@
 import { HandleStore, type HandleState } from "@pmndrs/handle";
 import {
   Box3,
-  DirectionalLight,
   Group,
-  HemisphereLight,
   Matrix4,
   type Object3D,
   type PerspectiveCamera,
@@ -85,7 +83,7 @@ export class Stage {
     this.#body.matrixAutoUpdate = false;
     this.#body.add(this.#bounds.object, this.#widget.object, this.grip.object);
     this.#anchor.add(this.#body);
-    this.scene.add(this.#anchor, this.#bodyTarget, this.#faceTarget, viewer.layer.solid, ...lights());
+    this.scene.add(this.#anchor, this.#bodyTarget, this.#faceTarget, viewer.layer.solid);
     this.#store = new HandleStore<unknown>(this.#anchor, () => ({ scale: { uniform: true }, apply: move }));
     this.#release = this.#store.bind(this.#bodyTarget);
   }
@@ -255,11 +253,4 @@ export class Stage {
       hand?.pulse(0.3, 20);
     }
   }
-}
-
-/** Of hands and controllers: what else there is has colours of its own. */
-function lights(): Object3D[] {
-  const lamp = new DirectionalLight(0xffffff, 1.6);
-  lamp.position.set(0.4, 1, 0.7);
-  return [new HemisphereLight(0xdfe8f2, 0x4a4640, 1.4), lamp];
 }

@@ -203,14 +203,25 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
 
   it("has types of its own", () => {
     writeFileSync(join(folder, "consumer.ts"), kConsumer);
-    for (const resolution of ["bundler", "nodenext"]) {
-      const module = resolution === "bundler" ? "esnext" : "nodenext";
-      const options = `--noEmit --strict --noUncheckedIndexedAccess --target es2022 --module ${module} --moduleResolution ${resolution}`;
-      const tsc = resolve("node_modules/.bin/tsc");
-      execFileSync(tsc, [...options.split(" "), "consumer.ts"], {
-        cwd: folder,
-        stdio: "inherit",
-      });
+    for (const [module, moduleResolution] of [
+      ["esnext", "bundler"],
+      ["nodenext", "nodenext"],
+    ]) {
+      const compilerOptions = {
+        module,
+        moduleResolution,
+        target: "es2022",
+        noEmit: true,
+        strict: true,
+        noUncheckedIndexedAccess: true,
+        types: [], // that nothing is needed beside it
+        skipDefaultLibCheck: true, // TypeScript's own
+      };
+      writeFileSync(
+        join(folder, "tsconfig.json"),
+        JSON.stringify({ compilerOptions, files: ["consumer.ts"] }),
+      );
+      execFileSync(resolve("node_modules/.bin/tsc"), [], { cwd: folder, stdio: "inherit" });
     }
   });
 

@@ -11,7 +11,8 @@ import {
   sortCases,
 } from "../../src/model/case_library";
 import type { CaseSummary } from "../../src/model/case_list";
-import { chooseLanguage, texts } from "../../src/text/text";
+import { german } from "../../src/text/de";
+import { speak, texts } from "../../src/text/text";
 
 function summary(name: string, title: string, more: Partial<CaseSummary> = {}): CaseSummary {
   return {
@@ -50,7 +51,7 @@ const found = (search: string) => searchCases(kCases, search).map(({ name }) => 
 const sorted = (order: CaseOrder) => sortCases(kCases, order).map(({ name }) => name);
 
 describe("the library", () => {
-  afterEach(() => chooseLanguage(["en"]));
+  afterEach(() => speak("en"));
 
   it("finds cases by title, file name, region, modality and look, whatever capitals and accents", () => {
     expect(found("")).toEqual(["knee", "a-10", "a-2", "old"]);
@@ -67,10 +68,10 @@ describe("the library", () => {
   });
 
   it("finds regions in the reader's language, and in English", () => {
-    chooseLanguage(["de"]);
+    speak("de", german);
     expect(found("kopf")).toEqual(["a-10"]);
     expect(found("head")).toEqual(["a-10"]);
-    chooseLanguage(["en"]);
+    speak("en");
     expect(found("kopf")).toEqual([]);
   });
 
@@ -95,7 +96,7 @@ describe("the library", () => {
 
   it("says region, size and day in the reader's language, as far as they are known", () => {
     expect(detailText(kCases[1]!)).toBe("Head · 5.0\u00a0MB · Mar\u00a05,\u00a02026");
-    chooseLanguage(["de"]);
+    speak("de", german);
     expect(detailText(kCases[1]!)).toBe("Kopf · 5.0\u00a0MB · 05.03.2026");
     expect(detailText(kCases[3]!)).toBe("1.0\u00a0MB");
     expect(detailText(summary("x", "X", { look: look("Miller", "") }))).toBe("1.0\u00a0MB"); // no word of the list
@@ -104,7 +105,7 @@ describe("the library", () => {
 
   it("has the same regions in every language", () => {
     const english = Object.keys(texts().library.regions);
-    chooseLanguage(["de"]);
+    speak("de", german);
     expect(Object.keys(texts().library.regions)).toEqual(english);
   });
 

@@ -1,5 +1,5 @@
 import { readFileSync } from "node:fs";
-import { Box3, Group, MeshLambertMaterial, Vector3 } from "three";
+import { Box3, Group, MeshBasicMaterial, Vector3 } from "three";
 import { expect, it } from "vitest";
 
 import { readGlb } from "../../src/xr/glb";
@@ -22,7 +22,7 @@ function bytes(profile: string, side: string): ArrayBuffer {
 }
 
 function model(profile: string, side: string) {
-  return modelOf(readGlb(bytes(profile, side)), new MeshLambertMaterial());
+  return modelOf(readGlb(bytes(profile, side)), new MeshBasicMaterial());
 }
 
 for (const side of ["left", "right"]) {
