@@ -45,13 +45,14 @@ export class MarkTexts {
 
   of(mark: Mark): string {
     const { section } = this.#viewer;
-    if (section !== this.#section) {
+    // While another look is on its way there is none: what was read stays.
+    if (section && section !== this.#section) {
       this.#section = section;
       this.#known = new WeakMap();
     }
-    let text = this.#known.get(mark);
-    if (text === undefined) {
-      text = markText(mark, measure(mark, section)) || texts().marks.kinds[mark.kind];
+    const known = this.#known.get(mark);
+    const text = known ?? (markText(mark, measure(mark, section)) || texts().marks.kinds[mark.kind]);
+    if (section) {
       this.#known.set(mark, text);
     }
     return text;

@@ -351,6 +351,53 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     expect(await page.getByTitle("Colours:").isVisible()).toBe(false);
   });
 
+  it("flies the tour that the page names, and has a case beside it", async () => {
+    const stops = ["view=0,0&plane=0,0,-1,5", "view=60,10,2&plane=-1,0,0,0"].map((show, i) => ({
+      id: String(i),
+      name: ["The front", "The side"][i],
+      text: `Said of ${i + 1}`,
+      show,
+      fly: 0.5,
+      stay: 0.1,
+    }));
+    const tour = { clipgs_tour: 1, volume: "", stops };
+    writeFileSync(join(folder, "cases/shown.tour.json"), JSON.stringify(tour));
+    writeFileSync(join(folder, "cases/newer.tour.json"), JSON.stringify({ ...tour, clipgs_tour: 2 }));
+    const set = (name: string, value: string | null) =>
+      page.evaluate(
+        ([name, value]) => {
+          if (value === null) {
+            viewer().removeAttribute(name);
+          } else {
+            viewer().setAttribute(name, value);
+          }
+        },
+        [name, value] as const,
+      );
+    const shown = () => page.evaluate(() => viewer().clipgs!.state);
+    await set("tour", "cases/shown.tour.json");
+    await expect.poll(() => page.evaluate(() => viewer().clipgs!.views.length)).toBe(2);
+    await page.evaluate(() => viewer().clipgs!.playTour());
+    const caption = page.getByRole("region", { name: "Tour" });
+    await caption.getByText("Said of 2").waitFor();
+    await expect.poll(async () => (await shown()).view).toMatchObject({ azimuth: 60, zoom: 2 });
+    expect((await shown()).cuts).toMatchObject([{ normal: [-1, 0, 0] }]);
+    await caption.getByTitle("Leave the tour (Escape)").click();
+    await caption.waitFor({ state: "hidden" });
+    await set("tour", "cases/newer.tour.json");
+    await page.getByRole("alert").getByText("newer.tour.json: of a version").waitFor();
+    expect(await page.evaluate(() => viewer().clipgs!.views.length)).toBe(0);
+    await set("tour", null);
+    await page.getByRole("button", { name: "Dismiss" }).click();
+
+    await set("beside", "cases/photo.sog");
+    const beside = page.getByRole("region", { name: "Beside it" });
+    await beside.getByText("Places count from the middle of each").waitFor();
+    expect(await page.evaluate(() => viewer().link)).not.toMatch(/beside|case/);
+    await set("beside", null);
+    await beside.waitFor({ state: "hidden" });
+  });
+
   it("takes properties that were set before it was known", async () => {
     const early = await browser.newPage();
     await early.goto(`${url}/early.html`);
