@@ -7,7 +7,7 @@ import { History } from "./model/history";
 import { freeAxis, kAxes, type Orientation, planeAcross, planePosition } from "./model/planes";
 import { stateText } from "./model/states";
 import { anglesOf, viewDirection, viewFrom } from "./model/view";
-import type { ViewerState } from "./model/viewer_state";
+import { kChosenLook, type ViewerState } from "./model/viewer_state";
 import type { Viewer } from "./viewer";
 
 /** Of a slab when it is made, and the least there is: mm. */
@@ -21,13 +21,7 @@ const kUndone = [
   "mode",
   "cuts",
   "active",
-  "clip",
-  "section",
-  "grey",
-  "openings",
-  "rig",
-  "turn",
-  "lamp",
+  ...kChosenLook,
   "window",
   "marks",
   "tourMarks",
@@ -350,9 +344,10 @@ export class Actions {
 }
 
 /** These are many, and the same where nobody touched them. */
-const kMany = ["marks", "tourMarks", "stops"] as const satisfies readonly (keyof Moment)[];
+const kMany: readonly (keyof Moment)[] = ["marks", "tourMarks", "stops"];
 
 function isSame(a: Moment, b: Moment): boolean {
-  const few = (moment: Moment) => JSON.stringify({ ...moment, marks: null, tourMarks: null, stops: null });
-  return kMany.every((key) => a[key] === b[key]) && few(a) === few(b);
+  return kUndone.every(
+    (key) => a[key] === b[key] || (!kMany.includes(key) && JSON.stringify(a[key]) === JSON.stringify(b[key])),
+  );
 }

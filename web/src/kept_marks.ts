@@ -1,7 +1,8 @@
 import type { ReadonlySignal } from "@preact/signals-core";
 
 import type { Fail, Host } from "./host";
-import { BrowserPlace, Keeper, textOf, volumeOf } from "./model/keeper";
+import { BrowserPlace, Keeper, volumeOf } from "./model/keeper";
+import { textOf } from "./model/kept_file";
 import type { Mark } from "./model/marks";
 import { formatMarks, kMarksFile, mergedMarks, parseMarks } from "./model/marks_file";
 import { download } from "./ui/download";

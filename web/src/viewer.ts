@@ -11,7 +11,7 @@ import type { MarkShape } from "./model/marks";
 import { regionValues } from "./model/region";
 import { readSection } from "./model/values";
 import type { Inset } from "./model/view";
-import { isSamePicture, type ViewerState, ViewerStore } from "./model/viewer_state";
+import { activeCut, isSamePicture, type ViewerState, ViewerStore } from "./model/viewer_state";
 import type { Background } from "./render/background";
 import type { CanvasCamera } from "./render/canvas_camera";
 import { FrameRate } from "./render/frame_rate";
@@ -103,7 +103,7 @@ export class Viewer implements Studio {
 
   /** The cut that is moved; null: nothing is cut. */
   get cut(): Cut | null {
-    return this.state.cuts[this.state.active] ?? null;
+    return activeCut(this.state);
   }
 
   /** Counts what changes the picture, or what can be done with it. */

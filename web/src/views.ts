@@ -1,6 +1,7 @@
 import type { Actions } from "./actions";
 import type { Fail, Host } from "./host";
-import { BrowserPlace, Keeper, textOf, volumeOf } from "./model/keeper";
+import { BrowserPlace, Keeper, volumeOf } from "./model/keeper";
+import { textOf } from "./model/kept_file";
 import { formatLink, type Link } from "./model/link";
 import {
   formatTour,

@@ -1,17 +1,11 @@
 import { type CaseInfo, isSameVolume } from "./case_info";
 import { reframed } from "./view";
-import type { ViewerState } from "./viewer_state";
+import { kChosenLook, type ViewerState } from "./viewer_state";
 
 /** Of what is shown, what two cases beside each other have in common as it is. */
 const kCommon = [
+  ...kChosenLook,
   "active",
-  "clip",
-  "section",
-  "grey",
-  "openings",
-  "rig",
-  "turn",
-  "lamp",
   "handle",
   "layers",
   "depthCue",

@@ -1,7 +1,7 @@
 import { Matrix4, type Ray, Vector3 } from "three";
 
 import { codeOfVoxel, type Section, type SectionInfo } from "../sog/section";
-import { type Plane, projectOnto, signedDistance } from "./geometry";
+import { axesIn, type Plane, projectOnto, signedDistance } from "./geometry";
 
 // Where exposed faces are and how rays are marched into them: the twin of src/section/face_rays.cpp.
 
@@ -143,17 +143,19 @@ export function facePolygons(grid: Grid, planes: readonly Plane[], margin = 0): 
   const middle = gridMiddle(grid);
   const reach = Math.hypot(...grid.dims.map((n, k) => n * grid.spacing[k]!));
   return planes.map((plane, i) => {
-    const { normal } = plane;
-    const aside = Math.abs(normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
-    const u = new Vector3().crossVectors(aside, normal).setLength(reach);
-    const v = new Vector3().crossVectors(u, normal); // u × v points to the removed side
+    const [u, v] = axesIn(plane.normal); // u × v points to what is kept
     const at = projectOnto(plane, middle);
     const square = [
-      [-1, -1],
-      [1, -1],
-      [1, 1],
       [-1, 1],
-    ].map(([a, b]) => at.clone().addScaledVector(u, a!).addScaledVector(v, b!));
+      [1, 1],
+      [1, -1],
+      [-1, -1],
+    ].map(([a, b]) =>
+      at
+        .clone()
+        .addScaledVector(u, reach * a!)
+        .addScaledVector(v, reach * b!),
+    );
     const inside = sides.reduce((polygon, side) => clipped(polygon, side, margin + kSlack), square);
     // Of planes that coincide the first has the face.
     return planes.reduce(

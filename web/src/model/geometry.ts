@@ -40,6 +40,13 @@ export function planeThrough(normal: Vector3, point: Vector3): Plane {
   return { normal: unit, offset: unit.dot(point) };
 }
 
+/** Two unit vectors in a plane, right-handed with its normal. */
+export function axesIn(normal: Vector3): [Vector3, Vector3] {
+  const aside = Math.abs(normal.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
+  const u = new Vector3().crossVectors(aside, normal).normalize();
+  return [u, new Vector3().crossVectors(normal, u)];
+}
+
 /** Interval of dot(normal, x) over a box: where a plane cuts something. */
 export function projectBox(box: Box, normal: Vector3): [number, number] {
   let min = 0;

@@ -1,6 +1,5 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
-import type { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
 
 /** What is kept of a case, each with an id that tells it from the others. */
@@ -19,23 +18,6 @@ export interface KeptKind<T extends Kept> {
   format(items: readonly T[], volume: string): string;
   /** `name` is what errors call the file. Throws CaseError where it is not one of that volume. */
   parse(text: string, name: string, volume: string): T[];
-}
-
-/** Of a file: no page is to wait for more. */
-const kMostBytes = 16 * 2 ** 20;
-
-/** What a person's file of such things says. Throws CaseError where it is too large to be one. */
-export async function textOf(file: File): Promise<string> {
-  if (file.size > kMostBytes) {
-    throw new CaseError(`${file.name}: has more than ${kMostBytes / 2 ** 20} MiB, which no such file has`);
-  }
-  return file.text();
-}
-
-/** What somebody wrote; of other programs it may be longer than is shown, and is not to be cut short. Throws CaseError. */
-export function wordsOf(reader: JsonReader, key: string, longest: number): string {
-  const words = reader.has(key) ? reader.text(key) : "";
-  return words.length <= longest ? words : reader.refuse(key, `has more than ${longest} characters`);
 }
 
 /** What a person did since what there is was kept last. */

@@ -1,8 +1,9 @@
 import { Vector3 } from "three";
 
-import { JsonReader } from "../sog/json_reader";
+import type { JsonReader } from "../sog/json_reader";
 import { CaseError } from "../sog/zip";
-import { type KeptKind, wordsOf } from "./keeper";
+import { changed, type KeptKind } from "./keeper";
+import { type FileKind, formatKept, readKept, wordsOf } from "./kept_file";
 import {
   isFlat,
   isShape,
@@ -16,7 +17,13 @@ import {
 
 // Marks of a case as a file: docs/format.md.
 
-const kVersion = 1;
+const kFile: FileKind = {
+  name: "marks",
+  list: "marks",
+  most: kMostMarks,
+  file: "a file of marks",
+  all: "marks",
+};
 const kLongestId = 40;
 const kDigits = 1000; // µm are enough
 
@@ -33,7 +40,7 @@ export function formatMarks(marks: readonly Mark[], volume: string): string {
     ...(name ? { name } : {}),
     ...(note ? { note } : {}),
   }));
-  return JSON.stringify({ clipgs_marks: kVersion, volume, marks: all });
+  return formatKept(kFile, volume, all);
 }
 
 function readMark(reader: JsonReader): Mark {
@@ -64,42 +71,19 @@ function readMark(reader: JsonReader): Mark {
  * version or of another volume, or holds too many.
  */
 export function parseMarks(text: string, name: string, volume: string): Mark[] {
-  let file: unknown;
-  try {
-    file = JSON.parse(text);
-  } catch {
-    throw new CaseError(`${name}: not a file of marks`);
-  }
-  const reader = new JsonReader(file, "marks", { name, remedy: "save the marks again" });
-  if (!reader.has("clipgs_marks")) {
-    throw new CaseError(`${name}: not a file of marks`);
-  }
-  if (reader.value("clipgs_marks") !== kVersion) {
-    throw new CaseError(`${name}: of a version that this viewer does not know; use a newer clipgs`);
-  }
-  const of = reader.text("volume");
-  if (of !== "" && volume !== "" && of !== volume) {
-    throw new CaseError(`${name}: marks of another volume; open its case first`);
-  }
-  const listed = reader.value("marks");
-  if (Array.isArray(listed) && listed.length > kMostMarks) {
-    throw new CaseError(
-      `${name}: holds ${listed.length} marks, of which no more than ${kMostMarks} can be shown`,
-    );
-  }
-  const marks = reader.children("marks", kMostMarks).map(readMark);
+  const marks = readKept(text, name, volume, kFile).map(readMark);
   return [...new Map(marks.map((mark) => [mark.id, mark])).values()];
 }
 
 /** All marks of both; of one that both have, that of `newer`. Throws CaseError where they are too many: `name` holds `newer`. */
 export function mergedMarks(older: readonly Mark[], newer: readonly Mark[], name: string): Mark[] {
-  const all = new Map([...older, ...newer].map((mark) => [mark.id, mark]));
-  if (all.size > kMostMarks) {
+  const all = changed(older, { put: newer, gone: new Set() });
+  if (all.length > kMostMarks) {
     throw new CaseError(
-      `${name}: with those that are here, ${all.size} marks, of which no more than ${kMostMarks} can be shown`,
+      `${name}: with those that are here, ${all.length} marks, of which no more than ${kMostMarks} can be shown`,
     );
   }
-  return [...all.values()];
+  return all;
 }
 
 export const kMarksFile: KeptKind<Mark> = {

@@ -1,6 +1,7 @@
 import { Vector3 } from "three";
 
 import type { Section } from "../sog/section";
+import { axesIn } from "./geometry";
 import type { MarkShape } from "./marks";
 import { readSection } from "./values";
 
@@ -33,9 +34,7 @@ interface FlatRegion {
 
 function flatten({ kind, points, normal }: MarkShape): FlatRegion {
   const origin = points[0]!;
-  const aside = Math.abs(normal!.z) < 0.9 ? new Vector3(0, 0, 1) : new Vector3(1, 0, 0);
-  const u = new Vector3().crossVectors(aside, normal!).normalize();
-  const v = new Vector3().crossVectors(normal!, u);
+  const [u, v] = axesIn(normal!);
   if (kind === "region") {
     const radius = origin.distanceTo(points[1]!);
     const corners: Flat[] = [

@@ -1,6 +1,6 @@
-import { JsonReader } from "../sog/json_reader";
-import { CaseError } from "../sog/zip";
-import { type KeptKind, wordsOf } from "./keeper";
+import type { JsonReader } from "../sog/json_reader";
+import type { KeptKind } from "./keeper";
+import { type FileKind, formatKept, readKept, wordsOf } from "./kept_file";
 import { kLongestName, kLongestNote } from "./marks";
 
 // Tours of a case, and the files that hold them: docs/format.md. The twin of src/tour/tour_file.cpp.
@@ -17,7 +17,6 @@ export interface Stop {
   stay: number;
 }
 
-const kVersion = 1;
 export const kMostStops = 100;
 export const kLongestFlight = 60; // s
 export const kLongestStay = 600;
@@ -26,6 +25,7 @@ const kStay = 5;
 const kLongestId = 40;
 /** Characters: words with as many marks as a case may have, without notes. */
 const kLongestShow = 40_000;
+const kFile: FileKind = { name: "tour", list: "stops", most: kMostStops, file: "a tour", all: "a tour" };
 
 /** A stop at what is shown. */
 export function makeStop(show: string, name: string, text = ""): Stop {
@@ -87,7 +87,7 @@ export function formatTour(stops: readonly Stop[], volume: string): string {
     fly,
     stay,
   }));
-  return JSON.stringify({ clipgs_tour: kVersion, volume, stops: all });
+  return formatKept(kFile, volume, all);
 }
 
 function readStop(reader: JsonReader): Stop {
@@ -107,30 +107,7 @@ function readStop(reader: JsonReader): Stop {
  * version or of another volume, or has too many stops.
  */
 export function parseTour(text: string, name: string, volume: string): Stop[] {
-  let file: unknown;
-  try {
-    file = JSON.parse(text);
-  } catch {
-    throw new CaseError(`${name}: not a tour`);
-  }
-  const reader = new JsonReader(file, "tour", { name, remedy: "save the tour again" });
-  if (!reader.has("clipgs_tour")) {
-    throw new CaseError(`${name}: not a tour`);
-  }
-  if (reader.value("clipgs_tour") !== kVersion) {
-    throw new CaseError(`${name}: of a version that this viewer does not know; use a newer clipgs`);
-  }
-  const of = reader.has("volume") ? reader.text("volume") : "";
-  if (of !== "" && volume !== "" && of !== volume) {
-    throw new CaseError(`${name}: a tour of another volume; open its case first`);
-  }
-  const listed = reader.value("stops");
-  if (Array.isArray(listed) && listed.length > kMostStops) {
-    throw new CaseError(
-      `${name}: has ${listed.length} stops, of which no more than ${kMostStops} can be shown`,
-    );
-  }
-  return withOwnIds(reader.children("stops", kMostStops).map(readStop));
+  return withOwnIds(readKept(text, name, volume, kFile).map(readStop));
 }
 
 export const kTourFile: KeptKind<Stop> = {

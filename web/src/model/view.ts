@@ -22,6 +22,10 @@ export interface View {
   back: number;
 }
 
+/** Degrees: from straight above, what is up is not known. */
+const kMaxElevation = 89.9;
+const kZoom = { least: 0.25, most: 24 };
+
 export function viewFrom(azimuth: number, elevation: number, zoom = 1): View {
   return { azimuth, elevation, zoom, pan: new Vector3(), back: 0 };
 }
@@ -70,6 +74,39 @@ export function cameraAxes(forward: Vector3): { right: Vector3; down: Vector3 } 
   }
   right.normalize();
   return { right, down: new Vector3().crossVectors(forward, right) };
+}
+
+/** Axes of the camera of a view, RAS. */
+export function viewAxes({ azimuth, elevation }: View): { right: Vector3; down: Vector3 } {
+  return cameraAxes(viewDirection(azimuth, elevation).negate());
+}
+
+/** Turned about what is looked at, by degrees to the right and up. */
+export function turned(view: View, right: number, up: number): Pick<View, "azimuth" | "elevation"> {
+  return {
+    azimuth: wrapped(view.azimuth + right),
+    elevation: clamp(view.elevation + up, -kMaxElevation, kMaxElevation),
+  };
+}
+
+export function zoomed({ zoom }: View, factor: number): Pick<View, "zoom"> {
+  return { zoom: clamp(zoom * factor, kZoom.least, kZoom.most) };
+}
+
+/** With what is seen pushed by mm, but for no farther than it is seen. */
+export function pushed(view: View, { radius }: Sphere, byRight: number, byDown: number): Pick<View, "pan"> {
+  const { right, down } = viewAxes(view);
+  const pan = view.pan.clone().addScaledVector(right, -byRight).addScaledVector(down, -byDown);
+  return { pan: pan.clampLength(0, Math.max(2 * radius, view.pan.length())) };
+}
+
+function clamp(value: number, min: number, max: number): number {
+  return Math.min(max, Math.max(min, value));
+}
+
+/** An angle in [−180°, 180°). */
+function wrapped(degrees: number): number {
+  return ((((degrees + 180) % 360) + 360) % 360) - 180;
 }
 
 /** What panels cover of a picture at its right and bottom, px: the case is framed in what they leave. */

@@ -42,6 +42,17 @@ export interface ViewerState extends Style {
   slices: Slices | null; // beside the picture; null: none
 }
 
+/** Of a style, what is chosen of faces, splats and lights. */
+export const kChosenLook = [
+  "clip",
+  "section",
+  "grey",
+  "openings",
+  "rig",
+  "turn",
+  "lamp",
+] as const satisfies readonly (keyof Style)[];
+
 /** A crosshair that is nearer to the cut lies in it, mm. */
 const kInCut = 1e-6;
 
@@ -67,6 +78,11 @@ export const kFirst: ViewerState = {
   backdrop: null,
   slices: null,
 };
+
+/** The cut that is moved; null: nothing is cut. */
+export function activeCut({ cuts, active }: Pick<ViewerState, "cuts" | "active">): Cut | null {
+  return cuts[active] ?? null;
+}
 
 /** The marks that are seen. */
 export function shownMarks({ marks, tourMarks }: ViewerState): readonly Mark[] {
@@ -124,8 +140,7 @@ export class ViewerStore {
 
   /** The cut that is moved; null: nothing is cut. */
   get cut(): Cut | null {
-    const { cuts, active } = this.state;
-    return cuts[active] ?? null;
+    return activeCut(this.state);
   }
 
   /** The states of the uniaxial mode. */
@@ -327,8 +342,8 @@ function boxMiddle({ bounds: { min, max } }: CaseInfo): Vector3 {
 
 /** The crosshair of linked slices follows the active cut. */
 function withCrosshair(state: ViewerState): ViewerState {
-  const { slices, cuts, active } = state;
-  const cut = cuts[active];
+  const { slices } = state;
+  const cut = activeCut(state);
   const follows = slices?.linked && cut && Math.abs(signedDistance(cut, slices.at)) > kInCut;
   return follows ? { ...state, slices: { ...slices, at: projectOnto(cut, slices.at) } } : state;
 }

@@ -1,8 +1,9 @@
 import { barLength, directionLetters, pointText, valueText } from "../model/values";
-import { cameraAxes, viewDirection } from "../model/view";
+import { viewAxes } from "../model/view";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { h } from "./dom";
+import { placeOn } from "./place";
 
 // No wider, CSS px.
 const kReadoutWidth = 300;
@@ -33,7 +34,7 @@ export function faceMarks(viewer: Viewer): FaceMarks | null {
   if (!scale) {
     return null;
   }
-  const { right, down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
+  const { right, down } = viewAxes(view);
   const [left, up] = [right.clone().negate(), down.clone().negate()];
   const barMm = barLength((kBarShare * viewer.camera.freeSize.width) / scale);
   const { window } = viewer;
@@ -80,7 +81,7 @@ export class FaceOverlay {
     for (const type of ["pointermove", "pointerdown", "pointerup", "pointerleave"] as const) {
       canvas.addEventListener(type, (event) => {
         const over = event.buttons === 0 && type !== "pointerleave" && event.pointerType !== "touch";
-        this.#pointer = over ? this.#placeOf(event) : null;
+        this.#pointer = over ? placeOn(this.#viewer.canvas, event) : null;
         this.#updateReadout();
       });
     }
@@ -90,11 +91,6 @@ export class FaceOverlay {
   update(): void {
     this.#updateMarks();
     this.#updateReadout();
-  }
-
-  #placeOf(event: PointerEvent): Place {
-    const box = this.#viewer.canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
   #updateMarks(): void {

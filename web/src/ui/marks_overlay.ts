@@ -18,6 +18,7 @@ import { shownMarks } from "../model/viewer_state";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { follow, h, svg } from "./dom";
+import { placeOn } from "./place";
 
 /** A label that is farther from what it is about has a line to it, px. */
 const kLeader = 14;
@@ -239,7 +240,7 @@ export class MarksOverlay {
     // Before other listeners: the click that marks a point does nothing else.
     canvas.addEventListener("pointerdown", (event) => {
       const { kind } = marking;
-      if (kind && event.button === 0 && this.#put(this.#placeOf(event), kind)) {
+      if (kind && event.button === 0 && this.#put(placeOn(this.#viewer.canvas, event), kind)) {
         event.stopImmediatePropagation();
       } else if (event.button === 0) {
         this.chosen.value = null;
@@ -248,7 +249,7 @@ export class MarksOverlay {
     canvas.addEventListener("dblclick", () => marking.finish());
     for (const type of ["pointermove", "pointerleave"] as const) {
       canvas.addEventListener(type, (event) => {
-        this.#pointer = type === "pointerleave" ? null : this.#placeOf(event);
+        this.#pointer = type === "pointerleave" ? null : placeOn(this.#viewer.canvas, event);
         if (marking.isBegun.value && !this.#moved) {
           this.#moved = true;
           requestAnimationFrame(() => {
@@ -265,11 +266,6 @@ export class MarksOverlay {
     const { canvas, camera } = this.#viewer;
     const { width, height } = camera.freeSize;
     return canvas.matches(":focus-visible") ? { x: 0.5 * width, y: 0.5 * height } : null;
-  }
-
-  #placeOf(event: MouseEvent): Place {
-    const box = this.#viewer.canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
   /** What a place of the canvas would mark. */

@@ -1,20 +1,18 @@
-import { Vector3 } from "three";
-
 import { draggedWindow } from "../model/grey";
+import type { Place } from "../model/label_layout";
 import { type Grip, PlaneDrag } from "../model/plane_drag";
-import { cameraAxes, cameraDistance, viewDirection } from "../model/view";
+import { cameraDistance, pushed, turned, viewAxes, zoomed } from "../model/view";
 import type { Viewer } from "../viewer";
+import { placeOn, spreadOf } from "./place";
 
 const kDegreesPerPixel = 0.4;
-export const kMaxElevation = 89.9;
-export const kZoom: readonly [number, number] = [0.25, 24];
 
 type Gesture = { kind: "orbit" } | { kind: "pan" } | { kind: "window" } | { kind: "plane"; drag: PlaneDrag };
 
 /** Mouse, pen and touch on the canvas: turns, moves and zooms the view, drags the plane's handle and the window. */
 export class PointerControls {
   readonly #viewer: Viewer;
-  readonly #pointers = new Map<number, { x: number; y: number }>();
+  readonly #pointers = new Map<number, Place>();
   #gesture: Gesture | null = null;
   #hover: Grip | null = null;
 
@@ -44,14 +42,9 @@ export class PointerControls {
     );
   }
 
-  #at(event: PointerEvent): { x: number; y: number } {
-    const box = this.#viewer.canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  }
-
   #down(event: PointerEvent): void {
     const viewer = this.#viewer;
-    const at = this.#at(event);
+    const at = placeOn(this.#viewer.canvas, event);
     viewer.canvas.setPointerCapture(event.pointerId);
     viewer.canvas.focus({ preventScroll: true });
     this.#pointers.set(event.pointerId, at);
@@ -60,8 +53,7 @@ export class PointerControls {
       this.#pointers.size === 1 && event.button === 0 ? viewer.picking.gripAt(at.x, at.y, byFinger) : null;
     if (grip && viewer.cut) {
       const { center, radius } = viewer.picking.handle;
-      const { view } = viewer.state;
-      const { down } = cameraAxes(viewDirection(view.azimuth, view.elevation).negate());
+      const { down } = viewAxes(viewer.state.view);
       const drag = new PlaneDrag(
         grip,
         viewer.cut,
@@ -82,13 +74,13 @@ export class PointerControls {
   }
 
   #move(event: PointerEvent): void {
-    const at = this.#at(event);
+    const at = placeOn(this.#viewer.canvas, event);
     const before = this.#pointers.get(event.pointerId);
     if (!before || !this.#gesture) {
       this.#setHover(this.#viewer.picking.gripAt(at.x, at.y));
       return;
     }
-    const spread = this.#spread();
+    const spread = spreadOf(this.#pointers);
     this.#pointers.set(event.pointerId, at);
     const { view } = this.#viewer.state;
     if (this.#gesture.kind === "plane") {
@@ -96,14 +88,8 @@ export class PointerControls {
         this.#gesture.drag.move(this.#viewer.camera.ray(at.x, at.y), event.shiftKey),
       );
     } else if (this.#gesture.kind === "orbit") {
-      this.#viewer.store.setView({
-        azimuth: wrapped(view.azimuth - kDegreesPerPixel * (at.x - before.x)),
-        elevation: clamp(
-          view.elevation + kDegreesPerPixel * (at.y - before.y),
-          -kMaxElevation,
-          kMaxElevation,
-        ),
-      });
+      const [dx, dy] = [at.x - before.x, at.y - before.y];
+      this.#viewer.store.setView(turned(view, -kDegreesPerPixel * dx, kDegreesPerPixel * dy));
     } else if (this.#gesture.kind === "window") {
       const { window, section } = this.#viewer;
       if (window && section) {
@@ -112,13 +98,13 @@ export class PointerControls {
     } else {
       this.#pan((at.x - before.x) / this.#pointers.size, (at.y - before.y) / this.#pointers.size);
       if (spread > 0) {
-        this.#zoom(this.#spread() / spread);
+        this.#zoom(spreadOf(this.#pointers) / spread);
       }
     }
   }
 
   /** Whether grey values are shown at a place, through a window. */
-  #showsGreyAt({ x, y }: { x: number; y: number }): boolean {
+  #showsGreyAt({ x, y }: Place): boolean {
     const { state, window } = this.#viewer;
     const grey = state.section === "volume" && state.grey > 0 && window !== null;
     return grey && this.#viewer.picking.readingAt(x, y) !== null;
@@ -140,35 +126,15 @@ export class PointerControls {
     }
   }
 
-  /** Distance between two fingers, CSS px. */
-  #spread(): number {
-    const [a, b] = [...this.#pointers.values()];
-    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
-  }
-
   #pan(dx: number, dy: number): void {
-    const { info, state } = this.#viewer;
-    if (!info) {
-      return;
+    const { camera, info, state, store } = this.#viewer;
+    if (info) {
+      const mm = cameraDistance(state.view, info.sphere) / camera.focalLength; // a pixel
+      store.setView(pushed(state.view, info.sphere, mm * dx, mm * dy));
     }
-    const { right, down } = cameraAxes(viewDirection(state.view.azimuth, state.view.elevation).negate());
-    const mmPerPixel = cameraDistance(state.view, info.sphere) / this.#viewer.camera.focalLength;
-    const pan = new Vector3().copy(state.view.pan);
-    pan.addScaledVector(right, -dx * mmPerPixel).addScaledVector(down, -dy * mmPerPixel);
-    pan.clampLength(0, Math.max(2 * info.sphere.radius, state.view.pan.length()));
-    this.#viewer.store.setView({ pan });
   }
 
   #zoom(factor: number): void {
-    this.#viewer.store.setView({ zoom: clamp(this.#viewer.state.view.zoom * factor, ...kZoom) });
+    this.#viewer.store.setView(zoomed(this.#viewer.state.view, factor));
   }
-}
-
-function clamp(value: number, min: number, max: number): number {
-  return Math.min(max, Math.max(min, value));
-}
-
-/** An angle in [−180°, 180°). */
-export function wrapped(degrees: number): number {
-  return ((((degrees + 180) % 360) + 360) % 360) - 180;
 }

@@ -1,6 +1,7 @@
 import { draggedWindow } from "../model/grey";
 import type { Place } from "../model/label_layout";
 import { placeOf, pointOf } from "../model/slice";
+import { placeOn, spreadOf } from "./place";
 import type { SlicePane } from "./slice_pane";
 
 /** A finger that moved less has pressed, px. */
@@ -54,14 +55,9 @@ export class SlicePointer {
     }
   }
 
-  #at(event: MouseEvent): Place {
-    const box = this.#pane.canvas.getBoundingClientRect();
-    return { x: event.clientX - box.left, y: event.clientY - box.top };
-  }
-
   #down(event: PointerEvent): void {
     const pane = this.#pane;
-    const at = this.#at(event);
+    const at = placeOn(this.#pane.canvas, event);
     pane.canvas.setPointerCapture(event.pointerId);
     pane.canvas.focus({ preventScroll: true });
     this.#pointers.set(event.pointerId, at);
@@ -103,13 +99,13 @@ export class SlicePointer {
 
   #move(event: PointerEvent): void {
     const pane = this.#pane;
-    const at = this.#at(event);
+    const at = placeOn(this.#pane.canvas, event);
     pane.pointer.value = event.pointerType === "touch" && this.#gesture !== "point" ? null : at;
     const before = this.#pointers.get(event.pointerId);
     if (!before) {
       return;
     }
-    const spread = this.#spread();
+    const spread = spreadOf(this.#pointers);
     this.#pointers.set(event.pointerId, at);
     const [dx, dy] = [at.x - before.x, at.y - before.y];
     if (this.#gesture === "press") {
@@ -126,7 +122,7 @@ export class SlicePointer {
     } else if (this.#gesture === "pan") {
       pane.pan(dx / this.#pointers.size, dy / this.#pointers.size);
       if (spread > 0) {
-        pane.zoomAt(this.#middle(), this.#spread() / spread);
+        pane.zoomAt(this.#middle(), spreadOf(this.#pointers) / spread);
       }
     }
   }
@@ -154,7 +150,7 @@ export class SlicePointer {
     event.preventDefault();
     const delta = event.deltaY * (event.deltaMode === 1 ? 40 : 1);
     if (event.ctrlKey || event.metaKey) {
-      this.#pane.zoomAt(this.#at(event), Math.exp(-0.002 * delta));
+      this.#pane.zoomAt(placeOn(this.#pane.canvas, event), Math.exp(-0.002 * delta));
     } else if (Math.abs(delta) >= kNotch.least) {
       this.#rest = 0;
       this.#pane.slide(-Math.sign(delta) * Math.max(1, Math.round(Math.abs(delta) / kNotch.usual)));
@@ -171,12 +167,6 @@ export class SlicePointer {
       this.#rest -= whole;
       this.#pane.slide(whole);
     }
-  }
-
-  /** Between two fingers, px. */
-  #spread(): number {
-    const [a, b] = [...this.#pointers.values()];
-    return a && b ? Math.hypot(a.x - b.x, a.y - b.y) : 0;
   }
 
   #middle(): Place {

@@ -4,6 +4,7 @@ import { kOrientations } from "../model/planes";
 import { kSliceChoices, type SliceChoice, type SliceKind } from "../model/slice";
 import { texts } from "../text/text";
 import { each, follow, h, icon, kIcons, owned } from "./dom";
+import { placeOn } from "./place";
 import { segments } from "./segments";
 import { SlicePane } from "./slice_pane";
 import type { SliceContext } from "./slices";
@@ -38,8 +39,8 @@ export function makeSliceViews(context: SliceContext): [views: SliceViews, end: 
     };
     // A point of a face is found in the slices, too.
     const find = (event: MouseEvent) => {
-      const box = viewer.canvas.getBoundingClientRect();
-      const reading = viewer.picking.readingAt(event.clientX - box.left, event.clientY - box.top);
+      const { x, y } = placeOn(viewer.canvas, event);
+      const reading = viewer.picking.readingAt(x, y);
       if (reading && context.marking.kind === null) {
         viewer.store.setCrosshair(reading.point);
       }

@@ -1,8 +1,5 @@
-import { Vector3 } from "three";
-
-import { cameraAxes, cameraDistance, viewDirection } from "../model/view";
+import { cameraDistance, pushed, turned, viewAxes, zoomed } from "../model/view";
 import type { Viewer } from "../viewer";
-import { kMaxElevation, kZoom, wrapped } from "./pointer";
 
 const kTurn = 5; // degrees a press, with Shift thrice as many
 const kTilt = 2; // degrees, of the plane
@@ -52,35 +49,20 @@ export class ViewKeys {
   }
 
   #turn(across: number, along: number): void {
-    const { view } = this.#viewer.state;
-    const elevation = view.elevation + kTurn * along;
-    this.#viewer.store.setView({
-      azimuth: wrapped(view.azimuth + kTurn * across),
-      elevation: Math.min(kMaxElevation, Math.max(-kMaxElevation, elevation)),
-    });
+    this.#viewer.store.setView(turned(this.#viewer.state.view, kTurn * across, kTurn * along));
   }
 
   #zoom(factor: number): void {
-    const [least, most] = kZoom;
-    const { view } = this.#viewer.state;
-    this.#viewer.store.setView({ zoom: Math.min(most, Math.max(least, view.zoom * factor)) });
+    this.#viewer.store.setView(zoomed(this.#viewer.state.view, factor));
   }
 
   /** Moves what is seen, as if it were pushed. */
   #pan(across: number, along: number): void {
-    const { info, state } = this.#viewer;
-    if (!info) {
-      return;
+    const { info, state, store } = this.#viewer;
+    if (info) {
+      const mm = (kPan * cameraDistance(state.view, info.sphere)) / state.view.zoom;
+      store.setView(pushed(state.view, info.sphere, mm * across, -mm * along));
     }
-    const { view } = state;
-    const { right, up } = this.#axes;
-    const mm = (kPan * cameraDistance(view, info.sphere)) / view.zoom;
-    const pan = new Vector3()
-      .copy(view.pan)
-      .addScaledVector(right, -mm * across)
-      .addScaledVector(up, -mm * along);
-    pan.clampLength(0, Math.max(2 * info.sphere.radius, view.pan.length()));
-    this.#viewer.store.setView({ pan });
   }
 
   /** Tilts the plane about the middle of its face: its removed side to the right, or up. */
@@ -90,19 +72,13 @@ export class ViewKeys {
     if (!cut || !middle || state.mode === "uniaxial") {
       return;
     }
-    const { right, up } = this.#axes;
+    const { right, down } = viewAxes(state.view);
     const radians = (kTilt * Math.PI) / 180;
     const normal = cut.normal
       .clone()
-      .applyAxisAngle(up, radians * across)
+      .applyAxisAngle(down, -radians * across)
       .applyAxisAngle(right, -radians * along)
       .normalize();
     this.#viewer.store.movePlane({ normal, offset: normal.dot(middle) });
-  }
-
-  get #axes(): { right: Vector3; up: Vector3 } {
-    const { azimuth, elevation } = this.#viewer.state.view;
-    const { right, down } = cameraAxes(viewDirection(azimuth, elevation).negate());
-    return { right, up: down.negate() };
   }
 }

@@ -4,7 +4,8 @@ import { beforeEach, describe, expect, it } from "vitest";
 
 import { planesOf } from "../../src/model/cut";
 import { crossing, flight } from "../../src/model/flight";
-import { changeBetween, changed, textOf } from "../../src/model/keeper";
+import { textOf } from "../../src/model/kept_file";
+import { changeBetween, changed } from "../../src/model/keeper";
 import { layOut } from "../../src/model/label_layout";
 import { parseLink } from "../../src/model/link";
 import { linkedState } from "../../src/model/linked_state";
@@ -181,7 +182,7 @@ describe("a tour's file", () => {
     };
     expect(refused({ clipgs_tour: 2 })).toMatch(/^a\.json: of a version .* newer clipgs$/);
     expect(refused({}, "other")).toMatch(/^a\.json: a tour of another volume/);
-    expect(refused({ stops: Array(101).fill(file.stops[0]) })).toMatch(/^a\.json: has 101 stops, .* 100/);
+    expect(refused({ stops: Array(101).fill(file.stops[0]) })).toMatch(/^a\.json: holds 101 stops, .* 100/);
     expect(refused({ stops: [{ ...file.stops[0], fly: -1 }] })).toMatch(/stops\[0\]\.fly/);
     expect(refused({ stops: [{ ...file.stops[0], stay: "5" }] })).toMatch(/stops\[0\]\.stay/);
     expect(refused({ stops: [{ ...file.stops[0], show: 1 }] })).toMatch(/stops\[0\]\.show/);
@@ -197,7 +198,7 @@ describe("a tour's file", () => {
     const text = (change: object) => JSON.stringify({ clipgs_tour: 1, volume: "", ...change });
     const stop = { id: "a", show: "view=1,1" };
     const read = (stops: object[]) => parseTour(text({ stops }), "a.json", "abc");
-    expect(() => read(Array<object>(10_000).fill(stop))).toThrow("a.json: has 10000 stops");
+    expect(() => read(Array<object>(10_000).fill(stop))).toThrow("a.json: holds 10000 stops");
     expect(() => read([{ ...stop, text: "x".repeat(10_000_000) }])).toThrow(
       /^a\.json: tour\.stops\[0\]\.text has more than 2000 characters; [^\n]{1,40}$/,
     );
