@@ -45,7 +45,6 @@ export interface SortResult {
   milliseconds: number;
 }
 
-
 /** Whether `renderer` has textures that are large enough for a section. */
 function hasTextureFor(section: Section, renderer: WebGLRenderer): boolean {
   const gl = renderer.getContext() as WebGL2RenderingContext;
@@ -108,8 +107,7 @@ export class OpenCase {
   /** Its section is broken: splats draw the faces, and are hollow behind them. */
   loseSection(problem: string): void {
     this.awaitsSection = false;
-    this.sectionProblem =
-      this.noSection = texts().face.hollow(problem);
+    this.sectionProblem = this.noSection = texts().face.hollow(problem);
   }
 
   /**
