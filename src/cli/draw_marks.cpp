@@ -29,6 +29,8 @@ constexpr double kRim = 4;
 constexpr double kLeader = 14;
 constexpr double kWidest = 260;
 constexpr size_t kMostBytes = 400;  // that can be so wide
+/// More labels than these hide what they are about: those on faces that are seen come first.
+constexpr size_t kMostLabels = 100;
 
 /// A mark in a picture.
 struct SeenMark {
@@ -81,8 +83,7 @@ class MarksPainter {
     return mark;
   }
 
-  void draw(const SeenMark& mark, const LaidLabel& laid) const {
-    draw_leader(mark, laid);
+  void draw(const SeenMark& mark) const {
     for (const std::vector<dvec3>& line : lines_of(mark.said->mark)) {
       draw_line(line, mark.opacity);
     }
@@ -94,6 +95,7 @@ class MarksPainter {
   }
 
   void draw_label(const SeenMark& mark, const LaidLabel& laid) const {
+    draw_leader(mark, laid);
     TextBox(cairo_, {mark.text}, kLetters, false).draw(laid.at.x, laid.at.y, mark.opacity);
   }
 
@@ -149,6 +151,20 @@ class MarksPainter {
   const Camera& camera_;
 };
 
+/// Those whose labels there is room for, in their order.
+std::vector<SeenMark*> with_labels(std::vector<SeenMark>& seen) {
+  std::vector<SeenMark*> marks;
+  for (SeenMark& mark : seen) {
+    marks.push_back(&mark);
+  }
+  if (marks.size() > kMostLabels) {
+    std::ranges::stable_sort(marks, std::ranges::greater(), &SeenMark::opacity);
+    marks.resize(kMostLabels);
+    std::ranges::sort(marks);
+  }
+  return marks;
+}
+
 bool is_inside(const Section& section, const Vec3& point) {
   const Vec3 index = section.index_from_world(point);
   const Vec3 slack = kReach / section.spacing;
@@ -192,25 +208,28 @@ void draw_marks(Image& picture, std::span<SaidMark> marks, const Camera& camera,
   const Overlay overlay(picture.width, picture.height);
   const MarksPainter painter(overlay, picture, camera);
   std::vector<SeenMark> seen;
-  std::vector<Label> labels;
-  std::vector<std::optional<size_t>> before;
   for (SaidMark& said : marks) {
     const bool on_face = section && std::ranges::any_of(said.mark.points, [&](const dvec3& point) {
                            return is_on_face(*section, planes, camera, Vec3(point));
                          });
     if (auto mark = painter.seen(said, on_face ? 1 : kFaint)) {
-      labels.push_back(mark->label);
-      before.push_back(said.choice);
       seen.push_back(std::move(*mark));
     }
   }
-  const std::vector<LaidLabel> laid = lay_out(labels, painter.size(), before);
-  for (size_t i = 0; i < seen.size(); ++i) {
-    seen[i].said->choice = laid[i].choice;
-    painter.draw(seen[i], laid[i]);
+  const std::vector<SeenMark*> labelled = with_labels(seen);
+  std::vector<Label> labels;
+  std::vector<std::optional<size_t>> before;
+  for (const SeenMark* const mark : labelled) {
+    labels.push_back(mark->label);
+    before.push_back(mark->said->choice);
   }
-  for (size_t i = 0; i < seen.size(); ++i) {
-    painter.draw_label(seen[i], laid[i]);
+  const std::vector<LaidLabel> laid = lay_out(labels, painter.size(), before);
+  for (const SeenMark& mark : seen) {
+    painter.draw(mark);
+  }
+  for (size_t i = 0; i < laid.size(); ++i) {
+    labelled[i]->said->choice = laid[i].choice;
+    painter.draw_label(*labelled[i], laid[i]);
   }
   overlay.put_over(picture);
 }

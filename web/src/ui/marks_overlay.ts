@@ -2,7 +2,7 @@ import { signal, untracked } from "@preact/signals-core";
 import type { Vector3 } from "three";
 
 import type { Follow } from "../model/follower";
-import { type Label, layOut, type Place, type Size } from "../model/label_layout";
+import { layOut, type Place, type Size } from "../model/label_layout";
 import type { Marking } from "../model/marking";
 import {
   anchorOf,
@@ -22,12 +22,17 @@ import { placeOn } from "./place";
 
 /** A label that is farther from what it is about has a line to it, px. */
 const kLeader = 14;
+/** More labels than these hide what they are about: those on faces that are seen come first. */
+const kMostLabels = 100;
+
+const kNoSize: Size = { width: 0, height: 0 };
 
 /** A mark as it is drawn. */
 interface Drawn {
   mark: Mark;
   text: string;
   label: HTMLElement;
+  size: Size | null; // of the label, once it was seen
   lines: SVGElement;
   leader: SVGElement; // from its label, where that is away from it
   dots: readonly SVGElement[];
@@ -143,7 +148,7 @@ export class MarksOverlay {
     }
     const { width, height } = camera.freeSize;
     this.#aim.style.translate = `${0.5 * width}px ${0.5 * height}px`;
-    const seen: { drawn: Drawn; label: Label }[] = [];
+    const seen: { drawn: Drawn; anchor: Place; faded: boolean }[] = [];
     for (const drawn of this.#drawn.values()) {
       const { mark, label, lines, leader, dots } = drawn;
       const places = mark.points.map((point) => camera.project(point));
@@ -164,19 +169,41 @@ export class MarksOverlay {
           dots[i]!.setAttribute("transform", `translate(${place.x.toFixed(1)},${place.y.toFixed(1)})`);
           dots[i]!.classList.toggle("faded", faded);
         });
-        const { offsetWidth: width, offsetHeight: height } = label;
-        seen.push({ drawn, label: { anchor, width, height } });
+        seen.push({ drawn, anchor, faded });
+      }
+    }
+    this.#layOut(seen);
+    this.#updateBegun();
+  }
+
+  /** Puts the labels of marks that are seen. */
+  #layOut(seen: { drawn: Drawn; anchor: Place; faded: boolean }[]): void {
+    const { camera } = this.#viewer;
+    this.element.classList.toggle("many", seen.length > kMostLabels);
+    if (seen.length > kMostLabels) {
+      const last = ({ drawn, faded }: (typeof seen)[number]) =>
+        drawn.mark.id === this.chosen.peek() ? -1 : Number(faded);
+      seen.sort((a, b) => last(a) - last(b));
+      for (const { drawn } of seen.splice(kMostLabels)) {
+        drawn.label.hidden = true;
+        drawn.leader.setAttribute("d", "");
       }
     }
     // Lengths first: of a point, the value is under the pointer, too.
     seen.sort((a, b) => Number(a.drawn.mark.kind === "point") - Number(b.drawn.mark.kind === "point"));
+    // All are asked for their sizes before any of them is moved: the page is laid out once.
+    const labels = seen.map(({ drawn, anchor }) => ({
+      anchor,
+      ...((drawn.size ??= sizeOf(drawn.label)) ?? kNoSize),
+    }));
     const laid = layOut(
-      seen.map(({ label }) => label),
+      labels,
       camera.freeSize,
       seen.map(({ drawn }) => drawn.choice),
     );
     laid.forEach(({ at, choice }, i) => {
-      const { drawn, label } = seen[i]!;
+      const { drawn } = seen[i]!;
+      const label = labels[i]!;
       drawn.choice = choice;
       drawn.label.style.translate = `${at.x.toFixed(1)}px ${at.y.toFixed(1)}px`;
       const to = nearest(label.anchor, { ...at, ...label });
@@ -184,7 +211,6 @@ export class MarksOverlay {
       const { anchor } = label;
       drawn.leader.setAttribute("d", away ? `M${anchor.x} ${anchor.y}L${to.x} ${to.y}` : "");
     });
-    this.#updateBegun();
   }
 
   /** Marks that are the same, and say the same, stay as they are drawn. */
@@ -225,7 +251,7 @@ export class MarksOverlay {
     const lines = svg("path", { class: "mark" });
     const leader = svg("path", { class: "leader" });
     const dots = mark.points.map(() => svg("circle", { class: "dot", r: "5" }));
-    return { mark, text, label, lines, leader, dots, choice };
+    return { mark, text, label, size: null, lines, leader, dots, choice };
   }
 
   #showChosen(): void {
@@ -300,6 +326,11 @@ export class MarksOverlay {
       this.#begunText.style.translate = `${(at.x + 14).toFixed(1)}px ${(at.y - 26).toFixed(1)}px`;
     }
   }
+}
+
+/** Of what has one: what is hidden with all that is around it has none yet. */
+function sizeOf({ offsetWidth: width, offsetHeight: height }: HTMLElement): Size | null {
+  return width > 0 ? { width, height } : null;
 }
 
 /** The point of a box that is nearest to a place. */
