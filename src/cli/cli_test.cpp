@@ -593,6 +593,18 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
             0);
   EXPECT_EQ(read_png(at("tour/00006.png")).data, read_png(at("stop.png")).data);
   EXPECT_NE(read_png(at("tour/00003.png")).data, read_png(at("tour/00004.png")).data);
+  EXPECT_NE(read_png(at("tour/00000.png")).data, read_png(at("tour/00002.png")).data);
+  // To another look nothing moves before that has come: here it looks the same.
+  std::filesystem::copy_file(at("case.sog"), at("other.sog"));
+  ASSERT_EQ(run_clipgs(film(tour_of("case=other&view=90,10,2&plane=0,0,-1,0&grey=0&"
+                                    "length=-20,0,0,20,0,0&name=Marked"),
+                            {"-o", at("looks"), "--no-captions"}))
+                .status,
+            0);
+  EXPECT_EQ(read_png(at("looks/00000.png")).data, read_png(at("looks/00002.png")).data);
+  EXPECT_NE(read_png(at("looks/00000.png")).data, read_png(at("looks/00003.png")).data);
+  EXPECT_NE(read_png(at("looks/00006.png")).data, read_png(at("stop.png")).data) << "a mark";
+  tour_of("view=90,10,2&plane=0,0,-1,0&grey=0");
   ASSERT_EQ(run_clipgs(film(tour, {"-o", at("tour.webp")})).status, 0);
   EXPECT_THAT(read_text(at("tour.webp")).substr(0, 64), HasSubstr("ANIM"));
   expect_failure(film(tour, {"-o", at("tour.gif")}), ".mp4", at("tour.gif"));
