@@ -392,7 +392,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
 
     await set("beside", "cases/photo.sog");
     const beside = page.getByRole("region", { name: "Beside it" });
-    await beside.getByText("Places count from the middle of each").waitFor();
+    await beside.getByText("Positions are relative to the middle of each").waitFor();
     expect(await page.evaluate(() => viewer().link)).not.toMatch(/beside|case/);
     await set("beside", null);
     await beside.waitFor({ state: "hidden" });
