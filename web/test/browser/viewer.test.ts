@@ -1019,7 +1019,7 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await page.keyboard.press("y");
     await page.getByRole("dialog", { name: "Cases" }).locator('[data-case="photo"]').click();
     const beside = page.getByRole("region", { name: "Beside it" });
-    await beside.getByText("Places count from the middle of each").waitFor();
+    await beside.getByText("Positions are relative to the middle of each").waitFor();
     expect(await beside.getByText("Not for diagnosis", { exact: true }).isVisible()).toBe(true);
     expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
     await page.waitForFunction(() => location.hash.endsWith("&beside=photo"));
