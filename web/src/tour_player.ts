@@ -129,6 +129,7 @@ export class TourPlayer {
   leave(): void {
     ++this.#going;
     this.pause();
+    this.#stage.veil(0);
     this.#at.value = null;
     this.#trouble.value = "";
     this.#applied = null;

@@ -381,6 +381,12 @@ describe("a player", () => {
     expect(veil).toBeGreaterThan(0);
     player.pause();
     expect(veil).toBe(0);
+    caseName = "head";
+    const shown = player.show("2");
+    veil = 1; // the look has come, its section has not
+    player.leave();
+    expect(veil).toBe(0);
+    await shown;
   });
 
   it("says which case is missing, loses nothing, and goes on when told to", async () => {
