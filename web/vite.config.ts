@@ -5,6 +5,7 @@ import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
 
+import { leanModels } from "./vite/lean_models";
 import { threeParts } from "./vite/three_parts";
 
 // CLIPGS_WEB_OUT: where the WASM module is and the bundle goes; the build of the C++ program sets it.
@@ -96,7 +97,7 @@ const compressFiles: Plugin = {
 
 export default defineConfig({
   base: "./",
-  plugins: [threeParts(), preloadPage, inlineStyles, unpackYoga, stripShaders, compressFiles],
+  plugins: [threeParts(), preloadPage, inlineStyles, unpackYoga, stripShaders, leanModels, compressFiles],
   resolve: {
     alias: {
       "@wasm": out,

@@ -93,7 +93,7 @@ function bundle(entry, plugins, external, emptyOutDir) {
   });
 }
 
-await bundle("index", ["three-parts", "strip-shaders"], [], true);
+await bundle("index", ["three-parts", "strip-shaders", "lean-models"], [], true);
 await bundle("three", ["strip-shaders"], ["three"], false);
 const declared = mkdtempSync(join(tmpdir(), "clipgs-types-"));
 execFileSync("node_modules/.bin/tsc", ["-p", "package/tsconfig.json", "--outDir", declared], {

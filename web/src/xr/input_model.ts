@@ -1,7 +1,3 @@
-import leftControllerUrl from "@webxr-input-profiles/assets/dist/profiles/meta-quest-touch-plus/left.glb?url";
-import rightControllerUrl from "@webxr-input-profiles/assets/dist/profiles/meta-quest-touch-plus/right.glb?url";
-import leftHandUrl from "@webxr-input-profiles/assets/dist/profiles/generic-hand/left.glb?url";
-import rightHandUrl from "@webxr-input-profiles/assets/dist/profiles/generic-hand/right.glb?url";
 import {
   type Bone,
   BufferAttribute,
@@ -17,10 +13,29 @@ import { type GlbModel, readGlb } from "./glb";
 
 // The models of the WebXR Input Profiles, fetched by headsets alone.
 
-const kHands = { left: leftHandUrl, right: rightHandUrl } as const;
-const kControllers = { left: leftControllerUrl, right: rightControllerUrl } as const;
-/** Profiles whose controllers have the form of the model: of others, where their buttons are is not known. */
-const kTouch = /^(meta-quest|oculus)-touch/;
+const kFolder = "/node_modules/@webxr-input-profiles/assets/dist/profiles";
+/** Their addresses; vite/lean_models.ts makes them small. */
+const kFiles = import.meta.glob<string>(
+  "/node_modules/@webxr-input-profiles/assets/dist/profiles/{generic-hand,generic-trigger-squeeze-thumbstick,htc-vive-focus-3,meta-quest-touch-plus,meta-quest-touch-pro,oculus-touch-v3,pico-4,pico-4u,samsung-galaxyxr}/{left,right}.glb",
+  { query: "?url", import: "default", eager: true },
+);
+/** Controllers that differ from others in nothing that is drawn. */
+const kAlike: Readonly<Record<string, string>> = {
+  "meta-quest-touch-plus-v2": "meta-quest-touch-plus",
+  "oculus-touch-v2": "oculus-touch-v3",
+  "generic-trigger-squeeze-touchpad-thumbstick": "generic-trigger-squeeze-thumbstick",
+};
+
+/** Where the first model is that fits what is held or bare in a hand, as the headset puts them; null: none does. */
+export function modelUrl({ handedness, hand, profiles, targetRayMode }: XRInputSource): string | null {
+  if (targetRayMode !== "tracked-pointer") {
+    return null; // a look, or a touch of a screen
+  }
+  const urls = (hand ? ["generic-hand"] : profiles).map(
+    (profile) => kFiles[`${kFolder}/${kAlike[profile] ?? profile}/${handedness}.glb`],
+  );
+  return urls.find((url) => url !== undefined) ?? null;
+}
 
 /** A hand or a controller as it is drawn: in one call. */
 export interface InputModel {
@@ -31,17 +46,18 @@ export interface InputModel {
 
 /** The model of what is held or bare in a hand; null: there is none, or it cannot be had. */
 export async function loadInputModel(source: XRInputSource, material: Material): Promise<InputModel | null> {
-  const { handedness, hand, profiles } = source;
-  if (handedness === "none" || !(hand || profiles.some((profile) => kTouch.test(profile)))) {
+  const url = modelUrl(source);
+  if (url === null) {
     return null;
   }
   try {
-    const response = await fetch((hand ? kHands : kControllers)[handedness]);
+    const response = await fetch(url);
     if (!response.ok) {
       throw new Error(String(response.status));
     }
     return modelOf(readGlb(await response.arrayBuffer()), material);
   } catch (error) {
+    const { handedness, hand } = source;
     console.warn(`the model of the ${handedness} ${hand ? "hand" : "controller"}:`, error);
     return null;
   }

@@ -13,7 +13,7 @@ import {
 } from "three";
 
 import { inputMaterial } from "./input_material";
-import { type InputModel, loadInputModel } from "./input_model";
+import type { InputModel } from "./input_model";
 
 const kJoints = 25;
 const kJointRadius = 0.008; // m, where it is not told
@@ -26,6 +26,8 @@ const kButtons: Readonly<Record<string, number>> = {
   x_button_pressed: 4,
   b_button_pressed: 5,
   y_button_pressed: 5,
+  thumbrest_pressed: 6,
+  menu_pressed: 7,
 };
 const kAxes: Readonly<Record<string, number>> = {
   xr_standard_thumbstick_xaxis_pressed: 2,
@@ -69,7 +71,7 @@ export class InputShape {
     this.#source = source;
     this.#forget();
     if (source) {
-      void loadInputModel(source, this.#material).then((model) => this.#take(source, model));
+      void this.#load(source);
     }
   }
 
@@ -78,7 +80,7 @@ export class InputShape {
     const source = this.#source;
     const isHand = source?.hand !== undefined && source.hand !== null;
     this.#joints.visible = isHand && !this.#model;
-    this.#stick.visible = source !== null && !isHand && !this.#model;
+    this.#stick.visible = false;
     if (!source) {
       return;
     }
@@ -87,7 +89,7 @@ export class InputShape {
       return;
     }
     const held = this.#model?.object ?? this.#stick;
-    held.visible = this.#grip.visible;
+    held.visible = this.#grip.visible && source.targetRayMode === "tracked-pointer"; // no look, nor a touched screen
     held.position.copy(this.#grip.position);
     held.quaternion.copy(this.#grip.quaternion);
     if (source.gamepad) {
@@ -107,10 +109,12 @@ export class InputShape {
     this.#material.dispose();
   }
 
-  /** Unless something else is in use by now. */
-  #take(source: XRInputSource, model: InputModel | null): void {
+  /** What reads models is fetched as they are, by headsets alone. */
+  async #load(source: XRInputSource): Promise<void> {
+    const { loadInputModel } = await import("./input_model");
+    const model = await loadInputModel(source, this.#material);
     if (source !== this.#source || !model) {
-      return;
+      return; // something else is in use by now
     }
     this.#model = model;
     this.object.add(model.object);
