@@ -10,6 +10,7 @@ import {
   Matrix4,
   MeshBasicMaterial,
   Object3D,
+  type Raycaster,
   SphereGeometry,
   Vector3,
 } from "three";
@@ -19,8 +20,12 @@ import { kBesideCase } from "../render/draw_order";
 
 /** In the room, m, however large the case is. */
 const kEdge = 0.0016;
-const kCorner = 0.014;
-const kKnob = 0.016;
+const kCorner = 0.016;
+const kKnob = 0.018;
+/** Those that are met or held grow. */
+const kGrown = 1.4;
+/** From afar they are met as if they were so large, as what they are seen at: a hand does not point finer. */
+const kLeastAngle = 0.035;
 /** Beyond the case's bounds, of their largest extent. */
 const kMargin = 0.03;
 /** It comes and goes in so long, and goes so long after hands have left it, ms. */
@@ -47,16 +52,33 @@ class Instances extends InstancedMesh<BufferGeometry, MeshBasicMaterial> {
   readonly #matrix = new Matrix4(); // scratch
   readonly #middle = new Vector3();
 
+  override raycast({ ray }: Raycaster, met: Intersection[]): void {
+    for (let i = 0; i < this.count; ++i) {
+      const size = this.#place(i);
+      const point = ray.closestPointToPoint(this.#middle, new Vector3());
+      const distance = point.distanceTo(ray.origin);
+      if (point.distanceTo(this.#middle) < 0.5 * Math.max(size, kLeastAngle * distance)) {
+        met.push({ object: this, point, distance, instanceId: i });
+      }
+    }
+  }
+
   /** As pointers from near ask for it: without this they take all of them for one thing of the geometry's size. */
   override spherecast({ center, radius }: Pick<Sphere, "center" | "radius">, met: Intersection[]): void {
     for (let i = 0; i < this.count; ++i) {
-      this.getMatrixAt(i, this.#matrix);
-      this.#middle.setFromMatrixPosition(this.#matrix.premultiply(this.matrixWorld));
-      const distance = Math.max(0, this.#middle.distanceTo(center) - 0.5 * this.#matrix.getMaxScaleOnAxis());
+      const size = this.#place(i);
+      const distance = Math.max(0, this.#middle.distanceTo(center) - 0.5 * size);
       if (distance <= radius) {
         met.push({ object: this, point: this.#middle.clone(), distance, instanceId: i });
       }
     }
+  }
+
+  /** Where the middle of one is, in the room. Returns its size. */
+  #place(i: number): number {
+    this.getMatrixAt(i, this.#matrix);
+    this.#middle.setFromMatrixPosition(this.#matrix.premultiply(this.matrixWorld));
+    return this.#matrix.getMaxScaleOnAxis();
   }
 }
 
@@ -83,6 +105,7 @@ export class BoundsControl {
   #room = 0; // that the instances are laid out for
   readonly #matrix = new Matrix4(); // scratch
   readonly #place = new Vector3();
+  readonly #size = new Vector3();
 
   /** Moves `target` as `apply` says; it is shown while hands are at `body`, too. */
   constructor(
@@ -159,7 +182,7 @@ export class BoundsControl {
     this.object.intersectChildren = isWanted && this.#opacity > 0.5;
     if (this.object.visible) {
       this.#layOut(scale);
-      this.#paint();
+      this.#paint(scale);
     }
   }
 
@@ -189,38 +212,40 @@ export class BoundsControl {
     });
   }
 
-  /** Lines and handles are as thick in the room as ever. */
+  /** Lines are as thick in the room as ever. */
   #layOut(scale: number): void {
     if (this.#room === scale) {
       return;
     }
     this.#room = scale;
-    const [edge, corner, knob] = [kEdge / scale, kCorner / scale, kKnob / scale];
-    const put = (mesh: Instances, i: number, at: Vector3, size: Vector3) => {
-      this.#place.copy(at).multiply(this.#half).add(this.#middle);
-      mesh.setMatrixAt(i, this.#matrix.makeScale(size.x, size.y, size.z).setPosition(this.#place));
-    };
     kEdges.forEach((at, i) => {
       const axis = Math.floor(i / 4);
       const length = 2 * this.#half.getComponent(axis);
-      put(this.#lines, i, at, new Vector3().setScalar(edge).setComponent(axis, length));
-      put(this.#knobs, i, at, new Vector3().setScalar(knob));
+      this.#size.setScalar(kEdge / scale).setComponent(axis, length);
+      this.#put(this.#lines, i, at);
     });
-    kCorners.forEach((at, i) => put(this.#corners, i, at, new Vector3().setScalar(corner)));
-    for (const mesh of [this.#lines, this.#corners, this.#knobs]) {
-      mesh.instanceMatrix.needsUpdate = true;
-      mesh.boundingSphere = null;
-    }
+    this.#lines.instanceMatrix.needsUpdate = true;
   }
 
-  #paint(): void {
+  #put(mesh: Instances, i: number, at: Vector3): void {
+    this.#place.copy(at).multiply(this.#half).add(this.#middle);
+    mesh.setMatrixAt(i, this.#matrix.makeScale(...this.#size.toArray()).setPosition(this.#place));
+  }
+
+  /** What is lit is larger, too. */
+  #paint(scale: number): void {
     const lit = this.#held ? [this.#held] : [...this.#met.values()];
-    for (const mesh of [this.#corners, this.#knobs]) {
+    for (const [mesh, places, size] of [
+      [this.#corners, kCorners, kCorner],
+      [this.#knobs, kEdges, kKnob],
+    ] as const) {
       for (let i = 0; i < mesh.count; ++i) {
         const isLit = lit.some((one) => one.mesh === mesh && one.index === i);
         mesh.setColorAt(i, isLit ? (this.#held ? kHeld : kMet) : kPlain);
+        this.#size.setScalar((isLit ? kGrown * size : size) / scale);
+        this.#put(mesh, i, places[i]!);
       }
-      mesh.instanceColor!.needsUpdate = true;
+      mesh.instanceColor!.needsUpdate = mesh.instanceMatrix.needsUpdate = true;
       mesh.material.opacity = this.#opacity;
     }
     this.#lines.material.color.copy(this.#held ? kHeld : kPlain);

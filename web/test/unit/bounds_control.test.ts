@@ -1,5 +1,14 @@
-import { createGrabPointer } from "@pmndrs/pointer-events";
-import { Group, Object3D, PerspectiveCamera, Quaternion, Scene, Vector3 } from "three";
+import { createGrabPointer, createRayPointer } from "@pmndrs/pointer-events";
+import {
+  Group,
+  type InstancedMesh,
+  Matrix4,
+  Object3D,
+  PerspectiveCamera,
+  Quaternion,
+  Scene,
+  Vector3,
+} from "three";
 import { expect, it } from "vitest";
 
 import { BoundsControl } from "../../src/xr/bounds_control";
@@ -87,3 +96,29 @@ for (const [axis, at] of [
     expect(anchor.scale.x).toBe(1);
   });
 }
+
+it("from afar, a hand that points within a degree of a corner meets it, and lights it up; farther off none", () => {
+  const { box, anchor, frames, come, place } = stand();
+  come();
+  frames(30);
+  const eye = new Group();
+  eye.position.set(0, 1.6, 1);
+  const pointer = createRayPointer(() => new PerspectiveCamera(), { current: eye }, null);
+  const meets = (degrees: number) => {
+    eye.lookAt(place(1, 1, 1));
+    eye.rotateY(Math.PI + (degrees * Math.PI) / 180); // pointers look along −z
+    eye.updateMatrixWorld();
+    pointer.move(anchor, { timeStamp: 10_000 });
+    return pointer.getIntersection()?.instanceId ?? null;
+  };
+  expect(meets(0.9)).toBe(7);
+  frames(1);
+  const corners = box.object.children[1] as InstancedMesh;
+  const size = (i: number) => {
+    const matrix = new Matrix4();
+    corners.getMatrixAt(i, matrix);
+    return matrix.getMaxScaleOnAxis();
+  };
+  expect(size(7)).toBeGreaterThan(1.3 * size(0));
+  expect(meets(2)).toBeNull();
+});
