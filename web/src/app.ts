@@ -95,7 +95,7 @@ export class App {
     const actions = (this.actions = new Actions(viewer));
     this.marks = new KeptMarks(viewer, host, fail);
     this.views = new Views(viewer, actions, host, () => this.link, fail);
-    this.headset = new Headset(viewer, actions, this.marking, this.views.player, host);
+    this.headset = new Headset(viewer, actions, this.marking, this.views.player, this.message, host);
     this.headset.changed = () => {
       this.#guide?.observe();
       this.update();
@@ -132,6 +132,7 @@ export class App {
           slices: slicesButton(viewer, actions, live, "wide"),
           fullScreen: fullScreen.button,
           enterHeadset: (surroundings) => void this.enterHeadset(surroundings),
+          prepareHeadset: () => void this.headset.prepare().catch(() => {}), // it is told of when it is entered
           savePicture: () => void pictures.save(),
           showHelp: () => help.showModal(),
           fail,
@@ -240,6 +241,7 @@ export class App {
 
   /** Shows a case in a headset; says so here where that fails. */
   async enterHeadset(surroundings: Surroundings): Promise<void> {
+    this.message.dismiss();
     try {
       await this.headset.enter(surroundings);
     } catch (error) {

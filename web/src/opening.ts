@@ -18,7 +18,7 @@ export class Opening {
     app.viewer.failed = ({ message }) => {
       this.end();
       app.offerLooks();
-      this.#fail(message, this.#again);
+      app.message.say(message, this.#again);
     };
   }
 
@@ -68,8 +68,11 @@ export class Opening {
     }
     this.#tellOfScale();
     this.#tellOfCase();
+    if (app.bar.offersHeadset) {
+      headset.prefetch();
+    }
     if (viewer.sectionProblem) {
-      this.#fail(viewer.sectionProblem, again);
+      app.message.say(viewer.sectionProblem, again);
     }
   }
 
@@ -117,12 +120,6 @@ export class Opening {
     } else if (this.#app.news === noScale) {
       this.#app.tell("");
     }
-  }
-
-  /** On the page, and in a headset. */
-  #fail(text: string, again: () => void): void {
-    this.#app.message.say(text, again);
-    this.#app.headset.panel?.tell(text);
   }
 
   /** What is heard of a case on its way is said on the page, and in a headset. */

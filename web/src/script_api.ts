@@ -160,7 +160,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
         return headset.governor.effort;
       },
       get message() {
-        return headset.panel?.message ?? "";
+        return app.message.trouble.value?.text ?? "";
       },
       find: (text) => headset.panel?.find(text)?.toArray() ?? null,
     },

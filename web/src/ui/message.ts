@@ -1,9 +1,19 @@
+import { signal } from "@preact/signals-core";
+
 import type { Host } from "../host";
 import { texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 
-/** What went wrong, in a line, and what can be done. */
+/** What went wrong, in a line, and how to do it again, where that may help. */
+export interface Trouble {
+  text: string;
+  again: (() => void) | null;
+}
+
+/** What went wrong, and what can be done. */
 export class Message {
+  /** Null: nothing is wrong, or it was dismissed. A headset shows it, too. */
+  readonly trouble = signal<Trouble | null>(null);
   readonly element = h("div", { class: "message", role: "alert", hidden: true });
   readonly #host: Pick<Host, "choose">;
 
@@ -12,6 +22,7 @@ export class Message {
   }
 
   say(text: string, again: (() => void) | null): void {
+    this.trouble.value = { text, again };
     const t = texts().page;
     const host = this.#host;
     const retry = (): void => {
@@ -37,6 +48,7 @@ export class Message {
   }
 
   dismiss(): void {
+    this.trouble.value = null;
     this.element.hidden = true;
   }
 }

@@ -14,6 +14,8 @@ export interface BarParts {
   readonly slices: HTMLElement;
   readonly fullScreen: HTMLElement;
   enterHeadset(surroundings: Surroundings): void;
+  /** It is likely to be entered. */
+  prepareHeadset(): void;
   savePicture(): void;
   showHelp(): void;
   readonly fail: Fail;
@@ -71,6 +73,10 @@ export class TopBar {
     this.#headset.querySelector("button")?.click();
   }
 
+  get offersHeadset(): boolean {
+    return this.#headset.hasChildNodes();
+  }
+
   /** Looks which headsets there are. */
   async offerHeadset(): Promise<void> {
     const offered = await offeredSurroundings();
@@ -79,7 +85,9 @@ export class TopBar {
       ...offered.map((one) => {
         const [title, paths] =
           one === "immersive-vr" ? [headset, kIcons.headset] : [room, kIcons.passthrough];
-        return plain(title, paths, () => this.#parts.enterHeadset(one));
+        const button = plain(title, paths, () => this.#parts.enterHeadset(one));
+        button.onpointerenter = button.onfocus = () => this.#parts.prepareHeadset();
+        return button;
       }),
     );
   }

@@ -53,6 +53,8 @@ export class Hand {
   source: XRInputSource | null = null;
   /** The wrist of a bare hand, its y away from the back of the hand; not visible where none is seen. */
   readonly wrist = new Group();
+  /** Its palm offers a menu: it points at nothing meanwhile. */
+  offering = false;
   readonly #bare: XRHandSpace;
   readonly #near = new Group(); // where it takes hold
   readonly #far: XRTargetRaySpace;
@@ -122,6 +124,11 @@ export class Hand {
     this.object.updateMatrixWorld();
     crowd.parts.intersectChildren = this.#mayMeet(crowd.sphere);
     this.#poke.update(scene, timeStamp, bare || !this.source.hand);
+    if (this.offering) {
+      this.#endPointing(timeStamp);
+      this.#ray.hide();
+      return;
+    }
     this.#pointers.move(scene, { timeStamp });
     this.#holders.move(this.#held, { timeStamp });
     this.#showRay(eye);
@@ -184,7 +191,7 @@ export class Hand {
   #listen(events: XRTargetRaySpace): void {
     events.addEventListener("connected", ({ data }) => this.#use(data));
     events.addEventListener("disconnected", () => {
-      [...this.#any, ...this.#hold].forEach((pointer) => pointer.exit({ timeStamp: performance.now() }));
+      this.#endPointing(performance.now());
       this.#poke.cancel(performance.now());
       this.#pressed = 0;
       this.wrist.visible = false;
@@ -204,6 +211,10 @@ export class Hand {
         pointers.forEach((pointer) => pointer.up(event()));
       });
     }
+  }
+
+  #endPointing(timeStamp: number): void {
+    [...this.#any, ...this.#hold].forEach((pointer) => pointer.exit({ timeStamp }));
   }
 
   #use(source: XRInputSource | null): void {

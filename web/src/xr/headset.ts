@@ -12,6 +12,7 @@ import type { Study } from "../study/study";
 import { CaseError } from "../sog/zip";
 import { viewDirection } from "../model/view";
 import type { TourPlayer } from "../tour_player";
+import type { Message } from "../ui/message";
 import type { Viewer } from "../viewer";
 import { type Eye, makeBothEyes, setBothEyes } from "./eyes";
 import { type Effort, Governor } from "./governor";
@@ -70,6 +71,7 @@ export class Headset {
   readonly #marking: Marking;
   readonly #host: HeadsetHost;
   readonly #tour: TourPlayer;
+  readonly #message: Message;
   readonly #camera = new PerspectiveCamera(70, 1, kNear, kFar);
   readonly #both = makeBothEyes();
   readonly #hands: Hand[];
@@ -88,13 +90,21 @@ export class Headset {
   readonly #inRoom = fixedCamera(new ArrayCamera()); // an eye
   readonly #wanted: ((eyes: EyePicture[]) => void)[] = []; // of the next frame
 
-  /** `host` lists and opens cases. */
-  constructor(viewer: Viewer, actions: Actions, marking: Marking, tour: TourPlayer, host: HeadsetHost) {
+  /** `host` lists and opens cases; what `message` says is said here, too. */
+  constructor(
+    viewer: Viewer,
+    actions: Actions,
+    marking: Marking,
+    tour: TourPlayer,
+    message: Message,
+    host: HeadsetHost,
+  ) {
     this.#viewer = viewer;
     this.#actions = actions;
     this.#marking = marking;
     this.#host = host;
     this.#tour = tour;
+    this.#message = message;
     const onPage = actions.lookingFrom;
     actions.lookingFrom = () => this.#lookingFrom ?? onPage();
     this.stage = new Stage(viewer, marking);
@@ -119,16 +129,30 @@ export class Headset {
     return this.#viewer.renderer.xr.getSession()?.frameRate ?? null;
   }
 
+  /** Fetches the code that is wanted in a headset alone. */
+  prefetch(): void {
+    void Promise.all([import("./panel/panel"), import("./input_model")]).catch(() => {});
+  }
+
+  /** Has ready what is drawn there besides the case, so that the first frame waits for nothing. */
+  async prepare(): Promise<void> {
+    await this.#makePanel();
+    this.#viewer.renderer.compile(this.stage.scene, this.#camera);
+  }
+
   /** Shows the case there. Rejects with CaseError. Needs a click: browsers want one. */
   async enter(surroundings: Surroundings): Promise<void> {
     const { renderer } = this.#viewer;
     let session: XRSession | undefined;
     try {
-      session = await navigator.xr!.requestSession(surroundings, {
+      const starting = navigator.xr!.requestSession(surroundings, {
         requiredFeatures: ["local-floor"],
         optionalFeatures: ["hand-tracking"],
       });
-      await this.#makePanel();
+      const prepared = this.prepare(); // meanwhile
+      prepared.catch(() => {}); // which is said once there is a session to end
+      session = await starting;
+      await prepared;
       renderer.xr.enabled = true;
       renderer.xr.setReferenceSpaceType("local-floor");
       await renderer.xr.setSession(session);
@@ -199,6 +223,7 @@ export class Headset {
         news: () => this.#host.news?.() ?? "",
         open: (name) => this.#host.open(name),
         loading: this.loading,
+        message: this.#message,
         tour: this.#tour,
         // Not while the press is still told of, as hands are gone then.
         leave: () => queueMicrotask(() => void this.leave()),

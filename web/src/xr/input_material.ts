@@ -1,10 +1,11 @@
-import { Color, ShaderMaterial, Vector3 } from "three";
+import { Color, DoubleSide, ShaderMaterial, Vector3 } from "three";
 
 import { shader } from "../render/shaders";
 
 /** What hands and controllers are made of, under lights that stand still in the room: all else there has colours of its own. */
 export function inputMaterial(): ShaderMaterial {
   return new ShaderMaterial({
+    side: DoubleSide, // the models' seams are not tight
     vertexShader: shader("input.vert.glsl"),
     fragmentShader: shader("input.frag.glsl"),
     uniforms: {

@@ -6,7 +6,7 @@ import { kBehindSplats } from "../render/draw_order";
 const kApart = 0.5;
 const kReach = 3.5;
 const kColor = 0x8fb3c9;
-const kOpacity = 0.4;
+const kOpacity = 0.8;
 
 /**
  * The floor of a room that is not seen: lines that fade away, for those who stand on it to know how they stand. It is lines

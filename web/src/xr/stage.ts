@@ -25,7 +25,7 @@ import { FaceTarget } from "./face_target";
 import { handOf } from "./hand";
 import { PlaneGrip } from "./plane_grip";
 import { WindowGrip } from "./window_grip";
-import { posture } from "./preferences";
+import { handedness, posture } from "./preferences";
 
 /** Of life size. */
 export const kLeastScale = 0.1;
@@ -37,6 +37,10 @@ export const kMostScale = 20;
 const kAhead = { standing: 0.8, seated: 0.6 } as const;
 const kBelow = 0.25;
 const kClear = 0.35;
+/** To the side of the hand that does more, where the panel is not, radians. */
+const kAside = 0.12;
+
+const kUp = new Vector3(0, 1, 0);
 
 /**
  * What is seen in the headset, in the room (metres, y up): the case in its life size, to be held, moved, turned and
@@ -158,7 +162,7 @@ export class Stage {
     if (level.length() < 1e-3) {
       level.set(0, 0, -1);
     }
-    level.normalize();
+    level.normalize().applyAxisAngle(kUp, handedness.value === "left" ? kAside : -kAside);
     this.scale = 1;
     this.#anchor.position.copy(eye).addScaledVector(level, Math.max(kAhead[posture.value], radius + kClear));
     this.#anchor.position.y -= kBelow;
@@ -177,8 +181,7 @@ export class Stage {
     );
     const world = new Matrix4().makeBasis(x!, y!, z!);
     const towards = new Vector3().subVectors(eye, this.#anchor.position).setY(0).normalize();
-    const up = new Vector3(0, 1, 0);
-    const room = new Matrix4().makeBasis(new Vector3().crossVectors(up, towards), up, towards);
+    const room = new Matrix4().makeBasis(new Vector3().crossVectors(kUp, towards), kUp, towards);
     const wanted = new Quaternion().setFromRotationMatrix(room.multiply(world.transpose()));
     this.#anchor.quaternion.slerp(wanted, share);
   }
@@ -190,7 +193,7 @@ export class Stage {
     const marking = this.#marking.kind !== null;
     this.#faceTarget.pointerEvents = marking || this.windowGrip.enabled ? "auto" : "none";
     this.#bodyTarget.pointerEvents = marking ? "none" : "auto";
-    this.#bounds.update(time, this.scale, !marking && this.#case !== null);
+    this.#bounds.update(time, this.scale, !marking && this.#case !== null && !this.grip.holding);
     this.grip.enabled = !marking;
     const { state, cut } = this.#viewer;
     this.#widget.setPlane(state.handle && this.#case ? cut : null);

@@ -1,7 +1,6 @@
 import type { Container } from "@pmndrs/uikit";
 import { SRGBColorSpace, type Texture, TextureLoader } from "three";
 
-import { failureText } from "../../model/case_list";
 import type { Look } from "../../model/looks";
 import type { PanelContext } from "./panel_context";
 import { button, row, space } from "./widgets";
@@ -68,14 +67,10 @@ export class CaseCards {
     return picture;
   }
 
+  /** Why that fails is said by whoever opens cases. */
   async #open(name: string): Promise<void> {
-    const { host, tell, set } = this.#context;
-    tell("");
-    try {
-      await host.open(name);
-    } catch (error) {
-      tell(failureText(name, error));
-    }
+    const { host, set } = this.#context;
+    await host.open(name).catch(() => {});
     set(() => {});
   }
 }

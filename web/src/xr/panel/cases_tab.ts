@@ -5,7 +5,7 @@ import { type CaseGroup, countText, groupCases, type Look } from "../../model/lo
 import { texts } from "../../text/text";
 import { CaseCards, pairs } from "./case_cards";
 import type { PanelContext } from "./panel_context";
-import { button, column, label, replaceChildren, row, when } from "./widgets";
+import { button, column, kSmallFont, label, replaceChildren, row, when } from "./widgets";
 
 /** Cases on a page: as many as are seen at once without scrolling. */
 const kPage = 6;
@@ -39,9 +39,9 @@ export class CasesTab {
       this.#entries.value = entries;
       const at = entries.findIndex(({ look }) => look.case.name === this.#context.viewer.caseName);
       await this.#turnTo(Math.floor(Math.max(0, at) / kPage));
-      this.#context.tell("");
+      this.#context.host.message.dismiss();
     } catch (error) {
-      this.#context.tell((error as Error).message);
+      this.#context.host.message.say((error as Error).message, () => void this.list());
     }
   }
 
@@ -84,7 +84,7 @@ function inGroups(entries: readonly Entry[], cards: readonly Container[]): (Cont
   );
   return starts.flatMap((start, k) => {
     const group = volume(entries[start]!);
-    const title = group && label(`${group.title} · ${countText(group)}`, { quiet: true, size: 15 });
+    const title = group && label(`${group.title} · ${countText(group)}`, { quiet: true, size: kSmallFont });
     return [...(title ? [title] : []), ...pairs(cards.slice(start, starts[k + 1]))];
   });
 }

@@ -7,7 +7,7 @@ import { kRigs } from "../../model/rigs";
 import { capital } from "../../model/values";
 import { texts } from "../../text/text";
 import { isByVolume, type PanelContext } from "./panel_context";
-import { button, choice, column, each, label, row, slider, when } from "./widgets";
+import { button, choice, column, each, kSmallFont, label, row, slider, when } from "./widgets";
 
 /** Among rigs, the lights that the case was made in. */
 const kOwnLight = "";
@@ -32,7 +32,7 @@ export function faceTab(context: PanelContext): Container {
       live(() => viewer.noSection !== null),
       label(
         live(() => viewer.noSection ?? ""),
-        { quiet: true, size: 15 },
+        { quiet: true, size: kSmallFont },
       ),
     ),
     when(
@@ -151,7 +151,7 @@ function greyWindow({ viewer, host, live, set }: PanelContext): Container {
     }),
     when(
       live(() => windowGrip.wanted),
-      label(t.windowHint, { quiet: true, size: 15 }),
+      label(t.windowHint, { quiet: true, size: kSmallFont }),
     ),
   );
 }

@@ -9,7 +9,7 @@ import { Tag } from "./tag";
 /** Above the case, m. */
 const kAbove = 0.1;
 /** Of a text that is read first. */
-const kFontSize = 24;
+const kFontSize = 18;
 /** One is said for so long at most, and so long after it was followed, ms. */
 const kMostMs = 30_000;
 const kDoneMs = 1200;

@@ -3,7 +3,7 @@ import type { Container } from "@pmndrs/uikit";
 import type { Layers } from "../../model/layers";
 import { texts } from "../../text/text";
 import { isByVolume, type PanelContext } from "./panel_context";
-import { button, column, label, row, slider } from "./widgets";
+import { button, column, kSmallFont, label, row, slider } from "./widgets";
 
 /** Whether letters stand where the patient's sides are. */
 export interface Lettering {
@@ -40,6 +40,6 @@ export function layersTab(context: PanelContext, lettering: Lettering): Containe
       live(() => ({ min: 0, max: 1, value: viewer.state.depthCue })),
       (strength) => viewer.store.setDepthCue(strength),
     ),
-    label(t.facesAlone, { quiet: true, size: 15 }),
+    label(t.facesAlone, { quiet: true, size: kSmallFont }),
   );
 }

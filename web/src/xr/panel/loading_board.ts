@@ -5,7 +5,7 @@ import { Group, SRGBColorSpace, type Texture, TextureLoader, type Vector3 } from
 import { formatBytes, type LoadingCase } from "../../model/case_list";
 import { texts } from "../../text/text";
 import { kOverCase } from "../../render/draw_order";
-import { column, each, label, progressBar, row } from "./widgets";
+import { column, each, kSmallFont, label, progressBar, row } from "./widgets";
 
 /** m a px. */
 const kPixel = 0.00075;
@@ -62,7 +62,7 @@ export class LoadingBoard {
         column(
           { flexGrow: 1, flexShrink: 1, justifyContent: "center", gap: 6 },
           label(title, { size: 20 }),
-          label(said, { quiet: true, size: 16 }),
+          label(said, { quiet: true, size: kSmallFont }),
         ),
       ),
       progressBar(computed(() => loading.value?.share ?? 0)),

@@ -3,7 +3,7 @@ import type { Container } from "@pmndrs/uikit";
 import { texts } from "../../text/text";
 import { CaseCards, pairs } from "./case_cards";
 import type { PanelContext } from "./panel_context";
-import { column, label, replaceChildren, scrolled } from "./widgets";
+import { column, kSmallFont, label, replaceChildren, scrolled } from "./widgets";
 
 /** The ways in which the volume that is shown can be looked at. */
 export class LooksTab {
@@ -21,7 +21,7 @@ export class LooksTab {
   async list(): Promise<void> {
     const cards = await this.#cards.make(this.#context.host.looks(), true);
     if (cards) {
-      const hint = label(texts().headset.looksHint, { quiet: true, size: 15 });
+      const hint = label(texts().headset.looksHint, { quiet: true, size: kSmallFont });
       replaceChildren(this.#shown, [hint, ...pairs(cards)]);
       this.#cards.forget();
     }

@@ -19,20 +19,19 @@ const kOrder = 3;
 /** What a button of it says, and does. */
 export type PalmAction = readonly [text: string, press: () => void];
 
+/** Whose palm it is. */
+export type PalmHand = Pick<Hand, "source" | "wrist" | "isPressing" | "offering">;
+
 /** Buttons beside a bare hand's palm, for the other hand's finger. */
 export class PalmMenu {
   /** In the room. */
   readonly object = new Group();
-  readonly #hand: Pick<Hand, "source" | "wrist">;
+  readonly #hand: PalmHand;
   readonly #root: Container;
   readonly #palm = new Vector3(); // scratch
   readonly #toEye = new Vector3();
 
-  constructor(
-    hand: Pick<Hand, "source" | "wrist">,
-    fontFamilies: FontFamilies,
-    actions: readonly PalmAction[],
-  ) {
+  constructor(hand: PalmHand, fontFamilies: FontFamilies, actions: readonly PalmAction[]) {
     this.#hand = hand;
     const buttons = actions.map(([text, press]) => button(text, press, { height: 56 }));
     this.#root = column(
@@ -62,8 +61,10 @@ export class PalmMenu {
       .set(0, -1, 0)
       .applyQuaternion(quaternion)
       .dot(this.#toEye.copy(eye).sub(position).normalize());
-    this.object.visible = visible && facing > (this.object.visible ? kGo : kCome);
-    this.object.intersectChildren = this.object.visible;
+    const isTurned = visible && facing > (this.object.visible ? kGo : kCome);
+    // What is held and turned is looked at, not the menu.
+    this.object.visible = isTurned && (this.#hand.offering || !this.#hand.isPressing);
+    this.object.intersectChildren = this.#hand.offering = this.object.visible;
     if (this.object.visible) {
       const beside = this.#hand.source?.handedness === "left" ? -kBeside : kBeside;
       this.object.position.set(beside, 0, -kAhead).applyQuaternion(quaternion).add(position);

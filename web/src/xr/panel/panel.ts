@@ -1,5 +1,5 @@
 import { HandleStore } from "@pmndrs/handle";
-import { Container, reversePainterSortStable, Text } from "@pmndrs/uikit";
+import { Container, reversePainterSortStable } from "@pmndrs/uikit";
 import { computed, signal } from "@preact/signals-core";
 import { Group, Sphere, Vector3, type WebGLRenderer } from "three";
 
@@ -27,11 +27,12 @@ import { RoomMarks } from "./room_marks";
 import { SdfFont } from "./sdf_font";
 import { StudyBoard } from "./study_board";
 import { tourTab } from "./tour_tab";
+import { TroubleBoard } from "./trouble_board";
 import { viewTab } from "./view_tab";
-import { button, choice, column, findText, label, row, when } from "./widgets";
+import { button, choice, column, findText, kSmallFont, label, row, when } from "./widgets";
 
 /** m a px: a button is as high as a finger is thick, and more. */
-const kPixel = 0.00062;
+const kPixel = 0.00064;
 const kWidth = 480; // px
 /**
  * Where it is put: this far from the eyes, where a finger reaches it, aside of where they look, no farther than one looks
@@ -86,11 +87,11 @@ export class Panel {
   #study: StudyBoard | null = null;
   readonly #tab = signal<Tab>("cut");
   readonly #follower = new Follower();
-  readonly #message = signal("");
   readonly #cases: CasesTab;
   readonly #looks: LooksTab;
   readonly #palmMenus: readonly PalmMenu[];
   readonly #loadingBoard: LoadingBoard;
+  readonly #trouble: TroubleBoard;
   readonly #hints: FirstHints;
   readonly #move: HandleStore<unknown>;
   readonly #release: () => void;
@@ -121,11 +122,14 @@ export class Panel {
         this.refresh();
       },
       spell: (said) => this.#root.setProperties({ fontFamilies: this.#font.families(said.join("")) }),
-      tell: (message) => this.tell(message),
     };
-    const bar = new Container({ height: 22, alignItems: "center", justifyContent: "center" }).add(
-      new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }),
-    );
+    const bar = new Container({
+      height: 32,
+      borderRadius: 10,
+      alignItems: "center",
+      justifyContent: "center",
+      hover: { backgroundColor: "#2a2f38" },
+    }).add(new Container({ width: 120, height: 6, borderRadius: 3, backgroundColor: "#5a6270" }));
     this.#root = column(
       {
         pixelSize: kPixel,
@@ -157,8 +161,9 @@ export class Panel {
     );
     this.object.add(...this.#palmMenus.map((menu) => menu.object));
     this.#loadingBoard = new LoadingBoard(host.loading, (text) => this.#font.families(text));
+    this.#trouble = new TroubleBoard(host.message, (text) => this.#font.families(text));
     this.#hints = new FirstHints(host.stage, this.#font.families());
-    this.object.add(this.#loadingBoard.object, this.#hints.object);
+    this.object.add(this.#loadingBoard.object, this.#trouble.object, this.#hints.object);
     this.#move = new HandleStore(this.#board, () => ({
       scale: false,
       rotate: false,
@@ -176,24 +181,13 @@ export class Panel {
     return this.#font.ready;
   }
 
-  /** Why a case could not be opened; empty: nothing is wrong. */
-  get message(): string {
-    return this.#message.value;
-  }
-
-  /** Says why a case cannot be opened, or shown any more. */
-  tell(message: string): void {
-    this.#root.setProperties({ fontFamilies: this.#font.families(message) });
-    this.#message.value = message;
-  }
-
   /** Where this text is, of a mark, its own, or a letter, or the cube's side of this name, in the room; null: it is
    * not shown, or on a button that cannot be pressed. */
   find(text: string): Vector3 | null {
     return (
       this.#marks.find(text) ??
       (this.#board.visible ? findText(this.#root, text) : null) ??
-      [this.#loadingBoard, ...this.#palmMenus]
+      [this.#trouble, this.#loadingBoard, ...this.#palmMenus]
         .map(({ content }) => content && findText(content, text))
         .find((at) => at) ??
       (this.#hints.text === text ? this.#hints.object.position.clone() : null) ??
@@ -251,6 +245,7 @@ export class Panel {
       this.#letters.update(bounds, stage.roomFromPatient, eye, delta);
     }
     this.#loadingBoard.update(stage.position, eye, delta);
+    this.#trouble.update(stage.position, eye, delta);
     this.#hints.update(bounds && !this.#studying.value ? stage.top(bounds, this.#top) : null, eye, delta);
     const { reading, roomFromPatient } = stage;
     this.#marks.update(reading, roomFromPatient, eye, stage.toPatient(eye), delta);
@@ -268,6 +263,7 @@ export class Panel {
     this.#cube.dispose();
     this.#palmMenus.forEach((menu) => menu.dispose());
     this.#loadingBoard.dispose();
+    this.#trouble.dispose();
     this.#hints.dispose();
   }
 
@@ -342,10 +338,6 @@ export class Panel {
             content,
           ),
         ),
-        when(
-          computed(() => this.#message.value !== ""),
-          new Text({ text: this.#message, color: "#ffb3a6", fontSize: 16 }),
-        ),
       ),
     );
   }
@@ -365,7 +357,7 @@ export class Panel {
       column(
         { gap: 2, flexGrow: 1, flexShrink: 1 },
         label(title, { size: 21 }),
-        label(texts().notForDiagnosis, { quiet: true, size: 14 }),
+        label(texts().notForDiagnosis, { quiet: true, size: kSmallFont }),
       ),
       when(
         computed(() => several.value && !this.#studying.value),

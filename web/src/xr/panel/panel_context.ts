@@ -8,11 +8,12 @@ import type { Look } from "../../model/looks";
 import type { Marking } from "../../model/marking";
 import type { Study } from "../../study/study";
 import type { TourPlayer } from "../../tour_player";
+import type { Message } from "../../ui/message";
 import type { Viewer } from "../../viewer";
 import type { Governor } from "../governor";
-import type { Hand } from "../hand";
 import type { HeldLamp } from "../held_lamp";
 import type { Stage } from "../stage";
+import type { PalmHand } from "./palm_menu";
 
 /** What is done for the panel by what is around it. */
 export interface PanelHost {
@@ -22,6 +23,8 @@ export interface PanelHost {
   /** What the case is where it is not finished, and when there will be a better one. */
   news(): string;
   open(name: string): Promise<void>;
+  /** What went wrong. */
+  readonly message: Message;
   /** The case that is on its way. */
   readonly loading: ReadonlySignal<LoadingCase | null>;
   leave(): void;
@@ -36,7 +39,7 @@ export interface PanelHost {
   readonly stage: Stage;
   readonly governor: Governor;
   readonly lamp: HeldLamp;
-  readonly hands: readonly Pick<Hand, "source" | "wrist">[];
+  readonly hands: readonly PalmHand[];
   /** Puts the panel before the eyes. */
   summon(): void;
 }
@@ -52,8 +55,6 @@ export interface PanelContext {
   set(change: () => void): void;
   /** Has the letters of texts drawn that are not the viewer's own. */
   spell(texts: readonly string[]): void;
-  /** Says why something failed; empty: it did not. */
-  tell(message: string): void;
 }
 
 /** Whether cut faces are drawn from the volume, where they are shown. */

@@ -6,17 +6,17 @@ import { kOverCase } from "../../render/draw_order";
 import { column } from "./widgets";
 
 /** Of what it is seen at: as large from near as from afar. */
-const kPixel = 0.0008;
+const kPixel = 0.0011;
 const kGap = 0.012;
 const kAnchors = { above: "bottom", below: "top", at: "center" } as const;
 
-/** A text in the room that faces the eyes, above, below or at its point. */
+/** A text in the room that faces the eyes, above, below or at its point; with `depthTest` behind what is nearer. */
 export class Tag {
   readonly object = new Group();
   readonly text = signal("");
   readonly #root: Container;
 
-  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at", fontSize = 16) {
+  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at", fontSize = 16, depthTest = false) {
     this.#root = column(
       {
         pixelSize: kPixel,
@@ -27,9 +27,9 @@ export class Tag {
         fontFamilies,
         anchorX: "center",
         anchorY: kAnchors[where],
-        depthTest: false,
+        depthTest,
         renderOrder: kOverCase,
-        "*": { depthTest: false, renderOrder: kOverCase },
+        "*": { depthTest, renderOrder: kOverCase },
       },
       new Text({ text: this.text, color: "#e4e7ec", fontSize }),
     );

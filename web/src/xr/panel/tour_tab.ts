@@ -3,7 +3,7 @@ import type { Container } from "@pmndrs/uikit";
 import type { Stop } from "../../model/tour";
 import { texts } from "../../text/text";
 import type { PanelContext } from "./panel_context";
-import { button, column, each, label, row, scrolled, when } from "./widgets";
+import { button, column, each, kSmallFont, label, row, scrolled, when } from "./widgets";
 
 /** The views that were saved, and the tour of them. */
 export function tourTab(context: PanelContext): Container {
@@ -38,8 +38,8 @@ export function tourTab(context: PanelContext): Container {
         }),
       ),
     ),
-    said(() => tour.stop.value?.text, { size: 15 }),
-    said(() => tour.trouble, { size: 15, color: "#ffb3a6" }),
+    said(() => tour.stop.value?.text, { size: kSmallFont }),
+    said(() => tour.trouble, { size: kSmallFont, color: "#ffb3a6" }),
     scrolled(
       each(
         column({ gap: 6 }),

@@ -6,7 +6,7 @@ import type { Effort } from "../governor";
 import { handedness, posture } from "../preferences";
 import { kLeastScale, kMostScale } from "../stage";
 import type { PanelContext } from "./panel_context";
-import { button, choice, column, label, row, slider } from "./widgets";
+import { button, choice, column, kSmallFont, label, row, slider } from "./widgets";
 
 /** How large the case is, where things stand, and what is drawn. */
 export function viewTab({ viewer, host, live, set }: PanelContext): Container {
@@ -25,7 +25,7 @@ export function viewTab({ viewer, host, live, set }: PanelContext): Container {
     ),
     choice(t.handed, handedness.signal, (hand) => {
       handedness.value = hand;
-      host.summon();
+      host.place();
     }),
     choice(t.posture, posture.signal, (how) => {
       posture.value = how;
@@ -42,7 +42,7 @@ export function viewTab({ viewer, host, live, set }: PanelContext): Container {
         const { drawn, total } = viewer.stats;
         return t.drawn(formatCount(drawn), formatCount(total), effortText(governor.effort));
       }),
-      { quiet: true, size: 15 },
+      { quiet: true, size: kSmallFont },
     ),
   );
 }

@@ -16,10 +16,12 @@ const kField = "#2a2f38";
 const kFieldHover = "#3a414d";
 const kOn = "#2f6f86";
 const kOnHover = "#38809a";
-/** px; a px is a mm in the room. */
+/** px */
 const kRadius = 9;
 const kButtonHeight = 44;
 const kFontSize = 17;
+/** Of what says more, px: capitals of 0.7° on the panel, and none is smaller. */
+export const kSmallFont = 16;
 const kPicture = 60;
 const kLargePicture = 96;
 
@@ -110,7 +112,7 @@ function withDetail(caption: Text, detail: string): Container {
   return column(
     { gap: 2, width: "100%", pointerEvents: "none" },
     caption,
-    label(detail, { color: kDetail, size: 14 }),
+    label(detail, { color: kDetail, size: kSmallFont }),
   );
 }
 
