@@ -13,7 +13,8 @@ interface Accessor {
 }
 
 interface Gltf {
-  nodes: { mesh?: number; skin?: number; camera?: number; extras?: unknown; extensions?: unknown }[];
+  nodes: object[];
+  scenes: object[];
   meshes: { primitives: { attributes: Record<string, number>; indices: number }[] }[];
   skins?: { joints: number[]; inverseBindMatrices: number }[];
   accessors: Accessor[];
@@ -83,13 +84,21 @@ export function leanModel(file: Uint8Array): Uint8Array {
     joints,
     inverseBindMatrices: put(read(gltf, binary, inverseBindMatrices)),
   }));
-  const nodes = gltf.nodes.map(
-    ({ camera: _camera, extras: _extras, extensions: _extensions, ...node }) => node,
-  );
-  const scene = { scene: 0, scenes: (gltf as unknown as { scenes: unknown }).scenes };
+  const dropped = { camera: undefined, extras: undefined, extensions: undefined }; // JSON leaves these out
+  const nodes = gltf.nodes.map((node) => ({ ...node, ...dropped }));
   const buffers = [{ byteLength: length }];
   const asset = { version: "2.0" };
-  const lean = { asset, ...scene, nodes, meshes, ...(skins && { skins }), accessors, bufferViews, buffers };
+  const lean = {
+    asset,
+    scene: 0,
+    scenes: gltf.scenes,
+    nodes,
+    meshes,
+    ...(skins && { skins }),
+    accessors,
+    bufferViews,
+    buffers,
+  };
   return packed(JSON.stringify(lean), parts, length);
 }
 

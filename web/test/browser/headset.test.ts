@@ -1,4 +1,4 @@
-import { cpSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, readFileSync, renameSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Page } from "playwright-core";
 import { Matrix4, Quaternion, Vector3 } from "three";
@@ -6,6 +6,7 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
 import type { Triple } from "../../src/model/geometry";
 import type { EyePicture } from "../../src/api";
+import { formatBytes } from "../../src/model/case_list";
 import { coverage, ofPage, pagePicture, type Picture, psnr, readPng } from "./picture";
 import { copyMadeCases } from "./made_cases";
 import { clipgs, missing } from "./program";
@@ -135,13 +136,24 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
     });
 
+  const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
+
+  /** From now on the ticks that controllers give are told of in window.ticks. */
+  const feelTicks = () =>
+    page.evaluate(() => {
+      window.ticks = [];
+      for (const { inputSource } of Object.values(window.headset.controllers)) {
+        inputSource.gamepad!.hapticActuators[0]!.pulse = (strength) =>
+          Promise.resolve(window.ticks.push(strength) > 0);
+      }
+    });
+  const ticks = () => page.evaluate(() => window.ticks.splice(0));
+
   const normal = async () => new Vector3(...(await page.evaluate(() => window.clipgs.state.plane!.normal)));
 
   it("shows each eye what clipgs render makes for its pose, and the eyes not the same", async () => {
     expect(models, "before it is worn").toEqual([]);
     await wearer.wear();
-    const hint = "Hold the ring by trigger or pinch: it turns the cut";
-    expect(await page.evaluate((t) => window.clipgs.headset.find(t), hint)).not.toBeNull();
     for (const [plane, section] of [
       [null, "volume"],
       [[0.5, 0.3, -0.6, 10], "volume"],
@@ -182,6 +194,65 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const { width, height } = kSmallEyes;
       await page.setViewportSize({ width, height });
       await page.evaluate(() => window.clipgs.setSection("volume"));
+    });
+
+    it("says what to do first until it is done, one thing after the other, while controllers tick", async () => {
+      await wearer.wear();
+      await feelTicks();
+      await cutAcross();
+      expect(await find("Hold the ring by trigger or pinch: it turns the cut")).not.toBeNull();
+      await wearer.reach("right", new Vector3().applyMatrix4(await roomFromPatient()));
+      await wearer.hold("right", 1);
+      expect(await ticks(), "the plane is taken hold of").toEqual([0.6]);
+      const body = "Hold the body: it moves; with both hands it grows";
+      await expect.poll(() => find(body)).not.toBeNull();
+      await wearer.hold("right", 0);
+      expect(await ticks(), "and let go").toEqual([0.3]);
+      await wearer.press("right", "squeeze", 1);
+      await expect.poll(() => find("A, X or a palm turned to you brings the panel")).not.toBeNull();
+      await wearer.press("right", "squeeze", 0);
+      expect(await ticks()).toEqual([0.6, 0.3]);
+      expect(await find(body)).toBeNull();
+      await wearer.pressText("left", "Help");
+      expect(await ticks(), "a button").toEqual([0.3]);
+    });
+
+    it("has the panel beside the hand that does less, the case at the other side, nearer to who sits", async () => {
+      await wearer.wear();
+      const right = async (text: string) => (await find(text))![0];
+      const place = async () => new Vector3().applyMatrix4(await roomFromPatient());
+      await wearer.pressText("right", "View");
+      const standing = await place();
+      expect(await right("View")).toBeLessThan(0);
+      expect(standing.x).toBeGreaterThan(0.05);
+      await wearer.pressText("right", "Left-handed");
+      await wearer.frames(2);
+      expect(await right("View")).toBeGreaterThan(0);
+      expect((await place()).x).toBeCloseTo(-standing.x, 2);
+      await wearer.pressText("right", "Right-handed");
+      await wearer.pressText("right", "Seated");
+      await wearer.frames(2);
+      expect(standing.z - (await place()).z).toBeLessThan(-0.15);
+      await wearer.pressText("right", "Standing");
+      await wearer.frames(2);
+      expect((await place()).distanceTo(standing)).toBeLessThan(0.01);
+    });
+
+    it("goes through the views that are saved", async () => {
+      await wearer.wear();
+      await page.evaluate(() => {
+        window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
+        window.clipgs.saveView("Across", "What is said of it");
+        window.clipgs.setPlane({ normal: [0, -1, 0], offset: 0 });
+        window.clipgs.saveView("Along");
+      });
+      await wearer.pressText("right", "Tour");
+      await wearer.pressText("right", "1  Across");
+      await expect.poll(() => find("What is said of it")).not.toBeNull();
+      await expect.poll(async () => (await normal()).z).toBeLessThan(-0.99);
+      await wearer.pressText("right", "Next");
+      await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);
+      await wearer.pressText("right", "Cut");
     });
 
     for (const what of ["hand", "controller"] as const) {
@@ -260,17 +331,13 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const axis = kX.clone().transformDirection(toRoom.clone().invert());
       const axial = new Vector3(0, 0, -1);
       const held = new Vector3().applyMatrix4(toRoom);
-      await page.evaluate(() => {
-        const actuator = window.headset.controllers.right!.inputSource.gamepad!.hapticActuators[0]!;
-        window.ticks = [];
-        actuator.pulse = (strength) => Promise.resolve(window.ticks.push(strength) > 0);
-      });
+      await feelTicks();
       const takeTilted = async () => {
         const tilted = axial.clone().applyAxisAngle(axis, (20 * Math.PI) / 180);
         await page.evaluate((n) => window.clipgs.setPlane({ normal: n, offset: 0 }), tilted.toArray());
         await wearer.reach("right", held);
         await wearer.hold("right", 1);
-        await page.evaluate(() => (window.ticks = []));
+        await ticks();
       };
       const offAxial = async () => ((await normal()).angleTo(axial) * 180) / Math.PI;
 
@@ -278,7 +345,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await takeTilted();
       await turn("right", held, 0, -17);
       expect(await offAxial()).toBe(0);
-      expect(await page.evaluate(() => window.ticks)).toContain(0.5);
+      expect(await ticks()).toContain(0.5);
       await turn("right", held, -17, -26);
       expect(await offAxial(), "it is held").toBe(0);
       await turn("right", held, -26, -34);
@@ -443,7 +510,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       expect(await page.evaluate(() => window.clipgs.state.plane), "nothing is held meanwhile").toEqual(
         plane,
       );
-      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       const middle = new Vector3(-5, 10, 0).applyMatrix4(toRoom);
       await expect.poll(async () => await find(`${length!.mm!.toFixed(1)} mm`)).not.toBeNull();
       const tag = new Vector3(...(await find(`${length!.mm!.toFixed(1)} mm`))!);
@@ -531,7 +597,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
         window.clipgs.setGrey(1);
         window.clipgs.addMark({ kind: "point", points: [[20, 10, 0]] });
       });
-      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       const seen = async () => {
         await wearer.frames(5);
         const [eye] = await eyes();
@@ -584,7 +649,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
     it("is poked by a fingertip, has a menu at a palm that is turned to the eyes, and hides and comes back", async () => {
       await wearer.wear();
       await wearer.use("hand");
-      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       await wearer.poke("right", "Layers");
       await expect.poll(() => find("Letters")).not.toBeNull();
       await wearer.poke("left", "Cut");
@@ -709,21 +773,42 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const shown = () => page.evaluate(() => window.clipgs.state.case);
       const message = () => page.evaluate(() => window.clipgs.headset.message);
       await wearer.pressText("right", "Cases");
+      let release = () => {};
+      const released = new Promise<void>((done) => (release = done));
+      await page.route("**/cases/other.sog*", async (route) => {
+        await released;
+        await route.continue();
+      });
       await wearer.pressText("right", kOtherTitle);
+      const size = formatBytes(statSync(join(session.cases, "other.sog")).size);
+      await expect.poll(() => find(`0 % of ${size}`), { message: "what is on its way" }).not.toBeNull();
+      release();
       await expect.poll(shown).toBe("other");
+      await expect.poll(() => find(`0 % of ${size}`)).toBeNull();
       expect((await normal()).z, "the plane stays as it is").toBeLessThan(-0.99);
       await page.waitForFunction((title) => window.clipgs.headset.find(title) !== null, kGoneTitle);
-      rmSync(join(session.cases, "gone.sog"));
+      const gone = join(session.cases, "gone.sog");
+      const elsewhere = join(session.folder, "elsewhere.sog");
+      renameSync(gone, elsewhere);
       for (const [text, name] of [
         ["damaged", "damaged"],
-        [kGoneTitle, "gone"],
         ["notes", "notes"],
+        [kGoneTitle, "gone"],
       ] as const) {
         await wearer.pressText("left", text);
         await expect.poll(message).toContain(name);
-        expect(await page.evaluate((t) => window.clipgs.headset.find(t), await message())).not.toBeNull();
+        await wearer.frames(2);
+        expect(await find(await message())).not.toBeNull();
         expect(await shown()).toBe("other");
+        if (text !== kGoneTitle) {
+          await wearer.pressText("left", "Dismiss");
+          expect(await message()).toBe("");
+        }
       }
+      renameSync(elsewhere, gone);
+      await wearer.pressText("left", "Try again");
+      await expect.poll(shown).toBe("gone");
+      rmSync(gone);
       await wearer.pressText("left", "Torso phantom");
       await expect.poll(shown).toBe("phantom");
       expect(await message()).toBe("");
@@ -739,7 +824,6 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       extra.forEach((file) => cpSync(join(session.cases, "other.sog"), file));
       await wearer.pressText("right", "View");
       await wearer.pressText("right", "Cases");
-      const find = (text: string) => page.evaluate((t) => window.clipgs.headset.find(t), text);
       await expect.poll(() => find("w1")).not.toBeNull(); // by then all is where it stays
       await wearer.frames(5);
       await wearer.pressText("right", "On");
