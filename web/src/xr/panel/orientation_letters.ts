@@ -18,7 +18,7 @@ export class OrientationLetters {
   constructor(fontFamilies: FontFamilies) {
     this.#sides = [0, 1, 2].flatMap((axis) => [1, -1].map((sign) => new Vector3().setComponent(axis, sign)));
     this.#tags = this.#sides.map((side) => {
-      const tag = new Tag(fontFamilies, "at", undefined, true);
+      const tag = new Tag(fontFamilies, "at", undefined, false);
       tag.text.value = directionLetters(side);
       return tag;
     });

@@ -2,7 +2,7 @@ import { type Container, type FontFamilies, Text } from "@pmndrs/uikit";
 import { signal } from "@preact/signals-core";
 import { Group, type Vector3 } from "three";
 
-import { kOverCase } from "../../render/draw_order";
+import { kBesideCase, kOverCase } from "../../render/draw_order";
 import { column } from "./widgets";
 
 /** Of what it is seen at: as large from near as from afar. */
@@ -10,13 +10,14 @@ const kPixel = 0.0011;
 const kGap = 0.012;
 const kAnchors = { above: "bottom", below: "top", at: "center" } as const;
 
-/** A text in the room that faces the eyes, above, below or at its point; with `depthTest` behind what is nearer. */
+/** A text in the room that faces the eyes, above, below or at its point; over everything, or not. */
 export class Tag {
   readonly object = new Group();
   readonly text = signal("");
   readonly #root: Container;
 
-  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at", fontSize = 16, depthTest = false) {
+  constructor(fontFamilies: FontFamilies, where: "above" | "below" | "at", fontSize = 16, isOver = true) {
+    const drawn = { depthTest: !isOver, renderOrder: isOver ? kOverCase : kBesideCase };
     this.#root = column(
       {
         pixelSize: kPixel,
@@ -27,9 +28,8 @@ export class Tag {
         fontFamilies,
         anchorX: "center",
         anchorY: kAnchors[where],
-        depthTest,
-        renderOrder: kOverCase,
-        "*": { depthTest, renderOrder: kOverCase },
+        ...drawn,
+        "*": drawn,
       },
       new Text({ text: this.text, color: "#e4e7ec", fontSize }),
     );
