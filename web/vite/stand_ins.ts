@@ -5,8 +5,9 @@ function missing(what: string): never {
   throw new Error(`this viewer is built without ${what} (vite/three_parts.ts)`);
 }
 
-export function getDFGLUT(): never {
-  missing("physical materials");
+/** It is asked for by plain materials, too, whose shaders do not read it. */
+export function getDFGLUT(): null {
+  return null;
 }
 
 export class WebGLEnvironments {
