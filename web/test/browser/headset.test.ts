@@ -254,6 +254,10 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await expect.poll(async () => (await normal()).z).toBeLessThan(-0.99);
       await wearer.pressText("right", "Next");
       await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);
+      await page.waitForFunction(() => !window.clipgs.tour.playing);
+      await wearer.settle();
+      await wearer.pressText("right", "View");
+      await wearer.pressText("right", "Before me"); // upright again: views turn the case
       await wearer.pressText("right", "Cut");
     });
 
