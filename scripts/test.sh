@@ -77,16 +77,41 @@ fi
 step "scripts" check_scripts
 step "format" bash scripts/format.sh --check
 step "build release" configure_and_build release
-step "lint viewer" npm --prefix web run lint
 # The tests say themselves which they leave out, too.
 for needed in chromedriver:Chromium firefox-esr:Firefox WebKitWebDriver:WebKitGTK; do
   if ! command -v "${needed%%:*}" >/dev/null; then
     echo "test: there is no ${needed%%:*}: what is the same in every browser is not tested in ${needed##*:}" >&2
   fi
 done
+
+# What only compiles or reads goes on beside the release build's tests, which wait much for browsers, and gives way to them.
+checks_beside() {
+  renice -n 19 "$BASHPID" >/dev/null
+  step "lint viewer" npm --prefix web run lint
+  step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
+  # The rooms that work on several threads; training goes through those of splats as well.
+  step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serve}_test
+  # The other rooms are for scripts/tidy.sh by hand: together they take twice as long.
+  step "tidy" bash scripts/tidy.sh core light splat section train bake measure
+}
+set -m # a group of its own, so that all of it can be ended
+checks_beside >"$logs/beside.log" 2>&1 &
+beside=$!
+set +m
+trap 'kill -- -"$beside" 2>/dev/null || true' EXIT
+
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
-step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
+echo "test: beside them:"
+waited=$SECONDS
+wait "$beside" || {
+  cat "$logs/beside.log"
+  exit 1
+}
+trap - EXIT
+cat "$logs/beside.log"
+echo "test: waited for these for $((SECONDS - waited)) s"
+
 # Statistics over many samples, finite differences, whole scans and the same again at other thread counts take minutes
 # there, through code that other tests go through as well.
 step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits|OnBoundaries|EndsWhereTheSection|ManySmallSteps|NoSplitComesNear|LeavesLessThanHalf'
@@ -94,12 +119,8 @@ count_tests "tests asan ubsan"
 # Every reader of files and requests, with some thousand inputs each; scripts/fuzz.sh goes on for hours.
 step "tests fuzz targets" run_tests asan -L fuzz
 count_tests "tests fuzz targets"
-# The rooms that work on several threads; training goes through those of splats as well.
-step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serve}_test
 step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients|NoSplitComesNear|ManySmallSteps|HaveABoundarysLook|OnBoundaries|MakesUpForTheLight'
 count_tests "tests tsan"
-# The other rooms are for scripts/tidy.sh by hand: together they take twice as long.
-step "tidy" bash scripts/tidy.sh core light splat section train bake measure
 
 echo "test: release, address, undefined-behaviour and thread sanitizers, $((SECONDS / 60)) min"
 echo "100% tests passed, 0 tests failed out of $tests"
