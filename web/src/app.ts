@@ -27,7 +27,7 @@ import { LoadingCard } from "./ui/loading_card";
 import { MarksOverlay } from "./ui/marks_overlay";
 import { markCard, marksPanel } from "./ui/marks_panel";
 import { Message } from "./ui/message";
-import { dropZone } from "./ui/open_file";
+import { dropZone, isTour } from "./ui/open_file";
 import { OrientationCube } from "./ui/orientation_cube";
 import { pictureDialog } from "./ui/picture_dialog";
 import { Pictures } from "./ui/pictures";
@@ -37,7 +37,7 @@ import { level, sidePanel } from "./ui/side_panel";
 import { slicesButton, SlicesPart } from "./ui/slices";
 import { Statistics } from "./ui/statistics";
 import { type Theme, ViewerTheme } from "./ui/theme";
-import { TopBar } from "./ui/top_bar";
+import { themeButton, TopBar } from "./ui/top_bar";
 import { tourCaption } from "./ui/tour_caption";
 import { viewsPanel } from "./ui/views_panel";
 import { Viewer } from "./viewer";
@@ -117,20 +117,21 @@ export class App {
       const sizes = pictureDialog(viewer, (wanted) => pictures.saveAs(wanted));
       const listed = marksPanel(viewer, this.marking, live, chosen, said, this.marks, this.marks.trouble);
       const saved = viewsPanel(this.views, live, () => sizes.show());
+      const rest = [fullScreen.button("narrow"), themeButton(this.#theme, "narrow")];
       const context = { viewer, actions, marking: this.marking, marks, live };
       return {
         marks,
         pictures,
         sizes,
         slices: new SlicesPart(context, (why) => fail(why, () => actions.toggleSlices())),
-        panel: sidePanel(viewer, actions, live, listed, saved),
+        panel: sidePanel(viewer, actions, live, listed, saved, rest),
         caption: tourCaption(this.views.player),
         card: markCard(viewer, live, chosen, said),
         bar: new TopBar({
           host,
           theme: this.#theme,
           slices: slicesButton(viewer, actions, live, "wide"),
-          fullScreen: fullScreen.button,
+          fullScreen: fullScreen.button("wide"),
           enterHeadset: (surroundings) => void this.enterHeadset(surroundings),
           prepareHeadset: () => void this.headset.prepare().catch(() => {}), // it is told of when it is entered
           savePicture: () => void pictures.save(),
@@ -166,7 +167,7 @@ export class App {
       h("footer", {}, warning, this.#news, this.#statistics.element),
       loading.element,
       this.message.element,
-      dropZone(root, (file) => void this.openFile(file), signal),
+      dropZone(root, (files) => void this.#openDropped(files), fail, signal),
       help,
       sizes.element,
       this.#announcer.element,
@@ -249,17 +250,29 @@ export class App {
     }
   }
 
-  /** Shows a file of the person's own: a case, splats, or marks of what is shown. Says so here where that fails. */
+  /** Shows a file of the person's own: a case, splats, or marks or views of what is shown. Says so here where that fails. */
   async openFile(file: File): Promise<void> {
     if (this.isInStudy) {
       return;
     }
-    if (/\.tour\.json$/i.test(file.name)) {
-      this.views.openFile(file);
-    } else if (/\.json$/i.test(file.name)) {
-      this.marks.open(file);
-    } else {
+    if (file.size === 0) {
+      this.message.say(texts().files.empty(file.name), null);
+    } else if (!/\.json$/i.test(file.name)) {
       await this.host.openFile(file).catch(() => {});
+    } else if (await isTour(file).catch(() => false)) {
+      this.views.openFile(file);
+    } else {
+      this.marks.open(file);
+    }
+  }
+
+  /** A case first, then what is marked in it; nothing more where one of them fails. */
+  async #openDropped(files: readonly File[]): Promise<void> {
+    this.message.dismiss();
+    for (const file of files) {
+      if (!this.message.isSaid) {
+        await this.openFile(file);
+      }
     }
   }
 

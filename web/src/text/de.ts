@@ -21,6 +21,7 @@ export const german: Texts = {
     fullScreen: "Vollbild (Z)",
     picture: "Ein Bild speichern (D)",
     link: "Einen Link zu dieser Ansicht kopieren",
+    linkBarred: (address) => `Der Browser lässt den Link nicht kopieren; hier ist er: ${address}`,
     help: "Hilfe (?)",
     loading: "Lädt",
     statistics: "Statistik",

@@ -19,6 +19,7 @@ export const english = {
     fullScreen: "Full screen (Z)",
     picture: "Save a picture (D)",
     link: "Copy a link to this view",
+    linkBarred: (address: string) => `The browser does not let the link be copied; here it is: ${address}`,
     help: "Help (?)",
     loading: "Loading",
     statistics: "Statistics",

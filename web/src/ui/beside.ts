@@ -72,6 +72,7 @@ export class BesidePart {
     }
     const aside = width > height;
     const half = { right: aside ? Math.floor(0.5 * width) : 0, bottom: aside ? 0 : Math.floor(0.5 * height) };
+    this.element.classList.toggle("below", !aside);
     Object.assign(this.element.style, {
       left: `${aside ? width - half.right + kGap : 0}px`,
       top: `${aside ? 0 : height - half.bottom + kGap}px`,

@@ -3,25 +3,29 @@ import { h, icon, kIcons } from "./dom";
 
 /** Shows an element on all of the screen, where the browser offers that. */
 export class FullScreen {
-  readonly button: HTMLButtonElement;
   readonly #element: HTMLElement;
 
   constructor(element: HTMLElement) {
     this.#element = element;
-    this.button = h(
+  }
+
+  /** A button that does it; `where` says on which pages. */
+  button(where: "wide" | "narrow"): HTMLElement {
+    const button = h(
       "button",
       {
-        class: "plain",
+        class: `plain ${where}`,
         title: texts().page.fullScreen,
+        hidden: !document.fullscreenEnabled,
         "aria-pressed": "false",
         onclick: () => this.toggle(),
       },
       icon(kIcons.fullScreen),
     );
-    this.button.hidden = !document.fullscreenEnabled;
-    element.addEventListener("fullscreenchange", () =>
-      this.button.setAttribute("aria-pressed", String(this.#isShown)),
+    this.#element.addEventListener("fullscreenchange", () =>
+      button.setAttribute("aria-pressed", String(this.#isShown)),
     );
+    return button;
   }
 
   toggle(): void {

@@ -47,6 +47,10 @@ export class Message {
     this.element.hidden = false;
   }
 
+  get isSaid(): boolean {
+    return !this.element.hidden;
+  }
+
   dismiss(): void {
     this.trouble.value = null;
     this.element.hidden = true;

@@ -1,3 +1,5 @@
+import type { Fail } from "../host";
+import { CaseError } from "../sog/zip";
 import { texts } from "../text/text";
 import { h } from "./dom";
 import { fileField } from "./file_field";
@@ -16,8 +18,43 @@ export function openFileButton(open: (file: File) => void): HTMLElement {
   return button;
 }
 
-/** Files that are dropped on `root` are opened; what is said there while one is over it. */
-export function dropZone(root: HTMLElement, open: (file: File) => void, signal: AbortSignal): HTMLElement {
+/** Whether a file holds views of a case, or, as others of its kind, marks. */
+export async function isTour(file: File): Promise<boolean> {
+  const kBeginning = 200;
+  return (
+    /\.tour\.json$/i.test(file.name) || (await file.slice(0, kBeginning).text()).includes('"clipgs_tour"')
+  );
+}
+
+/** What is dropped, as far as it says before it is read. */
+type Dropped = Pick<DataTransfer, "files"> & {
+  items: ArrayLike<{ webkitGetAsEntry(): { isDirectory: boolean; name: string } | null }>;
+};
+
+/** The files that are dropped at once: a case or scene first, and marks or views of it. Throws CaseError for what cannot be opened. */
+export function droppedFiles({ files, items }: Dropped): File[] {
+  const folder = Array.from(items, (item) => item.webkitGetAsEntry()).find((entry) => entry?.isDirectory);
+  if (folder) {
+    throw new CaseError(texts().files.folder(folder.name));
+  }
+  const isBeside = ({ name }: File) => /\.json$/i.test(name);
+  const all = [...files];
+  const cases = all.filter((file) => !isBeside(file));
+  if (cases.length > 1) {
+    throw new CaseError(texts().files.several);
+  }
+  return [...cases, ...all.filter(isBeside)];
+}
+
+/**
+ * Files that are dropped on `root` are opened, or `fail` is told why not; what is said there while one is over it.
+ */
+export function dropZone(
+  root: HTMLElement,
+  open: (files: readonly File[]) => void,
+  fail: Fail,
+  signal: AbortSignal,
+): HTMLElement {
   const sign = h("div", { class: "drop", hidden: true }, h("p", {}, texts().files.drop));
   const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
   const listen = (
@@ -37,9 +74,10 @@ export function dropZone(root: HTMLElement, open: (file: File) => void, signal: 
   listen("drop", (event) => {
     event.preventDefault();
     sign.hidden = true;
-    const [file] = event.dataTransfer!.files;
-    if (file) {
-      open(file);
+    try {
+      open(droppedFiles(event.dataTransfer!));
+    } catch (error) {
+      fail((error as CaseError).message, null);
     }
   });
   return sign;

@@ -21,7 +21,7 @@ const kSwipe = 24;
 
 /**
  * Everything about the cut and its faces, beside the case or, on a narrow page, a sheet below it, of which the
- * first part is always seen. `marks` and `views` are about those.
+ * first part is always seen. `marks` and `views` are about those; `rest` is what the bar has no room for there.
  */
 export function sidePanel(
   viewer: Viewer,
@@ -29,6 +29,7 @@ export function sidePanel(
   live: Follow,
   marks: HTMLElement,
   views: HTMLElement,
+  rest: readonly HTMLElement[],
 ): HTMLElement {
   const t = texts();
   const cut = new CutPanel(viewer, actions, live);
@@ -67,15 +68,20 @@ export function sidePanel(
       layerButtons(viewer, live),
       expertly(operatorButtons(viewer, live), () => viewer.state.clip !== "exact"),
       h(
-        "button",
-        {
-          class: "small level",
-          title: t.level.hint,
-          "aria-pressed": expert,
-          onclick: () => (level.value = expert.value ? "simple" : "expert"),
-        },
-        icon(kIcons.expert),
-        t.level.name,
+        "div",
+        { class: "panel-foot" },
+        ...rest,
+        h(
+          "button",
+          {
+            class: "small level",
+            title: t.level.hint,
+            "aria-pressed": expert,
+            onclick: () => (level.value = expert.value ? "simple" : "expert"),
+          },
+          icon(kIcons.expert),
+          t.level.name,
+        ),
       ),
     ),
   );

@@ -118,7 +118,7 @@ export class TopBar {
       fullScreen,
       plain(t.picture, kIcons.camera, () => parts.savePicture()),
       host.address ? link : null,
-      themeButton(theme),
+      themeButton(theme, "wide"),
       plain(t.help, kIcons.help, () => parts.showHelp()),
     );
   }
@@ -130,9 +130,13 @@ export class TopBar {
       fail(texts().files.noLink, null);
       return;
     }
-    await navigator.clipboard.writeText(address);
-    button.classList.add("done");
-    setTimeout(() => button.classList.remove("done"), 900);
+    try {
+      await navigator.clipboard.writeText(address);
+      button.classList.add("done");
+      setTimeout(() => button.classList.remove("done"), 900);
+    } catch {
+      fail(texts().page.linkBarred(address), null);
+    }
   }
 }
 
@@ -140,11 +144,11 @@ function plain(title: string, paths: string, press: () => void): HTMLElement {
   return h("button", { class: "plain", title, onclick: press }, icon(paths));
 }
 
-/** Goes from theme to theme. */
-function themeButton(viewerTheme: ViewerTheme): HTMLElement {
+/** Goes from theme to theme; `where` says on which pages. */
+export function themeButton(viewerTheme: ViewerTheme, where: "wide" | "narrow"): HTMLElement {
   const { isFixed, theme, shown } = viewerTheme;
   const button = h("button", {
-    class: "plain",
+    class: `plain ${where}`,
     hidden: isFixed,
     title: computed(() => texts().page.themes[theme.value]),
     onclick: () => viewerTheme.next(),

@@ -1,0 +1,226 @@
+// No rule of axe-core is broken, whatever is shown, in both languages, colours, levels, and on a desk and a telephone.
+
+import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+
+import type { AxeResults, RunOptions } from "axe-core";
+import type { Page } from "playwright-core";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+import { copyMadeCases } from "./made_cases";
+import { missing } from "./program";
+import { Session } from "./session";
+
+const kAxe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+/** What depends on colours; all else is the same in the other ones. */
+const kColors: RunOptions = { runOnly: ["color-contrast"] };
+
+/** The rules that are broken, and where; `options`: of which. */
+async function broken(page: Page, options: RunOptions = {}): Promise<string[]> {
+  const { violations } = await page.evaluate(
+    (how) => (window as unknown as { axe: { run(how: RunOptions): Promise<AxeResults> } }).axe.run(how),
+    { resultTypes: ["violations"], ...options } satisfies RunOptions,
+  );
+  return violations.flatMap(({ id, nodes }) =>
+    nodes.map(({ target, failureSummary }) => `${id}: ${target.join(" ")}: ${failureSummary}`),
+  );
+}
+
+/** Controls with less room than a finger needs (WCAG 2.2, 2.5.5); faces of the cube are as large as it can be. */
+function tooSmall(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const kFinger = 44;
+    const kTolerance = 0.5;
+    const root = document.querySelector("dialog[open]") ?? document;
+    return [...root.querySelectorAll<HTMLElement>("button, input, select, textarea")]
+      .filter((one) => one.checkVisibility() && !one.matches(".face, [type=file]"))
+      .map((one) => {
+        const target = one.matches("[type=checkbox], [type=radio]") ? (one.closest("label") ?? one) : one;
+        const { width, height } = target.getBoundingClientRect();
+        return { name: one.title || one.ariaLabel || one.textContent || one.outerHTML, width, height };
+      })
+      .filter(({ width, height }) => Math.min(width, height) + kTolerance < kFinger)
+      .map(({ name, width, height }) => `${name}: ${Math.round(width)} x ${Math.round(height)} px`);
+  });
+}
+
+/** Puts the page into one state after the other, each from the one before. */
+function states(page: Page): Record<string, () => Promise<unknown>> {
+  const stage = page.locator("main > canvas, #app > canvas").first();
+  const press = async (key: string): Promise<void> => {
+    await stage.focus();
+    await page.keyboard.press(key);
+  };
+  const dialog = page.locator("dialog[open]");
+  const openSheet = async (open: boolean): Promise<void> => {
+    const grabber = page.locator(".grabber");
+    if (await grabber.isVisible()) {
+      await grabber.evaluate((button, wanted) => {
+        if ((button.getAttribute("aria-expanded") === "true") !== wanted) {
+          (button as HTMLElement).click();
+        }
+      }, open);
+    }
+  };
+  return {
+    "a case": () => page.evaluate(() => window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 })),
+    "all controls": () => openSheet(true),
+    "several cuts, grey": () =>
+      page.evaluate(() => {
+        const { clipgs } = window;
+        clipgs.setGrey(1);
+        clipgs.setCuts([
+          { normal: [0, 0, -1], offset: 0 },
+          { normal: [0, -1, 0], offset: -60, thickness: 60 },
+        ]);
+      }),
+    "marks, and the card of one": async () => {
+      await page.evaluate(() => {
+        const { min, max } = window.clipgs.bounds!;
+        const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
+        const points: [number, number, number][] = [
+          [r - 20, a, 0],
+          [r + 20, a, 0],
+        ];
+        window.clipgs.addMark({ kind: "point", points: points.slice(0, 1), name: "A point", note: "A note" });
+        window.clipgs.addMark({ kind: "length", points });
+      });
+      await page.locator(".mark-name").first().dispatchEvent("click");
+      await page.locator(".mark-card").waitFor();
+    },
+    "views, one of which is changed": async () => {
+      await page.evaluate(() => {
+        window.clipgs.saveView("Overview", "From the front");
+        window.clipgs.setView({ azimuth: 60, elevation: 20 });
+        window.clipgs.saveView("", "");
+      });
+      await page.locator(".view-row button").last().dispatchEvent("click");
+      await page.locator(".view-card:visible").waitFor();
+    },
+    "a tour": async () => {
+      await openSheet(false);
+      await page.evaluate(() => void window.clipgs.playTour());
+      await page.locator(".tour-caption:visible").waitFor();
+    },
+    slices: async () => {
+      await press("Escape");
+      await press("q");
+      await page.locator(".slice-tools").waitFor();
+    },
+    "all slices": () => page.locator(".slice-tools .segments button").last().dispatchEvent("click"),
+    cases: async () => {
+      await press("q");
+      await press("y");
+      await dialog.locator(".card").first().waitFor();
+    },
+    "no case found": () => dialog.locator("[type=search]").fill("nothing at all"),
+    "two cases": async () => {
+      await dialog.locator("[type=search]").fill("");
+      await dialog.locator(".card[data-case=solid]").click();
+      await page.locator(".beside-title").waitFor();
+    },
+    "the looks": async () => {
+      await press("y");
+      await press("k");
+      await dialog.locator(".card").first().waitFor();
+    },
+    "the help": async () => {
+      await page.keyboard.press("Escape");
+      await press("?");
+    },
+    "a picture of another size": async () => {
+      await page.keyboard.press("Escape");
+      await press("Shift+D");
+      await dialog.locator(".segments button").last().click();
+    },
+    "an error": async () => {
+      await page.keyboard.press("Escape");
+      await page.evaluate(() => window.clipgs.open("nobody").catch(() => {}));
+      await page.locator(".message:visible").waitFor();
+    },
+    "a case on its way": async () => {
+      await page.route("**/cases/photo.sog*", () => {}); // never answered
+      await page.evaluate(() => void window.clipgs.open("photo").catch(() => {}));
+      await page.locator(".loading:visible").waitFor();
+    },
+  };
+}
+
+describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)` : ""}`, () => {
+  const session = new Session();
+  const errors: string[] = [];
+
+  const studies = join(session.folder, "study");
+  const server = () => `${new URL(session.url).origin}/`; // the address that is printed leads to the study
+
+  beforeAll(() =>
+    session.start(
+      () => {
+        copyMadeCases(session);
+        mkdirSync(studies);
+        copyFileSync("../presets/study/clipgs-vr.json", join(studies, "clipgs-vr.json"));
+      },
+      "--study",
+      studies,
+    ),
+  );
+
+  afterAll(async () => {
+    expect(errors).toEqual([]);
+    await session.stop();
+  });
+
+  for (const [device, lang, level, viewport] of [
+    ["a desk", "en", "expert", { width: 1000, height: 760 }],
+    ["a telephone", "de", "simple", { width: 390, height: 844 }],
+  ] as const) {
+    it(`finds nothing wrong on ${device}, in ${lang}, ${level}`, async () => {
+      const url = `${server()}?lang=${lang}#case=phantom&view=10,40`;
+      const page = await session.openPage(url, errors, viewport, [
+        { content: `try { localStorage.setItem("clipgs.level", "${level}"); } catch {}` },
+        { content: kAxe },
+      ]);
+      await page.waitForFunction(() => window.clipgs !== undefined);
+      await page.evaluate(() => window.clipgs.ready);
+      const found: string[] = [];
+      const isPhone = viewport.width < viewport.height;
+      if (isPhone) {
+        const devtools = await page.context().newCDPSession(page);
+        await devtools.send("Emulation.setTouchEmulationEnabled", { enabled: true, maxTouchPoints: 5 });
+        expect(await page.evaluate(() => matchMedia("(pointer: coarse)").matches)).toBe(true);
+      }
+      for (const [state, enter] of Object.entries(states(page))) {
+        await enter();
+        await page.emulateMedia({ colorScheme: "dark" });
+        const dark = await broken(page);
+        await page.emulateMedia({ colorScheme: "light" });
+        const light = await broken(page, kColors);
+        const small = isPhone ? await tooSmall(page) : [];
+        if (isPhone) {
+          await page.setViewportSize({ width: viewport.height, height: viewport.width });
+          small.push(...(await tooSmall(page)).map((what) => `on its side, ${what}`));
+          await page.setViewportSize(viewport);
+        }
+        found.push(...[...dark, ...light, ...small].map((what) => `${state}: ${what}`));
+      }
+      expect(found).toEqual([]);
+      await page.close();
+    });
+  }
+
+  it("finds nothing wrong where there is no case, and in a study", async () => {
+    const page = await session.openPage("about:blank", errors, { width: 900, height: 700 }, [
+      { content: kAxe },
+    ]);
+    await page.route("**/api/cases*", (route) => route.fulfill({ json: { cases: [] } }));
+    await page.goto(server());
+    await page.locator("dialog[open]").waitFor();
+    expect(await broken(page)).toEqual([]);
+    await page.unroute("**/api/cases*");
+    await page.goto(`${server()}?study=clipgs-vr`);
+    await page.locator(".study").waitFor();
+    expect(await broken(page)).toEqual([]);
+    await page.close();
+  });
+});

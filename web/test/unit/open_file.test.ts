@@ -1,0 +1,34 @@
+import { describe, expect, it } from "vitest";
+
+import { droppedFiles, isTour } from "../../src/ui/open_file";
+
+const file = (name: string, text = "x") => new File([text], name);
+const drop = (files: File[], folder: string | null = null) =>
+  droppedFiles({
+    files: Object.assign(files, { item: (i: number) => files[i] ?? null }),
+    items: files.map(() => ({
+      webkitGetAsEntry: () => (folder ? { isDirectory: true, name: folder } : null),
+    })),
+  }).map(({ name }) => name);
+
+describe("what is dropped", () => {
+  it("is a case, and what is marked in it after it", () => {
+    expect(drop([file("a.sog")])).toEqual(["a.sog"]);
+    expect(drop([file("a.marks.json"), file("a.tour.JSON"), file("a.sog")])).toEqual([
+      "a.sog",
+      "a.marks.json",
+      "a.tour.JSON",
+    ]);
+    expect(drop([])).toEqual([]);
+  });
+
+  it("is refused in a line where it is a folder, or two cases", () => {
+    expect(() => drop([file("cases")], "cases")).toThrow("cases: this is a folder");
+    expect(() => drop([file("a.sog"), file("b.ply")])).toThrow("One case can be opened at a time");
+  });
+
+  it("is a tour or marks by what it says", async () => {
+    expect(await isTour(file("a.json", '{"clipgs_tour":1,"stops":[]}'))).toBe(true);
+    expect(await isTour(file("tour.json", '{"clipgs_marks":1}'))).toBe(false);
+  });
+});
