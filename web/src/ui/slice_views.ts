@@ -23,6 +23,8 @@ export function makeSliceViews(context: SliceContext): [views: SliceViews, end: 
     const makePane = (kind: SliceKind): HTMLElement => {
       const pane = new SlicePane(context, kind);
       panes.set(kind, pane);
+      // One that is gone would hold what it showed: the values of a case that may be gone as well.
+      follow(() => () => panes.get(kind) === pane && panes.delete(kind));
       return pane.element;
     };
     const shown = live(() => viewer.state.slices?.shown ?? null);

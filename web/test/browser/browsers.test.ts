@@ -209,6 +209,23 @@ function holes(got: Picture, truth: Picture): [number, number][] {
   return found;
 }
 
+/** How much of the slice is black, and grey; null: it is not drawn yet. Runs in the page. */
+function greysOfSlice(): { black: number; between: number } | null {
+  const canvas = document.querySelector<HTMLCanvasElement>(".slice.axial canvas");
+  const copy = document.createElement("canvas");
+  copy.width = copy.height = 64;
+  const context = copy.getContext("2d")!;
+  if (!canvas || canvas.width === 0) {
+    return null;
+  }
+  context.drawImage(canvas, 0, 0, 64, 64);
+  const { data } = context.getImageData(0, 0, 64, 64);
+  const values = Array.from({ length: 64 * 64 }, (_, i) => data[4 * i]!);
+  const share = (is: (value: number) => boolean) => values.filter(is).length / values.length;
+  const between = share((value) => value > 20 && value < 235);
+  return between > 0 ? { black: share((value) => value < 20), between } : null;
+}
+
 /** What of an element is seen; null: none is there, or not seen. */
 function textOf(page: Evaluates, selector: string): Promise<string | null> {
   return page.evaluate((wanted: string) => {
@@ -451,6 +468,74 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
           () => window.clipgs.state.case === "phantom" && window.clipgs.state.state === 42,
           undefined,
         );
+      });
+
+      it("has the rooms around a case: cases, views, slices, a case beside, files of one's own", async () => {
+        await openViewer(page, "#case=phantom&view=20,20&plane=0,0,-1,0&grey=1");
+        const press = (key: string) =>
+          page.evaluate((one: string) => {
+            const stage = document.querySelector<HTMLElement>("canvas.stage")!;
+            stage.focus();
+            stage.dispatchEvent(new KeyboardEvent("keydown", { key: one, bubbles: true }));
+          }, key);
+        const cards = (wanted: number) =>
+          waitFor(page, (n: number) => document.querySelectorAll("dialog[open] .card").length === n, wanted);
+        const type = (text: string) =>
+          page.evaluate((what: string) => {
+            const field = document.querySelector<HTMLInputElement>("dialog[open] [type=search]")!;
+            field.value = what;
+            field.dispatchEvent(new Event("input"));
+          }, text);
+
+        // Slices: the axial one has the values that are read in the cut.
+        await press("q");
+        await waitFor(page, () => document.querySelector(".slice canvas") !== null, undefined);
+        await page.evaluate(() =>
+          document.querySelectorAll<HTMLElement>(".slice-tools .segments button")[1]!.click(),
+        );
+        await waitFor(page, greysOfSlice, undefined);
+        const greys = (await page.evaluate(greysOfSlice))!;
+        expect(greys.black).toBeGreaterThan(0.1); // around the body
+        expect(greys.between).toBeGreaterThan(0.05); // in it
+        await press("q");
+
+        // Cases, of which one is searched for and shown beside.
+        await press("y");
+        await waitFor(page, () => document.querySelector("dialog[open] .card") !== null, undefined);
+        await type("striped");
+        await cards(1);
+        await page.evaluate(() => document.querySelector<HTMLElement>("dialog[open] .card")!.click());
+        await waitFor(page, () => location.hash.includes("beside=photo"), undefined);
+        expect(await textOf(page, ".beside-title")).toContain("Striped ball");
+        await press("y");
+        await waitFor(page, () => !location.hash.includes("beside="), undefined);
+
+        // A view that is saved, and flown to.
+        await page.evaluate(() => {
+          window.clipgs.saveView("Here");
+          window.clipgs.setView({ azimuth: 80, elevation: 5 });
+        });
+        await page.evaluate(() => window.clipgs.showView(0));
+        await waitFor(
+          page,
+          () => Math.abs(window.clipgs.state.view.azimuth - 20) < 0.01 && window.clipgs.stats.settled,
+          undefined,
+        );
+
+        // A file, through the field that a person chooses one with.
+        await press("m");
+        await waitFor(page, () => document.querySelector("dialog[open] [type=file]") !== null, undefined);
+        await page.evaluate(async () => {
+          const bytes = await (await fetch("cases/photo.sog")).blob();
+          const given = new DataTransfer();
+          given.items.add(new File([bytes], "mine.sog"));
+          const field = document.querySelector<HTMLInputElement>("dialog[open] [type=file]")!;
+          field.files = given.files;
+          field.dispatchEvent(new Event("change"));
+        });
+        await waitFor(page, () => window.clipgs.state.case === "mine.sog", undefined);
+        expect(await textOf(page, ".title")).toBe("Striped ball");
+        await openViewer(page, "#case=phantom&size=64x64");
       });
 
       it("shows on the page what it gives to scripts", async () => {
