@@ -1,8 +1,7 @@
 // No rule of axe-core is broken, whatever is shown, in both languages, colours, levels, and on a desk and a telephone.
 
-import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
 
 import type { AxeResults, RunOptions } from "axe-core";
 import type { Page } from "playwright-core";
@@ -151,20 +150,7 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
   const session = new Session();
   const errors: string[] = [];
 
-  const studies = join(session.folder, "study");
-  const server = () => `${new URL(session.url).origin}/`; // the address that is printed leads to the study
-
-  beforeAll(() =>
-    session.start(
-      () => {
-        copyMadeCases(session);
-        mkdirSync(studies);
-        copyFileSync("../presets/study/clipgs-vr.json", join(studies, "clipgs-vr.json"));
-      },
-      "--study",
-      studies,
-    ),
-  );
+  beforeAll(() => session.start(() => copyMadeCases(session)));
 
   afterAll(async () => {
     expect(errors).toEqual([]);
@@ -176,7 +162,7 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
     ["a telephone", "de", "simple", { width: 390, height: 844 }],
   ] as const) {
     it(`finds nothing wrong on ${device}, in ${lang}, ${level}`, async () => {
-      const url = `${server()}?lang=${lang}#case=phantom&view=10,40`;
+      const url = `${session.url}?lang=${lang}#case=phantom&view=10,40`;
       const page = await session.openPage(url, errors, viewport, [
         { content: `try { localStorage.setItem("clipgs.level", "${level}"); } catch {}` },
         { content: kAxe },
@@ -209,17 +195,13 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
     });
   }
 
-  it("finds nothing wrong where there is no case, and in a study", async () => {
+  it("finds nothing wrong where there is no case", async () => {
     const page = await session.openPage("about:blank", errors, { width: 900, height: 700 }, [
       { content: kAxe },
     ]);
     await page.route("**/api/cases*", (route) => route.fulfill({ json: { cases: [] } }));
-    await page.goto(server());
+    await page.goto(session.url);
     await page.locator("dialog[open]").waitFor();
-    expect(await broken(page)).toEqual([]);
-    await page.unroute("**/api/cases*");
-    await page.goto(`${server()}?study=clipgs-vr`);
-    await page.locator(".study").waitFor();
     expect(await broken(page)).toEqual([]);
     await page.close();
   });
