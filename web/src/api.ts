@@ -8,6 +8,7 @@ export type { Layers };
 
 /** R, A, S. */
 export type Triple = [number, number, number];
+/** How splats are cut: by their centres, faded, exactly, or by the layers that they were trained in. */
 export type ClipOperator = "hard" | "soft" | "exact" | "layers";
 /** What cut faces are drawn from. */
 export type FaceSource = "volume" | "splats";
@@ -18,22 +19,28 @@ export type Surroundings = "immersive-vr" | "immersive-ar";
 
 /** Values from center − width/2 (black) to center + width/2 (white). */
 export interface GreyWindow {
+  /** In the volume's values: HU of a CT. */
   center: number;
   width: number;
 }
 
 /** Of the uniaxial mode: state k's plane is dot(axis, x) = first + k · spacing and keeps one side of it. */
 export interface ApiStates {
+  /** Unit vector, RAS. */
   axis: Triple;
   count: number;
+  /** mm. */
   first: number;
+  /** mm. */
   spacing: number;
   keeps: "below" | "above";
 }
 
 /** 8-bit RGBA, display sRGB, straight alpha, row by row from the top left. */
 export interface Picture {
+  /** px. */
   width: number;
+  /** px. */
   height: number;
   data: Uint8ClampedArray;
 }
@@ -41,6 +48,7 @@ export interface Picture {
 /** What an eye saw, and from where: as a frame of a dataset's transforms.json says it, RAS mm. */
 export interface EyePicture {
   picture: Picture;
+  /** Of the picture: its size, focal lengths and principal point, px, and where it stood. */
   camera: {
     w: number;
     h: number;
@@ -54,29 +62,42 @@ export interface EyePicture {
 
 /** What the last frames cost. */
 export interface ViewerStats {
-  frameMs: number; // between frames while something moves
-  sortMs: number; // culling and sorting, in the worker
-  drawn: number; // splats
+  /** Between frames while something moves. */
+  frameMs: number;
+  /** Culling and sorting, in the worker. */
+  sortMs: number;
+  /** Splats that are drawn. */
+  drawn: number;
+  /** All splats of the case. */
   total: number;
-  scale: number; // resolution of the picture shown, 1: full
-  settled: boolean; // the picture shown is that of the state, as good as it gets
-  sectionBytes: number; // on the GPU, of the volume that faces are drawn from; 0: none
-  sectionMs: number; // decoding what was left of it when the body was seen
+  /** Resolution of the picture shown, 1: full. */
+  scale: number;
+  /** The picture shown is that of the state, as good as it gets. */
+  settled: boolean;
+  /** On the GPU, of the volume that faces are drawn from; 0: none. */
+  sectionBytes: number;
+  /** Decoding what was left of it when the body was seen. */
+  sectionMs: number;
 }
 
 /** Keeps dot(normal, x) >= offset, and of a slab no more than `thickness` mm beyond it. */
 export interface ApiCut {
+  /** Towards what is kept, RAS; need not be of unit length. */
   normal: Triple;
+  /** mm, where the normal is of unit length. */
   offset: number;
+  /** mm; absent: a plane, not a slab. */
   thickness?: number;
 }
 
+/** What a mark is of. */
 export type MarkKind = "point" | "length" | "angle" | "region" | "outline";
 
 /** A point; both ends; an end, the vertex, the other end; the centre and a point of the rim; the corners. RAS mm. */
 export interface ApiMark {
   kind: MarkKind;
   points: Triple[];
+  /** Of the face that a region or an outline lies in. */
   normal?: Triple;
   name?: string;
   note?: string;
@@ -85,13 +106,20 @@ export interface ApiMark {
 /** What a mark measures: of its kind, as far as the case has values; `text` as the page shows it. */
 export interface ApiMeasure {
   text: string;
-  value: number | null; // at a point, with its rms error
+  /** At a point. */
+  value: number | null;
+  /** Rms, of that value. */
   error: number | null;
+  /** Of a length. */
   mm: number | null;
+  /** Of an angle. */
   degrees: number | null;
-  area: number | null; // mm²
-  mean: number | null; // within a region or an outline
-  deviation: number | null; // standard
+  /** Of a region or an outline, mm². */
+  area: number | null;
+  /** Of the values within it. */
+  mean: number | null;
+  /** Their standard deviation. */
+  deviation: number | null;
 }
 
 /** A view that was saved. */
@@ -100,8 +128,9 @@ export interface ApiView {
   text: string;
   /** What is shown, in the words of the viewer's address. */
   link: string;
-  /** Seconds of the flight there, and of the stay. */
+  /** Of the flight there, s. */
   fly: number;
+  /** Of the stay, s. */
   stay: number;
 }
 
@@ -113,6 +142,7 @@ export interface ClipgsApi {
   open(name: string): Promise<void>;
   /** Shows a file of the person's own, which is sent nowhere: a case, or splats of other programs (.ply, .spz). */
   openFile(file: File): Promise<void>;
+  /** Where the camera stands, degrees: azimuth 0 looks from the front, 90 from the patient's left; elevation 90 from above. */
   setView(view: { azimuth: number; elevation: number; zoom?: number }): void;
   /** Cuts with one plane that keeps dot(normal, x) >= offset; null: nothing is cut. */
   setPlane(plane: { normal: Triple; offset: number } | null): void;
@@ -124,7 +154,7 @@ export interface ClipgsApi {
   setMode(mode: Mode): void;
   /** Shows a state, from 0, in the uniaxial mode; false, and nothing changes, where the case has no such state. */
   setState(state: number): boolean;
-  /** Of the case. */
+  /** Of the uniaxial mode of the case; null: none is open. */
   readonly states: ApiStates | null;
   /** `layers`: of a case with layers, cut along its axis; anything else is cut exactly then. */
   setClip(clip: ClipOperator): void;
@@ -142,7 +172,7 @@ export interface ClipgsApi {
    * Returns whether there is such a rig; cases without a section, and of translucent matter, stay as they are.
    */
   setRig(rig: string | null): boolean;
-  /** Turns the lights about the patient's long axis, counterclockwise seen from the head. */
+  /** Turns the lights by degrees about the patient's long axis, counterclockwise seen from the head. */
   setTurn(degrees: number): void;
   /** A lamp instead of the rig's: where it shines from (RAS); null: none. */
   setLamp(from: Triple | null): void;
@@ -161,6 +191,7 @@ export interface ClipgsApi {
    * marked already, and beyond 500 marks.
    */
   addMark(mark: ApiMark): string | null;
+  /** Removes a mark, where it is there. */
   removeMark(id: string): void;
   /** Names a mark, or notes something about it. */
   describeMark(id: string, words: { name?: string; note?: string }): void;
@@ -202,6 +233,7 @@ export interface ClipgsApi {
     window: GreyWindow | null;
     layers: Layers;
   };
+  /** What the last frames cost, and whether the picture is as good as it gets. */
   readonly stats: Readonly<ViewerStats>;
   /** Whether resolution is given up where frames would come late, while something moves. */
   steady: boolean;
@@ -214,6 +246,7 @@ export interface ClipgsApi {
   picture(wanted: { width: number; height: number; transparent?: boolean; labels?: boolean }): Promise<Blob>;
   /** The case in a headset. Entering rejects with a line for a person, and needs a click of the user's. */
   readonly headset: {
+    /** Whether it draws in place of the page. */
     readonly worn: boolean;
     enter(surroundings?: Surroundings): Promise<void>;
     leave(): Promise<void>;

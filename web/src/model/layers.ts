@@ -4,7 +4,7 @@ export interface Layers {
   body: boolean;
   /** Cut faces from the volume; without them splats draw the faces. */
   faces: boolean;
-  /** Pins and lengths. */
+  /** What is marked. */
   marks: boolean;
 }
 
