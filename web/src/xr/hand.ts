@@ -36,6 +36,12 @@ function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
   return order(b) - order(a) || a.distance - b.distance;
 }
 
+/** Whether a pointer was at something in the last frame. */
+function meets(pointer: Pointer): boolean {
+  const at = pointer.getIntersection();
+  return at !== undefined && !(at.object as { isVoidObject?: boolean }).isVoidObject;
+}
+
 /** Something that is about to be laid out has no height yet: where it is met from near would be no number. */
 function hasExtent(object: Object3D): boolean {
   return object.matrixWorld.determinant() !== 0;
@@ -81,10 +87,16 @@ export class Hand {
     const pointers = (): [Pointer, Pointer] => {
       // However long it is pressed: hands are slower than mice.
       const options = { customSort: firstMet, filter: hasExtent, clickThresholdMs: Infinity };
-      return [
-        createGrabPointer(() => camera, { current: this.#near }, this, { ...options, radius: kReach }),
-        createRayPointer(() => camera, { current: this.#far }, this, options),
-      ];
+      const near = createGrabPointer(() => camera, { current: this.#near }, this, {
+        ...options,
+        radius: kReach,
+      });
+      const far = createRayPointer(() => camera, { current: this.#far }, this, {
+        ...options,
+        // What a hand is at it takes, not what lies closely behind that.
+        filter: (object) => hasExtent(object) && !meets(near),
+      });
+      return [near, far];
     };
     this.#any = pointers();
     this.#hold = pointers();

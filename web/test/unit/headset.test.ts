@@ -58,7 +58,8 @@ it("a trembling hand moves a filtered pose little, a moving one takes it along",
   expect(filter.quaternion.angleTo(turn)).toBeLessThan(0.5 / 72);
 });
 
-it("has hands that press what they point at, whatever without height lies near them", () => {
+/** A hand with a controller at the room's origin, that points along −z, and presses what it meets in `scene`. */
+function controller() {
   const parts = { ray: new Group(), grip: new Group(), joints: Object.assign(new Group(), { joints: {} }) };
   const xr = {
     getController: () => parts.ray,
@@ -70,19 +71,38 @@ it("has hands that press what they point at, whatever without height lies near t
     type: "connected",
     data: { hand: null, handedness: "none", profiles: [] },
   } as never);
-  const wall = new Mesh(new PlaneGeometry());
-  wall.position.z = -1;
-  const flat = new Mesh(new PlaneGeometry());
-  flat.position.z = -0.02;
-  flat.scale.y = 0;
-  const scene = new Group().add(wall, flat);
-  scene.updateMatrixWorld();
+  const press = (scene: Group) => {
+    scene.updateMatrixWorld();
+    for (const time of [0, 14]) {
+      hand.update(scene, time, { parts: new Group(), sphere: new Sphere() }, new Vector3());
+    }
+    parts.ray.dispatchEvent({ type: "selectstart" } as never);
+    parts.ray.dispatchEvent({ type: "selectend" } as never);
+    hand.dispose();
+  };
+  return press;
+}
+
+/** A sheet before the hand, which tells that it is pressed. */
+function sheet(z: number, pressed: string[], name: string): Mesh {
+  const mesh = new Mesh(new PlaneGeometry());
+  mesh.position.z = z;
+  mesh.addEventListener("click" as never, () => pressed.push(name));
+  return mesh;
+}
+
+it("has hands that press what they point at, whatever without height lies near them", () => {
   const pressed: string[] = [];
-  wall.addEventListener("click" as never, () => pressed.push("wall"));
-  flat.addEventListener("click" as never, () => pressed.push("flat"));
-  hand.update(scene, 0, { parts: new Group(), sphere: new Sphere() }, new Vector3());
-  parts.ray.dispatchEvent({ type: "selectstart" } as never);
-  parts.ray.dispatchEvent({ type: "selectend" } as never);
+  const flat = sheet(-0.02, pressed, "flat");
+  flat.scale.y = 0;
+  controller()(new Group().add(sheet(-1, pressed, "wall"), flat));
   expect(pressed).toEqual(["wall"]);
-  hand.dispose();
+});
+
+it("has hands that take what they are at, before what their ray meets sooner", () => {
+  const pressed: string[] = [];
+  const plane = sheet(0.05, pressed, "plane"); // behind: no ray meets it
+  plane.pointerEventsOrder = 1;
+  controller()(new Group().add(sheet(-0.01, pressed, "case"), plane));
+  expect(pressed).toEqual(["plane"]);
 });
