@@ -32,8 +32,11 @@ const kDeadZone = 0.15;
 
 /** What is met first: what lies before others by its order, then what is nearest. */
 function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
-  const order = ({ object }: Intersection) => object.pointerEventsOrder ?? 0;
-  return order(b) - order(a) || a.distance - b.distance;
+  return orderOf(b.object) - orderOf(a.object) || a.distance - b.distance;
+}
+
+function orderOf(object: Object3D): number {
+  return object.pointerEventsOrder ?? 0;
 }
 
 /** Whether a pointer was at something in the last frame. */
@@ -93,8 +96,8 @@ export class Hand {
       });
       const far = createRayPointer(() => camera, { current: this.#far }, this, {
         ...options,
-        // What a hand is at it takes, not what lies closely behind that.
-        filter: (object) => hasExtent(object) && !meets(near),
+        // What a hand is at it takes, not what lies closely behind that; parts of panels are told apart by the ray.
+        filter: (object) => hasExtent(object) && (orderOf(object) > 0 || !meets(near)),
       });
       return [near, far];
     };

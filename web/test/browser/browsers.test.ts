@@ -419,7 +419,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         expect(await page.evaluate(() => window.clipgs.state.case)).toBe("phantom");
         expect(await failure("other-voxels")).toBe("");
         expect(await textOf(page, ".message[role=alert]")).toMatch(
-          /without its section .*section\.webp .*checksum differs/,
+          /without the values of the scan.*section\.webp .*checksum differs/,
         );
         expect(await page.evaluate(() => window.clipgs.stats.sectionBytes)).toBe(0);
         expect(await failure("older")).toBe("");

@@ -668,11 +668,11 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     await clipgs("pack", join(session.folder, "scene.ply"), "-o", bare, "--no-section");
     const visitor = await session.open("#case=bare&plane=0,-1,0,0", errors);
     await visitor.evaluate(() => window.clipgs.ready);
-    expect(await visitor.getByText("no section volume").isVisible()).toBe(true);
+    expect(await visitor.getByText("no values of the scan").isVisible()).toBe(true);
     expect(await visitor.getByRole("button", { name: "Volume" }).isDisabled()).toBe(true);
     expect(coverage(await pagePicture(visitor, 96, 96))).toBeGreaterThan(0.03);
     await visitor.evaluate(() => window.clipgs.open("phantom"));
-    expect(await visitor.getByText("no section volume").isVisible()).toBe(false);
+    expect(await visitor.getByText("no values of the scan").isVisible()).toBe(false);
     await visitor.close();
     rmSync(bare);
   });
