@@ -86,7 +86,7 @@ function installFrames(): void {
       window.show(moment);
       await new Promise(requestAnimationFrame);
     }
-    const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+    const gl = document.querySelector<HTMLCanvasElement>("canvas.stage")!.getContext("webgl2")!;
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); // when all is drawn
   };
 }

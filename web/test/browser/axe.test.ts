@@ -46,7 +46,7 @@ function tooSmall(page: Page): Promise<string[]> {
 
 /** Puts the page into one state after the other, each from the one before. */
 function states(page: Page): Record<string, () => Promise<unknown>> {
-  const stage = page.locator("main > canvas, #app > canvas").first();
+  const stage = page.locator("canvas.stage");
   const press = async (key: string): Promise<void> => {
     await stage.focus();
     await page.keyboard.press(key);

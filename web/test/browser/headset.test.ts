@@ -864,7 +864,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       const before = await pagePicture(page, 128, 128);
       await wearer.wear();
       await page.evaluate(() => {
-        const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+        const gl = document.querySelector<HTMLCanvasElement>("canvas.stage")!.getContext("webgl2")!;
         // The emulator goes on reading this until the page hears of the loss.
         const read = gl.getParameter.bind(gl);
         gl.getParameter = (name: number): unknown =>
@@ -884,7 +884,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await wearer.wear();
       const count = 10;
       const drawn = await page.evaluate(async (frames) => {
-        const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+        const gl = document.querySelector<HTMLCanvasElement>("canvas.stage")!.getContext("webgl2")!;
         const clear = gl.clear.bind(gl);
         let times = 0;
         let drawing = false;
@@ -971,7 +971,7 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       await page.waitForFunction(() => window.clipgs.headset.worn);
       await wearer.frames(5);
       const { mode, clear } = await page.evaluate(() => {
-        const gl = document.querySelector("canvas")!.getContext("webgl2")!;
+        const gl = document.querySelector<HTMLCanvasElement>("canvas.stage")!.getContext("webgl2")!;
         return {
           mode: window.headset.activeSession!.environmentBlendMode,
           clear: Array.from(gl.getParameter(gl.COLOR_CLEAR_VALUE) as Float32Array),

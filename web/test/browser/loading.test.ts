@@ -64,7 +64,7 @@ describe.skipIf(missing !== undefined)(`loading${missing ? ` (${missing} is miss
           dataTransfer.items.add(new File([bytes], name!));
           for (const type of ["dragenter", "dragover", "drop"]) {
             const event = new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true });
-            document.querySelector("canvas")!.dispatchEvent(event);
+            document.querySelector<HTMLCanvasElement>("canvas.stage")!.dispatchEvent(event);
           }
         },
         [name, bytes.toString("base64")],

@@ -419,7 +419,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
         document.body.append(other);
         document.body.prepend(other); // moved, not removed
         await new Promise((resolve) => other.addEventListener("ready", resolve, { once: true }));
-        const canvas = other.shadowRoot!.querySelector("canvas")!;
+        const canvas = other.shadowRoot!.querySelector<HTMLCanvasElement>("canvas.stage")!;
         const context = canvas.getContext("webgl2")!;
         other.remove();
         await new Promise((resolve) => setTimeout(resolve));

@@ -39,7 +39,7 @@ const kNoHint = { content: `try { localStorage.setItem("clipgs.hint", "seen"); }
 /** Takes the page's GPU away and gives it back. */
 export async function loseGpu(page: Page): Promise<void> {
   await page.evaluate(async () => {
-    const canvas = document.querySelector("canvas")!;
+    const canvas = document.querySelector<HTMLCanvasElement>("canvas.stage")!;
     const lost = canvas.getContext("webgl2")!.getExtension("WEBGL_lose_context")!;
     const happened = (event: string) =>
       new Promise<Event>((resolve) => canvas.addEventListener(event, resolve, { once: true }));

@@ -65,7 +65,7 @@ describe.skipIf(missing !== undefined)(`a better version of a case${why}`, () =>
     const total = await page.evaluate(() => window.clipgs.stats.total);
     // Of each frame, how much light there is in the middle of the canvas.
     await page.evaluate(() => {
-      const canvas = document.querySelector("canvas")!;
+      const canvas = document.querySelector<HTMLCanvasElement>("canvas.stage")!;
       const copy = document.createElement("canvas").getContext("2d", { willReadFrequently: true })!;
       const seen: number[] = [];
       Object.assign(window, { seen });
