@@ -25,6 +25,11 @@ type Eye = Pick<EyePicture, "camera"> & { picture: Picture };
 /** Of the room. */
 const kX = new Vector3(1, 0, 0);
 
+/** Without its scale. */
+function rotationOf(matrix: Matrix4): Matrix4 {
+  return new Matrix4().extractRotation(matrix);
+}
+
 describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is missing)` : ""}`, () => {
   const session = new Session();
   const errors: string[] = [];
@@ -235,24 +240,36 @@ describe.skipIf(missing !== undefined)(`the headset${missing ? ` (${missing} is 
       expect((await place()).distanceTo(standing)).toBeLessThan(0.01);
     });
 
-    it("goes through the views that are saved", async () => {
+    it("flies a tour of its views: the cut moves, the case turns, and nobody's head does", async () => {
       await wearer.wear();
+      await wearer.use("controller");
       await page.evaluate(() => {
+        window.clipgs.setMode("arbitrary");
+        window.clipgs.setView({ azimuth: 0, elevation: 0 });
         window.clipgs.setPlane({ normal: [0, 0, -1], offset: 0 });
-        window.clipgs.saveView("Across", "What is said of it");
-        window.clipgs.setPlane({ normal: [0, -1, 0], offset: 0 });
-        window.clipgs.saveView("Along");
+        window.clipgs.saveView("From the front", "Said of the front");
+        window.clipgs.setView({ azimuth: 90, elevation: 0 });
+        window.clipgs.setPlane({ normal: [-1, 0, 0], offset: 0 });
+        window.clipgs.saveView("The side");
       });
       await wearer.pressText("right", "Tour");
-      await wearer.pressText("right", "1  Across");
-      await expect.poll(() => find("What is said of it")).not.toBeNull();
-      await expect.poll(async () => (await normal()).z).toBeLessThan(-0.99);
+      await wearer.pressText("right", "1  From the front");
+      await expect.poll(async () => (await normal()).z).toBe(-1); // it is there
+      await wearer.frames(2);
+      expect(await page.evaluate(() => window.clipgs.headset.find("Said of the front"))).not.toBeNull();
+      const [before, head] = [await roomFromPatient(), await headPosition()];
       await wearer.pressText("right", "Next");
-      await expect.poll(async () => (await normal()).y).toBeLessThan(-0.99);
-      await page.waitForFunction(() => !window.clipgs.tour.playing);
-      await wearer.settle();
-      await wearer.pressText("right", "View");
-      await wearer.pressText("right", "Before me"); // upright again: views turn the case
+      await expect.poll(async () => (await normal()).x).toBe(-1);
+      await wearer.frames(2);
+      const turned = new Quaternion().setFromRotationMatrix(rotationOf(await roomFromPatient()));
+      const degrees =
+        (turned.angleTo(new Quaternion().setFromRotationMatrix(rotationOf(before))) * 180) / Math.PI;
+      expect(degrees).toBeGreaterThan(85);
+      expect(degrees).toBeLessThan(95);
+      expect(await headPosition()).toEqual(head);
+      await wearer.pressText("right", "Previous"); // as it was
+      await expect.poll(async () => (await normal()).z).toBe(-1);
+      await page.evaluate(() => window.clipgs.stopTour());
       await wearer.pressText("right", "Cut");
     });
 
