@@ -506,7 +506,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         await cards(1);
         await page.evaluate(() => document.querySelector<HTMLElement>("dialog[open] .card")!.click());
         await waitFor(page, () => location.hash.includes("beside=photo"), undefined);
-        expect(await textOf(page, ".beside-title")).toContain("Striped ball");
+        await expect.poll(() => textOf(page, ".beside-title")).toContain("Striped ball");
         await press("y");
         await waitFor(page, () => !location.hash.includes("beside="), undefined);
 
