@@ -1,24 +1,31 @@
 import { readFileSync } from "node:fs";
 import type { Plugin } from "vite";
 
+import {
+  chunksOf,
+  type GltfAccessor,
+  type GltfBufferView,
+  type GltfPrimitive,
+  type GltfSkin,
+  kArrays,
+  kBinary,
+  kChunkHeader,
+  kHeader,
+  kJson,
+  kMagic,
+  kSizes,
+} from "../src/xr/glb_format";
+
 // Models of hands and controllers (the WebXR Input Profiles') as the headset draws them: without their pictures, which
 // are nine tenths of most of them, and without what only pictures need.
-
-interface Accessor {
-  bufferView: number;
-  byteOffset?: number;
-  componentType: number;
-  count: number;
-  type: string;
-}
 
 interface Gltf {
   nodes: object[];
   scenes: object[];
-  meshes: { primitives: { attributes: Record<string, number>; indices: number }[] }[];
-  skins?: { joints: number[]; inverseBindMatrices: number }[];
-  accessors: Accessor[];
-  bufferViews: { byteOffset?: number; byteStride?: number }[];
+  meshes: { primitives: GltfPrimitive[] }[];
+  skins?: GltfSkin[];
+  accessors: GltfAccessor[];
+  bufferViews: GltfBufferView[];
 }
 
 /** Numbers, close together: `size` of them to an element. */
@@ -28,13 +35,6 @@ interface Values {
   type: string;
 }
 
-const kHeader = 12;
-const kChunkHeader = 8;
-const kMagic = 0x46546c67;
-const kJson = 0x4e4f534a;
-const kBinary = 0x004e4942;
-const kArrays = { 5121: Uint8Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array } as const;
-const kSizes: Readonly<Record<string, number>> = { SCALAR: 1, VEC3: 3, VEC4: 4, MAT4: 16 };
 /** What is kept, and as parts of what: nothing finer is seen, and what is rounded compresses. Others are whole. */
 const kKept: Readonly<Record<string, number>> = {
   POSITION: 2 ** 16, // of a metre
@@ -45,12 +45,10 @@ const kKept: Readonly<Record<string, number>> = {
 
 /** The same model, a fraction as large. */
 export function leanModel(file: Uint8Array): Uint8Array {
-  const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
-  const jsonEnd = kHeader + kChunkHeader + view.getUint32(kHeader, true);
-  const gltf = JSON.parse(new TextDecoder().decode(file.subarray(kHeader + kChunkHeader, jsonEnd))) as Gltf;
-  const binary = file.subarray(jsonEnd + kChunkHeader);
+  const [json, binary] = chunksOf(file);
+  const gltf = JSON.parse(new TextDecoder().decode(json)) as Gltf;
   const parts: Uint8Array[] = [];
-  const accessors: Accessor[] = [];
+  const accessors: GltfAccessor[] = [];
   const bufferViews: { buffer: 0; byteOffset: number; byteLength: number }[] = [];
   let length = 0;
   const put = ({ array, size, type }: Values): number => {

@@ -1,5 +1,15 @@
 import { Bone, BufferAttribute, BufferGeometry, Matrix4 } from "three";
 
+import {
+  chunksOf,
+  type GltfAccessor,
+  type GltfBufferView,
+  type GltfPrimitive,
+  type GltfSkin,
+  kArrays,
+  kSizes,
+} from "./glb_format";
+
 /** A model of a hand or a controller, as glTF has it: what is shown, moved by its nodes. */
 export interface GlbModel {
   /** All nodes by their names; those without parents are below `root`. */
@@ -27,26 +37,12 @@ interface Gltf {
     rotation?: number[];
     scale?: number[];
   }[];
-  meshes: { primitives: { attributes: Record<string, number>; indices: number }[] }[];
-  skins?: { joints: number[]; inverseBindMatrices: number }[];
-  accessors: {
-    bufferView: number;
-    byteOffset?: number;
-    componentType: number;
-    count: number;
-    type: string;
-  }[];
-  bufferViews: { byteOffset?: number; byteLength: number; byteStride?: number }[];
+  meshes: { primitives: GltfPrimitive[] }[];
+  skins?: GltfSkin[];
+  accessors: GltfAccessor[];
+  bufferViews: GltfBufferView[];
 }
 
-const kMagic = 0x46546c67;
-const kJson = 0x4e4f534a;
-const kBinary = 0x004e4942;
-const kHeader = 12;
-const kChunkHeader = 8;
-
-const kArrays = { 5121: Uint8Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array } as const;
-const kSizes: Readonly<Record<string, number>> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 const kAttributes = {
   position: "POSITION",
   normal: "NORMAL",
@@ -56,7 +52,7 @@ const kAttributes = {
 
 /** Reads a binary glTF file. Throws where it is none, or has more than these models do. */
 export function readGlb(bytes: ArrayBuffer): GlbModel {
-  const [json, binary] = chunks(bytes);
+  const [json, binary] = chunksOf(new Uint8Array(bytes));
   const gltf = JSON.parse(new TextDecoder().decode(json)) as Gltf;
   const bones = gltf.nodes.map((node) => {
     const bone = new Bone();
@@ -84,25 +80,6 @@ export function readGlb(bytes: ArrayBuffer): GlbModel {
   return { nodes: new Map(bones.map((bone) => [bone.name, bone])), root, meshes };
 }
 
-/** The description and the data. */
-function chunks(bytes: ArrayBuffer): [Uint8Array, Uint8Array] {
-  const view = new DataView(bytes);
-  if (bytes.byteLength < kHeader || view.getUint32(0, true) !== kMagic) {
-    throw new Error("no binary glTF");
-  }
-  const found = new Map<number, Uint8Array>();
-  for (let at = kHeader; at + kChunkHeader <= bytes.byteLength; ) {
-    const length = view.getUint32(at, true);
-    found.set(view.getUint32(at + 4, true), new Uint8Array(bytes, at + kChunkHeader, length)); // throws beyond its end
-    at += kChunkHeader + length;
-  }
-  const [json, binary] = [found.get(kJson), found.get(kBinary)];
-  if (!json || !binary) {
-    throw new Error("a binary glTF without data");
-  }
-  return [json, binary];
-}
-
 /** The numbers of an accessor, close together. */
 function read(
   gltf: Gltf,
@@ -126,11 +103,7 @@ function read(
 
 type ArrayKind = (typeof kArrays)[keyof typeof kArrays];
 
-function geometryOf(
-  gltf: Gltf,
-  binary: Uint8Array,
-  { attributes, indices }: { attributes: Record<string, number>; indices: number },
-): BufferGeometry {
+function geometryOf(gltf: Gltf, binary: Uint8Array, { attributes, indices }: GltfPrimitive): BufferGeometry {
   const geometry = new BufferGeometry();
   for (const [name, theirs] of Object.entries(kAttributes)) {
     const index = attributes[theirs];

@@ -4,7 +4,7 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import { copyMadeCases } from "./made_cases";
 import { missing } from "./program";
 import { Session } from "./session";
-import { show } from "./shot";
+import { markAxialFace, show } from "./shot";
 
 /** What a person does something with. */
 const kControls = ["button", "link", "slider", "spinbutton", "textbox", "combobox", "checkbox", "dialog"];
@@ -34,18 +34,12 @@ describe.skipIf(missing !== undefined)(`accessibility${missing ? ` (${missing} i
   async function showMuch(): Promise<void> {
     const more: [number, number, number, number, number?][] = [[0, -1, 0, -60, 60]];
     await show(page, { view: [10, 60, 1], plane: [0, 0, -1, 0], more, clip: "exact", grey: 1 });
-    await page.evaluate(() => {
-      const { min, max } = window.clipgs.bounds!;
-      const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
-      const points: [number, number, number][] = [
-        [r - 20, a, 0],
-        [r + 20, a, 0],
-      ];
-      window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id));
-      window.clipgs.addMark({ kind: "point", points: points.slice(0, 1), name: "A point", note: "A note" });
-      window.clipgs.addMark({ kind: "length", points });
-      window.clipgs.addMark({ kind: "region", points, normal: [0, 0, -1] });
-    });
+    await page.evaluate(() => window.clipgs.marks.forEach(({ id }) => window.clipgs.removeMark(id)));
+    const points = await markAxialFace(page);
+    await page.evaluate(
+      (rim) => window.clipgs.addMark({ kind: "region", points: rim, normal: [0, 0, -1] }),
+      points,
+    );
     await page.getByRole("list", { name: "Marks" }).getByRole("listitem").last().waitFor();
     await page.getByRole("list", { name: "Marks" }).getByRole("button").first().click();
     await page.getByRole("region", { name: "Mark", exact: true }).waitFor();

@@ -10,6 +10,7 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 import { copyMadeCases } from "./made_cases";
 import { missing } from "./program";
 import { Session } from "./session";
+import { markAxialFace } from "./shot";
 
 const kAxe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** What depends on colours; all else is the same in the other ones. */
@@ -75,16 +76,7 @@ function states(page: Page): Record<string, () => Promise<unknown>> {
         ]);
       }),
     "marks, and the card of one": async () => {
-      await page.evaluate(() => {
-        const { min, max } = window.clipgs.bounds!;
-        const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
-        const points: [number, number, number][] = [
-          [r - 20, a, 0],
-          [r + 20, a, 0],
-        ];
-        window.clipgs.addMark({ kind: "point", points: points.slice(0, 1), name: "A point", note: "A note" });
-        window.clipgs.addMark({ kind: "length", points });
-      });
+      await markAxialFace(page);
       await page.locator(".mark-name").first().dispatchEvent("click");
       await page.locator(".mark-card").waitFor();
     },

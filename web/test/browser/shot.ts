@@ -125,3 +125,18 @@ export async function valueAt(server: Server, point: readonly number[]): Promise
   const printed = await clipgs("render", case_, "-o", path, "--size", "16x16", "--pin", point.join());
   return printed.trim().split("mm: ")[1]!;
 }
+
+/** Marks a point, with name and note, and a length on the axial face at S 0; returns the ends of that. */
+export function markAxialFace(page: Evaluates): Promise<Triple[]> {
+  return page.evaluate(() => {
+    const { min, max } = window.clipgs.bounds!;
+    const [r, a] = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
+    const points: [number, number, number][] = [
+      [r - 20, a, 0],
+      [r + 20, a, 0],
+    ];
+    window.clipgs.addMark({ kind: "point", points: points.slice(0, 1), name: "A point", note: "A note" });
+    window.clipgs.addMark({ kind: "length", points });
+    return points;
+  }, undefined);
+}

@@ -1,10 +1,11 @@
 import { abortableEffect, Container, type FontFamilies, Image } from "@pmndrs/uikit";
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
-import { Group, SRGBColorSpace, type Texture, TextureLoader, type Vector3 } from "three";
+import { SRGBColorSpace, type Texture, TextureLoader, type Vector3 } from "three";
 
 import { formatBytes, type LoadingCase } from "../../model/case_list";
 import { texts } from "../../text/text";
 import { kOverCase } from "../../render/draw_order";
+import { Board } from "./board";
 import { column, each, kSmallFont, label, progressBar, row } from "./widgets";
 
 /** m a px. */
@@ -19,9 +20,7 @@ const kAbove = 0.05;
 
 /** The case that is on its way, where it will stand: what it is called, how it looks, and how much of it is there. */
 export class LoadingBoard {
-  /** In the room. */
-  readonly object = new Group();
-  readonly #root: Container;
+  readonly board: Board;
   readonly #loading: ReadonlySignal<LoadingCase | null>;
   readonly #picture = signal<Texture | null>(null);
   #waited = 0;
@@ -36,7 +35,7 @@ export class LoadingBoard {
       return bytes > 0 ? texts().headset.loading(percent, formatBytes(bytes)) : `${percent} %`;
     });
     const over = { depthTest: false, renderOrder: kOverCase + 2 };
-    this.#root = column(
+    const root = column(
       {
         pixelSize: kPixel,
         width: kWidth,
@@ -68,31 +67,22 @@ export class LoadingBoard {
       progressBar(computed(() => loading.value?.share ?? 0)),
     );
     const url = computed(() => loading.value?.thumbnail ?? null);
-    abortableEffect(() => void this.#show(url.value), this.#root.abortSignal);
-    this.object.add(this.#root);
-    this.object.intersectChildren = false;
-    this.object.visible = false;
+    abortableEffect(() => void this.#show(url.value), root.abortSignal);
+    this.board = new Board(root, false);
   }
 
   /** Before a frame, between the eyes and where the case stands, or will. */
   update(place: Vector3, eye: Vector3, delta: number): void {
     this.#waited = this.#loading.value ? this.#waited + delta : 0;
-    this.object.visible = this.#waited > kPatienceMs;
-    if (this.object.visible) {
-      this.object.position.copy(place).sub(eye).setLength(kAway).add(eye);
-      this.object.position.y += kAbove;
-      this.object.lookAt(eye);
-      this.#root.update(delta);
+    this.board.show(this.#waited > kPatienceMs);
+    if (this.board.isShown) {
+      this.board.putBefore(eye, place, kAway, kAbove);
     }
-  }
-
-  /** What it consists of, as the panel is asked for its own (widgets.ts). */
-  get content(): Container | null {
-    return this.object.visible ? this.#root : null;
+    this.board.update(delta);
   }
 
   dispose(): void {
-    this.#root.dispose();
+    this.board.dispose();
     this.#picture.peek()?.dispose();
   }
 

@@ -1,8 +1,9 @@
-import type { Container, FontFamilies } from "@pmndrs/uikit";
-import { Group, Vector3 } from "three";
+import type { FontFamilies } from "@pmndrs/uikit";
+import { Vector3 } from "three";
 
 import type { Hand } from "../hand";
 import { kBesideCase } from "../../render/draw_order";
+import { Board } from "./board";
 import { button, column, row } from "./widgets";
 
 /** m a px. */
@@ -24,17 +25,15 @@ export type PalmHand = Pick<Hand, "source" | "wrist" | "isPressing" | "offering"
 
 /** Buttons beside a bare hand's palm, for the other hand's finger. */
 export class PalmMenu {
-  /** In the room. */
-  readonly object = new Group();
+  readonly board: Board;
   readonly #hand: PalmHand;
-  readonly #root: Container;
   readonly #palm = new Vector3(); // scratch
   readonly #toEye = new Vector3();
 
   constructor(hand: PalmHand, fontFamilies: FontFamilies, actions: readonly PalmAction[]) {
     this.#hand = hand;
     const buttons = actions.map(([text, press]) => button(text, press, { height: 56 }));
-    this.#root = column(
+    const root = column(
       {
         pixelSize: kPixel,
         width: kWidth,
@@ -50,8 +49,7 @@ export class PalmMenu {
       },
       ...buttons.flatMap((one, i) => (i % 2 === 0 ? [row(one, ...buttons.slice(i + 1, i + 2))] : [])),
     );
-    this.object.add(this.#root);
-    this.object.visible = this.object.intersectChildren = false;
+    this.board = new Board(root, true);
   }
 
   /** Before a frame, seen from `eye` in the room. */
@@ -61,24 +59,16 @@ export class PalmMenu {
       .set(0, -1, 0)
       .applyQuaternion(quaternion)
       .dot(this.#toEye.copy(eye).sub(position).normalize());
-    const isTurned = visible && facing > (this.object.visible ? kGo : kCome);
+    const { board } = this;
+    const isTurned = visible && facing > (board.isShown ? kGo : kCome);
     // What is held and turned is looked at, not the menu.
-    this.object.visible = isTurned && (this.#hand.offering || !this.#hand.isPressing);
-    this.object.intersectChildren = this.#hand.offering = this.object.visible;
-    if (this.object.visible) {
+    board.show(isTurned && (this.#hand.offering || !this.#hand.isPressing));
+    this.#hand.offering = board.isShown;
+    if (board.isShown) {
       const beside = this.#hand.source?.handedness === "left" ? -kBeside : kBeside;
-      this.object.position.set(beside, 0, -kAhead).applyQuaternion(quaternion).add(position);
-      this.object.lookAt(eye);
-      this.#root.update(delta);
+      board.object.position.set(beside, 0, -kAhead).applyQuaternion(quaternion).add(position);
+      board.object.lookAt(eye);
     }
-  }
-
-  /** What is in it, as the panel is asked for its own (widgets.ts). */
-  get content(): Container | null {
-    return this.object.visible ? this.#root : null;
-  }
-
-  dispose(): void {
-    this.#root.dispose();
+    board.update(delta);
   }
 }

@@ -16,6 +16,7 @@ import { faceTab } from "./face_tab";
 import { FirstHints } from "./first_hints";
 import { helpTab } from "./help_tab";
 import { layersTab } from "./layers_tab";
+import type { Board } from "./board";
 import { LoadingBoard } from "./loading_board";
 import { LooksTab } from "./looks_tab";
 import { marksTab } from "./marks_tab";
@@ -92,6 +93,7 @@ export class Panel {
   readonly #palmMenus: readonly PalmMenu[];
   readonly #loadingBoard: LoadingBoard;
   readonly #trouble: TroubleBoard;
+  readonly #boards: readonly Board[];
   readonly #hints: FirstHints;
   readonly #move: HandleStore<unknown>;
   readonly #release: () => void;
@@ -159,11 +161,11 @@ export class Panel {
     this.#palmMenus = host.hands.map(
       (hand) => new PalmMenu(hand, this.#font.families(), this.#palmActions()),
     );
-    this.object.add(...this.#palmMenus.map((menu) => menu.object));
     this.#loadingBoard = new LoadingBoard(host.loading, (text) => this.#font.families(text));
     this.#trouble = new TroubleBoard(host.message, (text) => this.#font.families(text));
     this.#hints = new FirstHints(host.stage, this.#font.families());
-    this.object.add(this.#loadingBoard.object, this.#trouble.object, this.#hints.object);
+    this.#boards = [this.#trouble, this.#loadingBoard, ...this.#palmMenus].map(({ board }) => board);
+    this.object.add(...this.#boards.map(({ object }) => object), this.#hints.object);
     this.#move = new HandleStore(this.#board, () => ({
       scale: false,
       rotate: false,
@@ -187,9 +189,7 @@ export class Panel {
     return (
       this.#marks.find(text) ??
       (this.#board.visible ? findText(this.#root, text) : null) ??
-      [this.#trouble, this.#loadingBoard, ...this.#palmMenus]
-        .map(({ content }) => content && findText(content, text))
-        .find((at) => at) ??
+      this.#boards.map(({ content }) => content && findText(content, text)).find((at) => at) ??
       (this.#hints.text === text ? this.#hints.object.position.clone() : null) ??
       this.#letters.find(text) ??
       this.#cube.find(text)
@@ -261,9 +261,9 @@ export class Panel {
     this.#marks.dispose();
     this.#letters.dispose();
     this.#cube.dispose();
-    this.#palmMenus.forEach((menu) => menu.dispose());
+    this.#palmMenus.forEach(({ board }) => board.dispose());
     this.#loadingBoard.dispose();
-    this.#trouble.dispose();
+    this.#trouble.board.dispose();
     this.#hints.dispose();
   }
 

@@ -1,10 +1,11 @@
-import { type Container, type FontFamilies } from "@pmndrs/uikit";
+import type { FontFamilies } from "@pmndrs/uikit";
 import { computed, type ReadonlySignal } from "@preact/signals-core";
-import { Group, type Vector3 } from "three";
+import type { Vector3 } from "three";
 
 import { kOverCase } from "../../render/draw_order";
 import { texts } from "../../text/text";
 import type { Message, Trouble } from "../../ui/message";
+import { Board } from "./board";
 import { button, column, label, row, when } from "./widgets";
 
 /** m a px. */
@@ -17,9 +18,7 @@ const kOrder = 4;
 
 /** What went wrong, before the eyes until it is tried again or dismissed, wherever the panel is. */
 export class TroubleBoard {
-  /** In the room. */
-  readonly object = new Group();
-  readonly #root: Container;
+  readonly board: Board;
   readonly #trouble: ReadonlySignal<Trouble | null>;
 
   /** `families` are those that a text is drawn with. */
@@ -33,7 +32,7 @@ export class TroubleBoard {
       message.dismiss();
       act?.();
     });
-    this.#root = column(
+    const root = column(
       {
         pixelSize: kPixel,
         width: kWidth,
@@ -58,29 +57,16 @@ export class TroubleBoard {
         button(t.dismiss, () => message.dismiss()),
       ),
     );
-    this.object.add(this.#root);
-    this.object.visible = this.object.intersectChildren = false;
+    this.board = new Board(root, true);
   }
 
   /** Before a frame. It stays where it was put: between the eyes and where the case stood. */
   update(place: Vector3, eye: Vector3, delta: number): void {
     const isShown = this.#trouble.peek() !== null;
-    if (isShown && !this.object.visible) {
-      this.object.position.copy(place).sub(eye).setLength(kAway).add(eye);
-      this.object.lookAt(eye);
+    if (isShown && !this.board.isShown) {
+      this.board.putBefore(eye, place, kAway);
     }
-    this.object.visible = this.object.intersectChildren = isShown;
-    if (isShown) {
-      this.#root.update(delta);
-    }
-  }
-
-  /** What it consists of, as the panel is asked for its own (widgets.ts). */
-  get content(): Container | null {
-    return this.object.visible ? this.#root : null;
-  }
-
-  dispose(): void {
-    this.#root.dispose();
+    this.board.show(isShown);
+    this.board.update(delta);
   }
 }
