@@ -47,7 +47,7 @@ function tooSmall(page: Page): Promise<string[]> {
 
 /** Puts the page into one state after the other, each from the one before. */
 function states(page: Page): Record<string, () => Promise<unknown>> {
-  const stage = page.locator("canvas.stage");
+  const stage = page.locator("canvas.stage").first(); // not that of a case beside
   const press = async (key: string): Promise<void> => {
     await stage.focus();
     await page.keyboard.press(key);
