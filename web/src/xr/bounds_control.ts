@@ -253,6 +253,11 @@ export class BoundsControl {
   }
 }
 
+/** Whether it is met as corners and knobs of a box are. */
+export function isHandle(object: Object3D): boolean {
+  return object instanceof Instances;
+}
+
 /** Which of several things in one mesh an event is at. */
 function instanceOf(event: PointerEvent | undefined): number | undefined {
   return event?.instanceId;

@@ -18,6 +18,7 @@ import {
   type XRTargetRaySpace,
 } from "three";
 
+import { isHandle } from "./bounds_control";
 import { InputShape } from "./input_shape";
 import { PointingRay } from "./pointing_ray";
 import { Poke } from "./poke";
@@ -33,6 +34,12 @@ const kDeadZone = 0.15;
 /** What is met first: what lies before others by its order, then what is nearest. */
 function firstMet(a: Intersection, _orderA: unknown, b: Intersection): number {
   return orderOf(b.object) - orderOf(a.object) || a.distance - b.distance;
+}
+
+/** The same from near; but handles are small, and meant where they are what is nearest. */
+function firstAtHand(a: Intersection, order: unknown, b: Intersection): number {
+  const atHandle = isHandle(a.object) || isHandle(b.object);
+  return atHandle ? a.distance - b.distance : firstMet(a, order, b);
 }
 
 function orderOf(object: Object3D): number {
@@ -89,13 +96,15 @@ export class Hand {
     this.#bare = xr.getHand(index);
     const pointers = (): [Pointer, Pointer] => {
       // However long it is pressed: hands are slower than mice.
-      const options = { customSort: firstMet, filter: hasExtent, clickThresholdMs: Infinity };
+      const options = { filter: hasExtent, clickThresholdMs: Infinity };
       const near = createGrabPointer(() => camera, { current: this.#near }, this, {
         ...options,
+        customSort: firstAtHand,
         radius: kReach,
       });
       const far = createRayPointer(() => camera, { current: this.#far }, this, {
         ...options,
+        customSort: firstMet,
         // What a hand is at it takes, not what lies closely behind that; parts of panels are told apart by the ray.
         filter: (object) => hasExtent(object) && (orderOf(object) > 0 || !meets(near)),
       });
