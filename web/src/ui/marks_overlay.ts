@@ -15,6 +15,7 @@ import {
   measureText,
 } from "../model/marks";
 import { shownMarks } from "../model/viewer_state";
+import type { Section } from "../sog/section";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { follow, h, svg } from "./dom";
@@ -39,10 +40,11 @@ interface Drawn {
   choice: number | undefined; // where its label stood last
 }
 
-/** What is said of a mark, read again only where the section is another. */
+/** What is said of a mark, read again only where the section is another; one that is gone is not held. */
 export class MarkTexts {
   readonly #viewer: Viewer;
-  #section: unknown;
+  readonly #read = new WeakMap<Section, { number: number; known: WeakMap<Mark, string> }>();
+  #sections = 0;
   #known = new WeakMap<Mark, string>();
 
   constructor(viewer: Viewer) {
@@ -52,9 +54,8 @@ export class MarkTexts {
   of(mark: Mark): string {
     const { section } = this.#viewer;
     // While another look is on its way there is none: what was read stays.
-    if (section && section !== this.#section) {
-      this.#section = section;
-      this.#known = new WeakMap();
+    if (section) {
+      ({ known: this.#known } = this.#of(section));
     }
     const known = this.#known.get(mark);
     const text = known ?? (markText(mark, measure(mark, section)) || texts().marks.kinds[mark.kind]);
@@ -62,6 +63,18 @@ export class MarkTexts {
       this.#known.set(mark, text);
     }
     return text;
+  }
+
+  /** The number of the section that is read, from 1; 0: there is none. */
+  get source(): number {
+    const { section } = this.#viewer;
+    return section ? this.#of(section).number : 0;
+  }
+
+  #of(section: Section): { number: number; known: WeakMap<Mark, string> } {
+    const read = this.#read.get(section) ?? { number: ++this.#sections, known: new WeakMap<Mark, string>() };
+    this.#read.set(section, read);
+    return read;
   }
 }
 

@@ -29,7 +29,7 @@ export function marksPanel(
   const t = texts().marks;
   const { store } = viewer;
   const marks = live(() => viewer.state.marks);
-  const section = live(() => viewer.section);
+  const source = live(() => said.source);
   const tools = choices(
     t.tools,
     t.kinds,
@@ -46,7 +46,7 @@ export function marksPanel(
 
   function row(mark: Mark): HTMLElement {
     const text = computed(() => {
-      void section.value;
+      void source.value;
       return said.of(mark);
     });
     return h(

@@ -44,7 +44,7 @@ export const kCountGpu = {
 
 /** Keys that do something; "v" would want a headset. */
 const kKeys =
-  "a c s f p n e x b u g w i l h o 1 2 3 4 q y r j 0 , . t m k ? d Shift+D + - Tab Enter Escape Delete Control+z Control+Shift+z ArrowUp ArrowDown ArrowLeft ArrowRight PageUp PageDown Shift+ArrowUp Alt+ArrowLeft Control+ArrowRight Space Home End".split(
+  "a c s f p n e x b u g w i l h o 1 2 3 4 q y r j 0 , . t m k ? d Shift+D + - Tab Enter Escape Delete Control+z Control+Shift+z ArrowUp ArrowDown ArrowLeft ArrowRight PageUp PageDown Shift+ArrowUp Alt+ArrowUp Control+ArrowRight Space Home End".split(
     " ",
   );
 
@@ -158,6 +158,10 @@ async function comeToRest(page: Page, name: string): Promise<void> {
     clipgs.setLayers({ body: true, faces: true, marks: true });
     clipgs.setClip("exact");
     clipgs.setGrey(0);
+    clipgs.setSection("volume");
+    clipgs.setRig(null); // another light is held besides the case's own
+    clipgs.setTurn(0);
+    clipgs.setLamp(null);
     clipgs.setView({ azimuth: 0, elevation: 0, zoom: 1 });
     document.querySelector<HTMLElement>(".message:not([hidden]) .dismiss")?.click();
   }, name);

@@ -14,6 +14,7 @@ import {
 import { anchorOf, linesOf, type Mark, markText, measure } from "../../model/marks";
 import { type Reading, valueText } from "../../model/values";
 import { shownMarks } from "../../model/viewer_state";
+import type { Section } from "../../sog/section";
 import type { Viewer } from "../../viewer";
 import { kOverCase } from "../../render/draw_order";
 import { Tag } from "./tag";
@@ -52,7 +53,7 @@ export class RoomMarks {
   readonly #end = new Vector3();
   readonly #segment = new Object3D();
   #marks: readonly Mark[] = [];
-  #section: unknown = null; // whose values the tags say
+  #section: WeakRef<Section> | null = null; // whose values the tags say; one that is gone is not held
   #standing: readonly Standing[] = [];
 
   /** `families` are those that a text is drawn with. */
@@ -74,9 +75,9 @@ export class RoomMarks {
     const { state, section } = this.#viewer;
     this.#placed.visible = state.layers.marks;
     const marks = shownMarks(state);
-    if (marks !== this.#marks || section !== this.#section) {
+    if (marks !== this.#marks || section !== (this.#section?.deref() ?? null)) {
       this.#marks = marks;
-      this.#section = section;
+      this.#section = section && new WeakRef(section);
       this.#build();
     }
     const inRoom = (point: Vector3, to: Vector3) => to.copy(point).applyMatrix4(roomFromPatient);
