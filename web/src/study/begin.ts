@@ -1,6 +1,8 @@
 import type { App } from "../app";
 import { readSection } from "../model/values";
 import { CaseError } from "../sog/zip";
+import { englishStudy, type StudyTexts } from "../text/study_en";
+import type { Language } from "../text/text";
 import { download } from "../ui/download";
 import { offeredSurroundings } from "../xr/headset";
 import { StudyGuide } from "./guide";
@@ -14,6 +16,11 @@ const kLookMs = 50;
 /** The plan that an address names, of those that the server has. Rejects with CaseError. */
 export async function loadPlan(name: string): Promise<Plan> {
   return parsePlan(await fetchPlan(name), name);
+}
+
+/** What is said in a study in this language. */
+async function wordsOf(language: Language): Promise<StudyTexts> {
+  return language === "de" ? (await import("../text/study_de")).germanStudy : englishStudy;
 }
 
 /** Throws CaseError where a plan's targets are not in the case that is shown. */
@@ -41,7 +48,7 @@ export async function beginStudy(plan: Plan, app: App): Promise<void> {
   }
   requireTargets(plan, app);
   const offered = (await offeredSurroundings()).includes("immersive-vr");
-  const study = new Study(plan, {
+  const study = new Study(plan, await wordsOf(plan.language), {
     viewer,
     actions: app.actions,
     store: localStorage,

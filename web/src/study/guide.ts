@@ -12,7 +12,7 @@ export class StudyGuide {
   constructor(study: Study, app: App) {
     this.#study = study;
     this.#app = app;
-    this.#card = new StudyCard(app.actions);
+    this.#card = new StudyCard(app.actions, study.words, study.plan.language);
   }
 
   /** What is shown on the page, where the case is to be seen above it. */

@@ -5,6 +5,7 @@ import { type Plane, planeThrough, projectOnto, signedDistance } from "../model/
 import { kModes } from "../model/states";
 import { type JsonFile, JsonReader } from "../sog/json_reader";
 import { CaseError, crc32 } from "../sog/zip";
+import { kLanguages, type Language } from "../text/text";
 import { kQuestionnaires, type Questionnaire } from "./questionnaires";
 
 const kMostTasks = 50;
@@ -41,6 +42,8 @@ export interface Plan {
   /** Of its text: a session goes on with the same one alone. */
   digest: string;
   case: string;
+  /** Of its texts: what is said besides them is said in it, too. */
+  language: Language;
   welcome: readonly string[];
   modes: readonly PlannedMode[];
   /** Whether every other participant begins with the other mode. */
@@ -76,6 +79,7 @@ export function parsePlan(text: string, name: string): Plan {
     title: reader.text("title"),
     digest: crc32(new TextEncoder().encode(text)).toString(16).padStart(8, "0"),
     case: reader.text("case"),
+    language: reader.has("language") ? oneOf(reader, "language", kLanguages) : "en",
     welcome: reader.has("welcome") ? readTexts(reader, "welcome") : [],
     modes: reader.children("modes", kModes.length).map((one) => ({
       mode: oneOf(one, "mode", kModes),

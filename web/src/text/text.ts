@@ -2,7 +2,7 @@ import { english, type Texts } from "./en";
 
 const kUsual = "en";
 /** The languages that are spoken here, by their codes. */
-const kLanguages = [kUsual, "de"] as const;
+export const kLanguages = [kUsual, "de"] as const;
 export type Language = (typeof kLanguages)[number];
 
 let spoken: { language: Language; texts: Texts } = { language: kUsual, texts: english };

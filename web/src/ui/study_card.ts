@@ -1,24 +1,28 @@
 import type { Actions } from "../actions";
 import { clock } from "../model/values";
 import type { Button, Entry, Question, Screen } from "../study/screen";
-import { texts } from "../text/text";
+import type { StudyTexts } from "../text/study_en";
+import type { Language } from "../text/text";
 import { h } from "./dom";
 
 /** What a study shows, on the page. */
 export class StudyCard {
-  readonly element = h("section", { class: "study", "aria-label": "Study" });
+  readonly element: HTMLElement;
   readonly #actions: Actions;
+  readonly #words: StudyTexts;
   readonly #remaining = h("output", { class: "readout", "aria-live": "off" });
   readonly #slider: HTMLInputElement;
   readonly #position = h("output", { class: "readout", "aria-live": "off" });
   #shown = "";
   #key = "";
 
-  constructor(actions: Actions) {
+  constructor(actions: Actions, words: StudyTexts, lang: Language) {
     this.#actions = actions;
+    this.#words = words;
+    this.element = h("section", { class: "study", "aria-label": words.title, lang });
     this.#slider = h("input", {
       type: "range",
-      "aria-label": "Position of the plane",
+      "aria-label": words.slider,
       oninput: () => actions.moveTo(Number(this.#slider.value)),
     });
   }
@@ -65,7 +69,7 @@ export class StudyCard {
       this.#slider.value = String(value);
     }
     this.#position.textContent = positionText;
-    this.#slider.setAttribute("aria-valuetext", positionText || texts().cut.nothing);
+    this.#slider.setAttribute("aria-valuetext", positionText || this.#words.noPlane);
   }
 
   /** A new screen is read from its title on; on the same one the button of this text is focused again. */

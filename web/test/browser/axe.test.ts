@@ -1,31 +1,17 @@
 // No rule of axe-core is broken, whatever is shown, in both languages, colours, levels, and on a desk and a telephone.
 
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-
-import type { AxeResults, RunOptions } from "axe-core";
+import type { RunOptions } from "axe-core";
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
+import { broken, kAxe } from "./axe";
 import { copyMadeCases } from "./made_cases";
 import { missing } from "./program";
 import { Session } from "./session";
 import { markAxialFace } from "./shot";
 
-const kAxe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** What depends on colours; all else is the same in the other ones. */
 const kColors: RunOptions = { runOnly: ["color-contrast"] };
-
-/** The rules that are broken, and where; `options`: of which. */
-async function broken(page: Page, options: RunOptions = {}): Promise<string[]> {
-  const { violations } = await page.evaluate(
-    (how) => (window as unknown as { axe: { run(how: RunOptions): Promise<AxeResults> } }).axe.run(how),
-    { resultTypes: ["violations"], ...options } satisfies RunOptions,
-  );
-  return violations.flatMap(({ id, nodes }) =>
-    nodes.map(({ target, failureSummary }) => `${id}: ${target.join(" ")}: ${failureSummary}`),
-  );
-}
 
 /** Controls with less room than a finger needs (WCAG 2.2, 2.5.5); faces of the cube are as large as it can be. */
 function tooSmall(page: Page): Promise<string[]> {
@@ -157,7 +143,7 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
       const url = `${session.url}?lang=${lang}#case=phantom&view=10,40`;
       const page = await session.openPage(url, errors, viewport, [
         { content: `try { localStorage.setItem("clipgs.level", "${level}"); } catch {}` },
-        { content: kAxe },
+        kAxe,
       ]);
       await page.waitForFunction(() => window.clipgs !== undefined);
       await page.evaluate(() => window.clipgs.ready);
@@ -188,9 +174,7 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
   }
 
   it("finds nothing wrong where there is no case", async () => {
-    const page = await session.openPage("about:blank", errors, { width: 900, height: 700 }, [
-      { content: kAxe },
-    ]);
+    const page = await session.openPage("about:blank", errors, { width: 900, height: 700 }, [kAxe]);
     await page.route("**/api/cases*", (route) => route.fulfill({ json: { cases: [] } }));
     await page.goto(session.url);
     await page.locator("dialog[open]").waitFor();

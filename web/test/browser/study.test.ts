@@ -7,6 +7,7 @@ import { afterAll, beforeAll, describe, expect, it } from "vitest";
 
 import { kNoAnswer } from "../../src/model/case_list";
 import { missingFor, startBrowser } from "./browsers";
+import { broken, kAxe } from "./axe";
 import { copyMadeCases } from "./made_cases";
 import { kProgram, missing } from "./program";
 import { kSmallEyes, Session } from "./session";
@@ -285,6 +286,50 @@ describe.skipIf(missing !== undefined)(`a study${missing ? ` (${missing} is miss
     expect(task["travel_mm"], "two steps of 0.1 mm, or to the next of them").toBeGreaterThan(0.1);
     expect(task["travel_mm"]).toBeLessThan(0.21);
     await page.close();
+  });
+
+  it("speaks the language of its plan, and axe-core finds nothing wrong", async () => {
+    const german = JSON.parse(readFileSync("../presets/study/clipgs-vr-de.json", "utf8")) as {
+      modes: unknown[];
+    };
+    const one = german.modes.slice(0, 1);
+    writeFileSync(join(folder, "german.json"), JSON.stringify({ ...german, modes: one, name: "german" }));
+    const page = await session.openPage(session.url.replace("short", "german"), errors, undefined, [kAxe]);
+    await begun(page);
+    const found: string[] = [];
+    const look = async (title: string) => {
+      await card(page).getByRole("heading", { name: title }).waitFor();
+      found.push(...(await broken(page)).map((what) => `${title}: ${what}`));
+    };
+    await look("Eine Achse oder jeder Winkel");
+    await begin(page, 7, "Am Bildschirm beginnen");
+    await press(page, "Weiter");
+    await look("Eine Achse");
+    await press(page, "Weiter");
+    for (const title of ["Zum Üben", "Aufgabe 1 von 3", "Aufgabe 2 von 3", "Aufgabe 3 von 3"]) {
+      await look(title);
+      await press(page, "Start");
+      await look(title);
+      await press(page, "Fertig");
+    }
+    for (let i = 1; i <= 10; ++i) {
+      await card(page)
+        .getByRole("heading", { name: `Frage ${i} von 10` })
+        .waitFor();
+      await press(page, "4");
+      await press(page, i < 10 ? "Weiter" : "Absenden");
+    }
+    await look("Noch eine Frage");
+    await press(page, "5");
+    await press(page, "Absenden");
+    await look("In Ihren Worten");
+    expect(await card(page).getAttribute("lang")).toBe("de");
+    expect(found).toEqual([]);
+    await page.close();
+    // Of another plan, it is not to be analysed with the others.
+    readdirSync(folder)
+      .filter((name) => name.startsWith("p007-"))
+      .forEach((name) => rmSync(join(folder, name)));
   });
 
   it.each(["firefox", "webkit"] as const)("is led through in %s", async (name) => {

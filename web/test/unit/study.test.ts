@@ -6,7 +6,9 @@ import { planeThrough } from "../../src/model/geometry";
 import { Journal } from "../../src/study/journal";
 import { FrameTimes, TaskMeasures } from "../../src/study/measures";
 import { errorFrom, parsePlan, type Plan } from "../../src/study/plan";
-import { kItems } from "../../src/study/questionnaires";
+import { itemsOf } from "../../src/study/questionnaires";
+import { germanStudy } from "../../src/text/study_de";
+import { englishStudy } from "../../src/text/study_en";
 import { modesOf, resumeAt, stepsOf, tasksOf } from "../../src/study/schedule";
 
 const kPlan = readFileSync("../presets/study/clipgs-vr.json", "utf8");
@@ -30,10 +32,23 @@ describe("a study's plan", () => {
     points.forEach((point) => expect(plane!.normal.dot(point) - plane!.offset).toBeCloseTo(0, 9));
   });
 
+  it("is the same in German", () => {
+    const german = parsePlan(readFileSync("../presets/study/clipgs-vr-de.json", "utf8"), "clipgs-vr-de.json");
+    expect([plan().language, german.language]).toEqual(["en", "de"]);
+    const structure = ({ modes, practice, tasks, welcome, ...rest }: Plan) => ({
+      ...rest,
+      ...{ name: "", digest: "", language: "", title: "", welcome: welcome.length },
+      modes: modes.map(({ mode }) => mode),
+      tasks: [...practice, ...tasks].map((task) => ({ ...task, text: "" })),
+    });
+    expect(structure(german)).toEqual(structure(plan()));
+  });
+
   it("is refused in one line where it is wrong", () => {
     const wrong: [(json: Record<string, unknown>) => void, RegExp][] = [
       [(json) => (json["format"] = 2), /clipgs-vr\.json: plan\.format is missing or out of range; see docs/],
       [(json) => delete json["title"], /plan\.title/],
+      [(json) => (json["language"] = "fr"), /plan\.language/],
       [(json) => (json["name"] = "my plan"), /plan\.name/],
       [(json) => (json["modes"] = []), /plan\.modes/],
       [(json) => (json["modes"] = [0, 1].map(() => (json["modes"] as unknown[])[0])), /plan\.modes/],
@@ -102,11 +117,18 @@ describe("a study's schedule", () => {
   });
 
   it("asks ten questions of the SUS, one of efficiency and six of the TLX", () => {
-    expect(kItems.sus.map(({ values }) => values.length)).toEqual(Array(10).fill(5));
-    expect(kItems.efficiency).toHaveLength(1);
-    expect(kItems.tlx.map(({ values }) => [values[0], values.at(-1), values.length])).toEqual(
-      Array(6).fill([0, 100, 21]),
-    );
+    for (const words of [englishStudy, germanStudy]) {
+      expect(itemsOf("sus", words).map(({ values }) => values.length)).toEqual(Array(10).fill(5));
+      expect(itemsOf("efficiency", words)).toHaveLength(1);
+      expect(itemsOf("tlx", words).map(({ values }) => [values[0], values.at(-1), values.length])).toEqual(
+        Array(6).fill([0, 100, 21]),
+      );
+      expect(
+        itemsOf("tlx", words)
+          .map(({ low }) => low === words.tlx.perfect)
+          .indexOf(true),
+      ).toBe(3);
+    }
   });
 });
 

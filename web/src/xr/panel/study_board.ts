@@ -3,7 +3,6 @@ import { computed, signal } from "@preact/signals-core";
 
 import type { Actions } from "../../actions";
 import { clock } from "../../model/values";
-import { texts } from "../../text/text";
 import type { Question, Screen } from "../../study/screen";
 import type { Study } from "../../study/study";
 import type { SdfFont } from "./sdf_font";
@@ -48,7 +47,7 @@ export class StudyBoard {
       ...screen.text.map((text) => label(text, { size: 19 })),
       ...(screen.trouble ? [label(screen.trouble, { size: 19, color: "#ffb3a6" })] : []),
       ...(screen.question ? question(screen.question) : []),
-      ...(screen.entry ? [label(texts().headset.typedAtDesk, { quiet: true })] : []),
+      ...(screen.entry ? [label(this.#study.words.typedAtDesk, { quiet: true })] : []),
       ...(screen.slides ? this.#slide() : []),
       row(
         ...screen.buttons.map(({ text, enabled, press }) =>
@@ -65,7 +64,7 @@ export class StudyBoard {
         return read();
       });
     return [
-      label(live(() => this.#actions.positionText || texts().cut.nothing)),
+      label(live(() => this.#actions.positionText || this.#study.words.noPlane)),
       slider(
         live(() => this.#actions.position ?? { min: 0, max: 1, value: 0 }),
         (value) => this.#actions.moveTo(value),
