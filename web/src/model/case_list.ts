@@ -1,7 +1,7 @@
 import { CaseError } from "../sog/zip";
 import { texts } from "../text/text";
 import type { CaseInMaking } from "./case_news";
-import { shownTitle } from "./case_title";
+import { shownTitle, spokenLook } from "./case_title";
 
 /** Which volume a case shows, and how (docs/format.md). */
 export interface CaseLook {
@@ -85,7 +85,7 @@ export async function fetchIndex(page = ""): Promise<CaseIndex> {
     trained: one.trained ?? 1,
     title: one.error ? (one.name ?? "") : shownTitle({ title: "", preset: "", look: null, ...one }),
     preset: one.preset ?? "",
-    look: one.look ?? null,
+    look: spokenLook(one.look ?? null, one.preset ?? ""),
     created: one.created ?? "",
     splats: one.splats ?? 0,
     file: one.file ?? caseFile(one.name ?? ""),

@@ -2,6 +2,95 @@ import type { Texts } from "./en";
 
 /** Alles, was der Betrachter sagt, auf Deutsch. */
 export const german: Texts = {
+  usualTitles: {
+    volume: "Volumen",
+    photographs: "Fotografien",
+    photographic: "Volumen aus Fotografien",
+    whole: (subject) => `${subject}-Volumen`,
+    within: (look) => look,
+  },
+  looks: {
+    anatomy: [
+      "Anatomy lesson",
+      "Anatomie",
+      "Muskeln, Organe, Gefäße und Knochen in den Farben eines Atlas; Haut und Fett sind abgetragen.",
+    ],
+    angiography: [
+      "Angiography",
+      "Angiographie",
+      "Nur Gefäße, hell im Dunkeln, mit einem Schatten von Knochen.",
+    ],
+    bone: ["Bone", "Knochen", "Nur Knochen und Kontrastmittel."],
+    brain: [
+      "Brain",
+      "Gehirn",
+      "Die Hirnrinde, wie Chirurgen sie sehen: feucht, rosagrau, mit Gefäßen in ihren Furchen.",
+    ],
+    crystal: [
+      "Crystal body",
+      "Kristallkörper",
+      "Haut, Organe und Atemwege als gläserne Häute um das Skelett.",
+    ],
+    generic: [
+      "Any scan",
+      "Standard",
+      "Feste Materie, nach ihren Werten gefärbt, auf die Werte des Scans bezogen.",
+    ],
+    glass: ["Glass body", "Glaskörper", "Das Skelett in einem Körper aus Glas."],
+    lung: ["Lung", "Lunge", "Lungen und Wände der Atemwege, Rippen; das Weichgewebe ist abgetragen."],
+    "micro-ct": [
+      "Micro-CT",
+      "Mikro-CT",
+      "Knochen einer kleinen Probe, nach Zehntelmillimetern undurchsichtig; das Fleisch darum ist Glas.",
+    ],
+    mr: ["MR", "MR", "Festes Gewebe, nach dem Signal gefärbt, auf die Werte des Scans bezogen."],
+    mra: [
+      "Vessels (MR angiography)",
+      "Gefäße (MR-Angiographie)",
+      "Das hellste Hundertstel eines Scans als rote Gefäße; was dunkel ist, ist leer.",
+    ],
+    muscle: [
+      "Muscle and bone",
+      "Muskeln und Knochen",
+      "Haut und Fett abgetragen: Muskeln, Organe und Knochen.",
+    ],
+    pet: [
+      "PET (hot metal)",
+      "PET (heißes Metall)",
+      "Die Aufnahme in den Farben glühenden Metalls, von Dunkelrot bis Weiß, in einem Körper, der kaum zu sehen ist.",
+    ],
+    photo: ["Photographs", "Fotografien", "Fotografien von Gefrierschnitten in ihren eigenen Farben."],
+    skeleton: ["Skeleton", "Skelett", "Knochen wie Elfenbein über dem Mark, Knorpel und verkalkte Gefäße."],
+    "skin-and-bone": [
+      "Skin and bone",
+      "Haut und Knochen",
+      "Der Körper aus einem Fleisch mit dem Skelett darin.",
+    ],
+    skin: ["Skin", "Haut", "Haut mit Licht unter der Oberfläche; Fett, Fleisch und Knochen darin."],
+    "soft-tissue": [
+      "Soft tissue",
+      "Weichgewebe",
+      "Alles Feste: Haut, Fett, Muskeln, Organe und Knochen; Luft und Lunge sind leer.",
+    ],
+    stent: ["Stent", "Stent", "Metall in Gefäßen und Knochen aus Glas."],
+    surgery: ["Surgery", "Chirurgie", "Gefäße heben sich vor dem Knochen ab, um sie ein Hauch von Muskel."],
+    teeth: [
+      "Teeth and skull",
+      "Zähne und Schädel",
+      "Knochen, der ein wenig Licht durchlässt, Schmelz und Füllungen heller.",
+    ],
+    ultrasound: [
+      "Ultrasound",
+      "Ultraschall",
+      "Echos in Bernstein, auf die Werte des Scans bezogen; Flüssigkeit, die keine hat, ist leer.",
+    ],
+    vessels: [
+      "Vessels (CT angiography)",
+      "Gefäße (CT-Angiographie)",
+      "Gefäße mit Kontrastmittel und Knochen.",
+    ],
+    "x-ray": ["X-ray", "Röntgen", "Ein Körper, durch den Licht geht: was dicht ist, leuchtet."],
+  },
   notForDiagnosis: "Nicht zur Diagnose",
   close: "Schließen",
   orientations: { axial: "Axial", coronal: "Koronal", sagittal: "Sagittal" },
@@ -436,7 +525,6 @@ export const german: Texts = {
       body: "Den Körper halten: er bewegt sich; mit beiden Händen wächst er",
       panel: "A, X oder die Handfläche zu Ihnen holt die Tafel",
     },
-    typedAtDesk: "Das wird am Schreibtisch getippt.",
     help: [
       [
         "Abzug oder Fingergriff",

@@ -1,5 +1,16 @@
 /** Everything that the viewer says, in English. Another language has a file of its own beside this one. */
 export const english = {
+  /** How cases are called that nobody gave a title. */
+  usualTitles: {
+    volume: "volume",
+    photographs: "photographs",
+    photographic: "Photographic volume",
+    whole: (subject: string) => `${subject} volume`,
+    /** A look's title behind a subject; "MR" and "X-ray" stay as they are. */
+    within: (look: string) => (/^.\p{Ll}/u.test(look) ? look[0]!.toLowerCase() + look.slice(1) : look),
+  },
+  /** By preset, of looks that files tell of in English: their title there, and title and description in this language. */
+  looks: {} as Readonly<Record<string, readonly [string, string, string]>>,
   notForDiagnosis: "Not for diagnosis",
   close: "Close",
   orientations: { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" },
@@ -426,7 +437,6 @@ export const english = {
       body: "Hold the body: it moves; with both hands it grows",
       panel: "A, X or a palm turned to you brings the panel",
     },
-    typedAtDesk: "This is typed at the desk.",
     help: [
       [
         "Trigger, or a pinch",

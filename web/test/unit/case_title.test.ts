@@ -1,6 +1,11 @@
-import { describe, expect, it } from "vitest";
+import { readdirSync, readFileSync } from "node:fs";
+import { afterEach, describe, expect, it } from "vitest";
 
-import { shownTitle } from "../../src/model/case_title";
+import { inShort, shownTitle, spokenLook } from "../../src/model/case_title";
+import { german } from "../../src/text/de";
+import { speak } from "../../src/text/text";
+
+afterEach(() => speak("en"));
 
 describe("the title of a case", () => {
   it("is its maker's, whatever the script", () => {
@@ -23,5 +28,54 @@ describe("the title of a case", () => {
     ] as const) {
       expect(shownTitle({ title, preset, look })).toBe(shown);
     }
+  });
+
+  it("is German on German pages, but for what its maker gave", () => {
+    speak("de", german);
+    for (const [title, preset, look, shown] of [
+      [
+        "Skin and bone",
+        "skin-and-bone",
+        { title: "Skin and bone", region: "head" },
+        "Kopf, Haut und Knochen",
+      ],
+      [
+        "Head, skin and bone",
+        "skin-and-bone",
+        { title: "Skin and bone", region: "head" },
+        "Kopf, Haut und Knochen",
+      ],
+      ["MR volume", "mr", { title: "MR", modality: "MR" }, "MR-Volumen"],
+      ["", "pet", { title: "PET (hot metal)", modality: "PET" }, "PET-Volumen (heißes Metall)"],
+      ["CT, X-ray", "x-ray", { title: "X-ray", modality: "CT" }, "CT, Röntgen"],
+      [
+        "Photographic volume",
+        "photo",
+        { title: "Photographs", modality: "photographs" },
+        "Volumen aus Fotografien",
+      ],
+      ["Head, ours", "mine", { title: "Ours", region: "head" }, "Kopf, Ours"],
+      ["Torso phantom", "skin", { title: "Skin", region: "trunk" }, "Torso phantom"],
+    ] as const) {
+      expect(shownTitle({ title, preset, look })).toBe(shown);
+    }
+    const own = { title: "Skin", description: "Mine." };
+    expect(spokenLook(own, "mine")).toEqual(own);
+    expect(spokenLook(own, "skin").title).toBe("Haut");
+  });
+
+  it("knows every preset in German", () => {
+    const presets = readdirSync("../presets").filter((name) => name.endsWith(".json"));
+    const known = presets.map((name) => {
+      const { title } = JSON.parse(readFileSync(`../presets/${name}`, "utf8")) as { title: string };
+      return [name.slice(0, -".json".length), title] as const;
+    });
+    const told = Object.entries(german.looks).map(([name, [title]]) => [name, title] as const);
+    expect(Object.fromEntries(told)).toEqual(Object.fromEntries(known));
+  });
+
+  it("is cut where there is little room, between letters", () => {
+    expect(inShort("Head, skin and bone")).toBe("Head, skin and bone");
+    expect(inShort("🧠".repeat(500), 4)).toBe("🧠🧠🧠…");
   });
 });

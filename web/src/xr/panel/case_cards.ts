@@ -1,6 +1,7 @@
 import type { Container } from "@pmndrs/uikit";
 import { SRGBColorSpace, type Texture, TextureLoader } from "three";
 
+import { inShort } from "../../model/case_title";
 import type { Look } from "../../model/looks";
 import type { PanelContext } from "./panel_context";
 import { button, row, space } from "./widgets";
@@ -51,7 +52,7 @@ export class CaseCards {
   }
 
   #card({ case: one, name }: Look, picture: Texture | null, detailed: boolean): Container {
-    return button(one.error ? one.name : name, () => void this.#open(one.name), {
+    return button(inShort(one.error ? one.name : name), () => void this.#open(one.name), {
       picture: picture ?? undefined,
       pressed: this.#context.live(() => this.#context.viewer.caseName === one.name),
       detail: detailed ? one.look?.description : undefined,

@@ -1,6 +1,7 @@
 import type { Container, Text } from "@pmndrs/uikit";
 import { computed, signal } from "@preact/signals-core";
 
+import { inShort } from "../../model/case_title";
 import { type CaseGroup, countText, groupCases, type Look } from "../../model/looks";
 import { texts } from "../../text/text";
 import { CaseCards, pairs } from "./case_cards";
@@ -84,7 +85,7 @@ function inGroups(entries: readonly Entry[], cards: readonly Container[]): (Cont
   );
   return starts.flatMap((start, k) => {
     const group = volume(entries[start]!);
-    const title = group && label(`${group.title} · ${countText(group)}`, { quiet: true, size: kSmallFont });
+    const title = group && label(`${inShort(group.title)} · ${countText(group)}`, { quiet: true, size: kSmallFont });
     return [...(title ? [title] : []), ...pairs(cards.slice(start, starts[k + 1]))];
   });
 }

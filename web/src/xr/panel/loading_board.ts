@@ -2,6 +2,7 @@ import { abortableEffect, Container, type FontFamilies, Image } from "@pmndrs/ui
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 import { SRGBColorSpace, type Texture, TextureLoader, type Vector3 } from "three";
 
+import { inShort } from "../../model/case_title";
 import { formatBytes, type LoadingCase } from "../../model/case_list";
 import { texts } from "../../text/text";
 import { kOverCase } from "../../render/draw_order";
@@ -28,7 +29,7 @@ export class LoadingBoard {
   /** `families` are those that a text is drawn with. */
   constructor(loading: ReadonlySignal<LoadingCase | null>, families: (text: string) => FontFamilies) {
     this.#loading = loading;
-    const title = computed(() => loading.value?.title ?? "");
+    const title = computed(() => inShort(loading.value?.title ?? ""));
     const said = computed(() => {
       const { share = 0, bytes = 0 } = loading.value ?? {};
       const percent = Math.round(100 * share);

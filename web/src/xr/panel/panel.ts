@@ -4,6 +4,7 @@ import { computed, signal } from "@preact/signals-core";
 import { Group, Sphere, Vector3, type WebGLRenderer } from "three";
 
 import type { Actions } from "../../actions";
+import { inShort } from "../../model/case_title";
 import { Follower } from "../../model/follower";
 import type { Marking } from "../../model/marking";
 import { kBesideCase } from "../../render/draw_order";
@@ -346,7 +347,7 @@ export class Panel {
     const { live } = this.#follower;
     const title = live(() => {
       const name = this.#viewer.info?.title || this.#viewer.caseName || texts().page.noCase;
-      return [name, this.#host.news()].filter(Boolean).join(" · ");
+      return [inShort(name), this.#host.news()].filter(Boolean).join(" · ");
     });
     const looks = button(texts().headset.looks, () => this.show("looks"), {
       pressed: computed(() => this.#tab.value === "looks"),
