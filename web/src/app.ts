@@ -276,12 +276,15 @@ export class App {
     }
   }
 
-  /** Shows another case beside this one, seen and cut alike; null: none. Says so where that fails. */
-  async showBeside(one: BesideCase | null): Promise<void> {
+  /** Shows another case beside this one, seen and cut alike; null: none. Returns why it fails, which is said; "": it does not. */
+  async showBeside(one: BesideCase | null): Promise<string> {
     try {
       await this.#beside.show(one);
+      return "";
     } catch (error) {
-      this.message.say((error as Error).message, () => void this.showBeside(one));
+      const { message } = error as Error;
+      this.message.say(message, () => void this.showBeside(one));
+      return message;
     }
   }
 

@@ -248,7 +248,13 @@ export class ClipgsViewerElement extends HTMLElement {
   #showBeside(app: App): void {
     const file = this.getAttribute("beside");
     const one = file ? { name: caseName(file), file, error: null } : null;
-    queueMicrotask(() => void this.#ready.then(() => app.showBeside(one)).catch(() => {}));
+    queueMicrotask(() => {
+      const shown = this.#ready.then(() => app.showBeside(one));
+      shown.then(
+        (message) => message && this.dispatchEvent(new ErrorEvent("error", { message })),
+        () => {}, // there is no case that it would be beside of, which is told of already
+      );
+    });
   }
 
   /** Shows a case; the view and planes stay unless `link` is another. Tells listeners how that ended. */

@@ -394,6 +394,19 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     const beside = page.getByRole("region", { name: "Beside it" });
     await beside.getByText("Positions are relative to the middle of each").waitFor();
     expect(await page.evaluate(() => viewer().link)).not.toMatch(/beside|case/);
+    const told = page.evaluate(
+      () =>
+        new Promise<string>((resolve) =>
+          viewer().addEventListener("error", (event) => resolve((event as ErrorEvent).message), {
+            once: true,
+          }),
+        ),
+    );
+    await set("beside", "cases/nobody.sog");
+    const message = await told;
+    expect(message).toMatch(/nobody/);
+    await page.getByRole("alert").getByText(message).waitFor();
+    await page.getByRole("button", { name: "Dismiss" }).click();
     await set("beside", null);
     await beside.waitFor({ state: "hidden" });
   });
