@@ -79,7 +79,9 @@ class MarksPainter {
       return std::nullopt;
     }
     const TextBox box(cairo_, {mark.text}, kLetters, false);
-    mark.label = {*anchor, {box.width(), box.height()}};
+    const bool is_line = said.mark.kind == MarkKind::kLength || said.mark.kind == MarkKind::kAngle;
+    mark.label = {
+        *anchor, {box.width(), box.height()}, is_line ? mark.points : std::vector<dvec2>()};
     return mark;
   }
 

@@ -13,6 +13,8 @@ constexpr double kGap = 9;
 constexpr double kApart = 3;
 /// How much of an anchor's dot no label is to cover, px.
 constexpr double kDot = 6;
+/// How wide lines are that no label is to cover, px.
+constexpr double kLine = 6;
 
 struct LabelBox {
   dvec2 at;
@@ -43,6 +45,23 @@ double overlap(const LabelBox& a, const LabelBox& b) {
   return common.x > 0 && common.y > 0 ? common.x * common.y : 0;
 }
 
+/// The shares of the way from `begin` to `end` at which an interval is entered and left.
+std::pair<double, double> shares_within(double low, double size, double begin, double end) {
+  if (begin == end) {
+    return low <= begin && begin <= low + size ? std::pair(0.0, 1.0) : std::pair(1.0, 0.0);
+  }
+  return std::minmax({(low - begin) / (end - begin), (low + size - begin) / (end - begin)});
+}
+
+/// How much of a straight line lies within a box, px.
+double within(const LabelBox& box, const dvec2& from, const dvec2& to) {
+  const auto across = shares_within(box.at.x, box.size.x, from.x, to.x);
+  const auto down = shares_within(box.at.y, box.size.y, from.y, to.y);
+  const double share =
+      std::min({1.0, across.second, down.second}) - std::max({0.0, across.first, down.first});
+  return std::max(0.0, share) * glm::distance(from, to);
+}
+
 }  // namespace
 
 std::vector<LaidLabel> lay_out(std::span<const Label> labels, const dvec2& picture,
@@ -61,6 +80,9 @@ std::vector<LaidLabel> lay_out(std::span<const Label> labels, const dvec2& pictu
       }
       for (const Label& other : labels) {
         sum += overlap(box, {other.anchor - kDot, dvec2(2 * kDot)});
+        for (size_t k = 1; k < other.line.size(); ++k) {
+          sum += kLine * within(box, other.line[k - 1], other.line[k]);
+        }
       }
       return sum;
     };

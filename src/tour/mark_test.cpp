@@ -89,7 +89,10 @@ TEST(LabelLayout, IsTheViewers) {
   for (const json& one : all["layouts"]) {
     std::vector<Label> labels;
     for (const json& label : one["labels"]) {
-      labels.push_back({{label[0], label[1]}, {label[2], label[3]}});
+      labels.push_back({{label[0], label[1]}, {label[2], label[3]}, {}});
+      for (size_t k = 4; k < label.size(); k += 2) {
+        labels.back().line.emplace_back(label[k], label[k + 1]);
+      }
     }
     const auto choices = [&](std::span<const std::optional<size_t>> before) {
       std::vector<std::optional<size_t>> result;
@@ -101,6 +104,9 @@ TEST(LabelLayout, IsTheViewers) {
     const auto first = choices({});
     for (Label& label : labels) {
       label.anchor += moved;
+      for (glm::dvec2& point : label.line) {
+        point += moved;
+      }
     }
     const auto again = choices(first);
     for (size_t i = 0; i < labels.size(); ++i) {

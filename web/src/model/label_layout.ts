@@ -9,9 +9,10 @@ export interface Size {
   height: number;
 }
 
-/** A label, and the place that it is about. */
+/** A label, the place that it is about, and from point to point the line there, which no label is to cover. */
 export interface Label extends Size {
   anchor: Place;
+  line?: readonly Place[];
 }
 
 /** Between a label and its anchor, and between labels, px. */
@@ -19,6 +20,8 @@ const kGap = 9;
 const kApart = 3;
 /** How much of an anchor's dot no label is to cover, px. */
 const kDot = 6;
+/** How wide lines are that no label is to cover, px. */
+const kLine = 6;
 
 interface Box extends Place, Size {}
 
@@ -44,14 +47,29 @@ function overlap(a: Box, b: Box): number {
   return width > 0 && height > 0 ? width * height : 0;
 }
 
+/** How much of a straight line lies within a box, px. */
+function within(box: Box, from: Place, to: Place): number {
+  const spans = (low: number, size: number, begin: number, end: number): [number, number] => {
+    if (begin === end) {
+      return low <= begin && begin <= low + size ? [0, 1] : [1, 0];
+    }
+    const [a, b] = [(low - begin) / (end - begin), (low + size - begin) / (end - begin)];
+    return [Math.min(a, b), Math.max(a, b)];
+  };
+  const across = spans(box.x, box.width, from.x, to.x);
+  const down = spans(box.y, box.height, from.y, to.y);
+  const share = Math.min(1, across[1], down[1]) - Math.max(0, across[0], down[0]);
+  return Math.max(0, share) * Math.hypot(to.x - from.x, to.y - from.y);
+}
+
 /** How much of a box lies beyond the picture, px². */
 function beyond(box: Box, { width, height }: Size): number {
   return box.width * box.height - overlap(box, { x: 0, y: 0, width, height });
 }
 
 /**
- * The top left corners of labels in a picture, which keep clear of each other, of all anchors and of its edges where there
- * is room: the earlier ones first. A label goes where it was `before` while that is clear, so that labels do not jump.
+ * The top left corners of labels in a picture, which keep clear of each other, of all anchors and lines and of its edges
+ * where there is room: the earlier ones first. A label goes where it was `before` while that is clear, so that labels do not jump.
  */
 export function layOut(
   labels: readonly Label[],
@@ -64,6 +82,7 @@ export function layOut(
     width: 2 * kDot,
     height: 2 * kDot,
   }));
+  const lines = labels.flatMap(({ line = [] }) => line.slice(1).map((to, k) => [line[k]!, to] as const));
   const placed: Box[] = [];
   return labels.map((label, i) => {
     const places = candidates(label);
@@ -77,7 +96,8 @@ export function layOut(
       };
       const others = placed.reduce((sum, other) => sum + overlap(wide, other), 0);
       const covered = dots.reduce((sum, dot) => sum + overlap(box, dot), 0);
-      return others + covered + 2 * beyond(box, picture);
+      const crossed = lines.reduce((sum, [from, to]) => sum + kLine * within(box, from, to), 0);
+      return others + covered + crossed + 2 * beyond(box, picture);
     };
     const last = before[i];
     let choice = last !== undefined && cost(boxes[last]!) === 0 ? last : -1;

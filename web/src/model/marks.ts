@@ -174,6 +174,11 @@ export function anchorOf({ kind, points }: MarkShape): Vector3 {
   return sum.divideScalar(points.length);
 }
 
+/** Whether a mark is a line through its points, which is to be seen from end to end. */
+export function isLine({ kind }: MarkShape): boolean {
+  return kind === "length" || kind === "angle";
+}
+
 /** Lines through which a mark is drawn, each from point to point. */
 export function linesOf(mark: MarkShape): readonly (readonly Vector3[])[] {
   const { kind, points } = mark;

@@ -1,5 +1,5 @@
 import { layOut } from "../model/label_layout";
-import { anchorOf, linesOf } from "../model/marks";
+import { anchorOf, isLine, linesOf } from "../model/marks";
 import { shownMarks } from "../model/viewer_state";
 import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
@@ -81,7 +81,8 @@ class Caption {
     const drawn = shownMarks(state).flatMap((mark) => {
       const anchor = camera.project(anchorOf(mark));
       const width = context.measureText(this.#said.of(mark)).width + 2 * kPadding;
-      return anchor ? [{ mark, label: { anchor, width, height: kBoxHeight } }] : [];
+      const line = isLine(mark) ? mark.points.flatMap((point) => camera.project(point) ?? []) : [];
+      return anchor ? [{ mark, label: { anchor, line, width, height: kBoxHeight } }] : [];
     });
     drawn.sort((a, b) => Number(a.mark.kind === "point") - Number(b.mark.kind === "point"));
     const laid = layOut(

@@ -6,6 +6,7 @@ import { layOut, type Place, type Size } from "../model/label_layout";
 import type { Marking } from "../model/marking";
 import {
   anchorOf,
+  isLine,
   linesOf,
   type Mark,
   type MarkKind,
@@ -38,6 +39,14 @@ interface Drawn {
   leader: SVGElement; // from its label, where that is away from it
   dots: readonly SVGElement[];
   choice: number | undefined; // where its label stood last
+}
+
+/** A mark in the picture. */
+interface SeenMark {
+  drawn: Drawn;
+  anchor: Place;
+  line: Place[]; // that no label is to cover
+  faded: boolean;
 }
 
 /** What is said of a mark, read again only where the section is another; one that is gone is not held. */
@@ -161,7 +170,7 @@ export class MarksOverlay {
     }
     const { width, height } = camera.freeSize;
     this.#aim.style.translate = `${0.5 * width}px ${0.5 * height}px`;
-    const seen: { drawn: Drawn; anchor: Place; faded: boolean }[] = [];
+    const seen: SeenMark[] = [];
     for (const drawn of this.#drawn.values()) {
       const { mark, label, lines, leader, dots } = drawn;
       const places = mark.points.map((point) => camera.project(point));
@@ -182,7 +191,7 @@ export class MarksOverlay {
           dots[i]!.setAttribute("transform", `translate(${place.x.toFixed(1)},${place.y.toFixed(1)})`);
           dots[i]!.classList.toggle("faded", faded);
         });
-        seen.push({ drawn, anchor, faded });
+        seen.push({ drawn, anchor, line: isLine(mark) ? places : [], faded });
       }
     }
     this.#layOut(seen);
@@ -190,11 +199,11 @@ export class MarksOverlay {
   }
 
   /** Puts the labels of marks that are seen. */
-  #layOut(seen: { drawn: Drawn; anchor: Place; faded: boolean }[]): void {
+  #layOut(seen: SeenMark[]): void {
     const { camera } = this.#viewer;
     this.element.classList.toggle("many", seen.length > kMostLabels);
     if (seen.length > kMostLabels) {
-      const last = ({ drawn, faded }: (typeof seen)[number]) =>
+      const last = ({ drawn, faded }: SeenMark) =>
         drawn.mark.id === this.chosen.peek() ? -1 : Number(faded);
       seen.sort((a, b) => last(a) - last(b));
       for (const { drawn } of seen.splice(kMostLabels)) {
@@ -205,8 +214,9 @@ export class MarksOverlay {
     // Lengths first: of a point, the value is under the pointer, too.
     seen.sort((a, b) => Number(a.drawn.mark.kind === "point") - Number(b.drawn.mark.kind === "point"));
     // All are asked for their sizes before any of them is moved: the page is laid out once.
-    const labels = seen.map(({ drawn, anchor }) => ({
+    const labels = seen.map(({ drawn, anchor, line }) => ({
       anchor,
+      line,
       ...((drawn.size ??= sizeOf(drawn.label)) ?? kNoSize),
     }));
     const laid = layOut(

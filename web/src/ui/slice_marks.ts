@@ -1,6 +1,6 @@
 import { signedDistance } from "../model/geometry";
 import { layOut } from "../model/label_layout";
-import { anchorOf, linesOf, type Mark } from "../model/marks";
+import { anchorOf, isLine, linesOf, type Mark } from "../model/marks";
 import { shownMarks } from "../model/viewer_state";
 import { placeOf, planeOf, pointOf, type SliceFrame, sliceSpacing } from "../model/slice";
 import { each, follow, h, svg } from "./dom";
@@ -74,7 +74,8 @@ export class SliceMarks {
     }
     const labels = marks.map((mark) => {
       const { offsetWidth: width, offsetHeight: height } = this.#labels.get(mark)!;
-      return { anchor: placeOf(frame, anchorOf(mark)), width, height };
+      const line = isLine(mark) ? mark.points.map((point) => placeOf(frame, point)) : [];
+      return { anchor: placeOf(frame, anchorOf(mark)), line, width, height };
     });
     layOut(labels, frame).forEach(({ at }, i) => {
       this.#labels.get(marks[i]!)!.style.translate = `${at.x.toFixed(1)}px ${at.y.toFixed(1)}px`;

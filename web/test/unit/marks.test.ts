@@ -268,6 +268,31 @@ describe("labels", () => {
     }
   });
 
+  it("keep clear of lines that are measured", () => {
+    for (const [from, to] of [
+      [
+        { x: 100, y: 100 },
+        { x: 300, y: 100 },
+      ],
+      [
+        { x: 200, y: 50 },
+        { x: 200, y: 250 },
+      ],
+      [
+        { x: 120, y: 60 },
+        { x: 280, y: 180 },
+      ],
+    ] as const) {
+      const anchor = { x: 0.5 * (from.x + to.x), y: 0.5 * (from.y + to.y) };
+      const { at } = layOut([{ anchor, ...size, line: [from, to] }], picture)[0]!;
+      for (let k = 0; k <= 100; ++k) {
+        const [x, y] = [from.x + 0.01 * k * (to.x - from.x), from.y + 0.01 * k * (to.y - from.y)];
+        const isCovered = at.x < x && x < at.x + size.width && at.y < y && y < at.y + size.height;
+        expect(isCovered, JSON.stringify([from, to, at])).toBe(false);
+      }
+    }
+  });
+
   it("stay where they were while there is room", () => {
     const labels = [{ anchor: { x: 100, y: 100 }, ...size }];
     const [first] = layOut(labels, picture);

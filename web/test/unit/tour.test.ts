@@ -38,7 +38,8 @@ interface MarksFixture {
   marks: { link: string; marks: { text: string; anchor: number[] }[] }[];
   picture: [number, number];
   moved: [number, number];
-  layouts: { labels: [number, number, number, number][]; first: number[]; again: number[] }[];
+  /** Of labels anchors, sizes, and the points of their lines. */
+  layouts: { labels: [number, number, number, number, ...number[]][]; first: number[]; again: number[] }[];
 }
 
 const fixture = JSON.parse(readFileSync("../src/tour/flights.json", "utf8")) as Fixture;
@@ -153,8 +154,14 @@ describe("marks of a film", () => {
     }
     const size = { width: picture[0], height: picture[1] };
     for (const { labels, first, again } of layouts) {
-      const shifted = (by: readonly [number, number]) =>
-        labels.map(([x, y, width, height]) => ({ anchor: { x: x + by[0], y: y + by[1] }, width, height }));
+      const shifted = ([right, down]: readonly [number, number]) => {
+        const place = (x: number, y: number) => ({ x: x + right, y: y + down });
+        return labels.map(([x, y, width, height, ...line]) => ({
+          anchor: place(x, y),
+          ...{ width, height },
+          line: line.flatMap((at, k) => (k % 2 === 0 ? [place(at, line[k + 1]!)] : [])),
+        }));
+      };
       const laid = layOut(shifted([0, 0]), size).map(({ choice }) => choice);
       expect(laid).toEqual(first);
       expect(layOut(shifted(moved), size, laid).map(({ choice }) => choice)).toEqual(again);
