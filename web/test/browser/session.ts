@@ -124,7 +124,8 @@ export class Session extends Server {
 
   /** Pages that remember what others of it were told. */
   async context(): Promise<BrowserContext> {
-    const context = await this.#browser.newContext({ ignoreHTTPSErrors: true });
+    const { scale: deviceScaleFactor, ...viewport } = kUsual;
+    const context = await this.#browser.newContext({ ignoreHTTPSErrors: true, viewport, deviceScaleFactor });
     await context.addInitScript(kExpert);
     return context;
   }
