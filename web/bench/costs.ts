@@ -16,7 +16,7 @@ import { kProgram } from "../test/browser/program";
 import { Session } from "../test/browser/session";
 import { kCountVolumes, volumesOf } from "../test/browser/volume_memory";
 import { Wearer } from "../test/browser/wearer";
-import { median, table } from "./measure";
+import { kPage, median, table } from "./measure";
 
 const kRounds = 5;
 const kSorted = 300_000;
@@ -133,7 +133,7 @@ async function firstPicture(session: Session): Promise<string[]> {
   const seen: number[] = [];
   const whole: number[] = [];
   for (let round = 0; round < kRounds; ++round) {
-    const page = await session.open("#case=first");
+    const page = await session.open("#case=first", [], kPage);
     whole.push(await page.evaluate(() => window.clipgs.ready.then(() => performance.now())));
     seen.push(await page.evaluate(pictured));
     await page.waitForFunction(() => window.clipgs.stats.settled); // the GPU has nothing left to do
@@ -149,7 +149,7 @@ async function firstPicture(session: Session): Promise<string[]> {
 
 /** To a case that was open before, until it is seen. */
 async function switching(session: Session): Promise<string[]> {
-  const page = await session.open("#case=first");
+  const page = await session.open("#case=first", [], kPage);
   const open = (name: string) =>
     page.evaluate(async (name) => {
       await window.clipgs.ready;
@@ -202,7 +202,7 @@ async function mainThreadTasks(page: Page, act: () => Promise<void>): Promise<nu
 }
 
 async function planeTasks(session: Session): Promise<string[]> {
-  const page = await session.open("#case=first");
+  const page = await session.open("#case=first", [], kPage);
   await page.evaluate(() => window.clipgs.ready);
   const move = (frames: number) =>
     page.evaluate(async (frames) => {
@@ -261,7 +261,7 @@ const kCountLight = {
 
 /** How far the light is behind a plane that moves, and how long it takes to come when a case is opened. */
 async function light(session: Session): Promise<string[][]> {
-  const page = await session.open("#case=first", [], undefined, [kCountLight]);
+  const page = await session.open("#case=first", [], kPage, [kCountLight]);
   await page.evaluate(() => window.clipgs.ready);
   await page.waitForFunction(() => window.clipgs.stats.settled);
   const { prepareMs, frames } = await page.evaluate(async () => {
@@ -323,7 +323,7 @@ async function sectionMemory(session: Session): Promise<string[][]> {
   const scene = join(session.folder, "bare.ply");
   execFileSync(kProgram, ["--quiet", "unpack", file, "-o", scene]);
   execFileSync(kProgram, ["--quiet", "pack", scene, "--no-section", "-o", join(session.cases, "bare.sog")]);
-  const small = { width: 64, height: 64 };
+  const small = { width: 64, height: 64, scale: 1 };
   const measured = [];
   for (const name of ["first", "bare"]) {
     const page = await session.open(`#case=${name}&size=64x64`, [], small, [kCountVolumes]);

@@ -12,7 +12,7 @@ import { parseArgs } from "node:util";
 
 import type { FaceSource } from "../src/model/faces";
 import { Session } from "../test/browser/session";
-import { median } from "./measure";
+import { kPage, median } from "./measure";
 
 const kSize = 1024;
 const kRounds = 9;
@@ -25,7 +25,7 @@ if (!file) {
 const session = new Session();
 await session.start(async (cases) => copyFileSync(file, join(cases, "case.sog")));
 try {
-  const page = await session.open(link ? `#${link}` : "");
+  const page = await session.open(link ? `#${link}` : "", [], kPage);
   await page.evaluate(() => window.clipgs.ready);
   const stats = await page.evaluate(() => ({ ...window.clipgs.stats }));
   if (stats.sectionBytes === 0) {

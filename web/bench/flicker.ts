@@ -19,7 +19,7 @@ import type { FaceSource } from "../src/model/faces";
 import { readPng } from "../test/browser/picture";
 import { clipgs } from "../test/browser/program";
 import { Session } from "../test/browser/session";
-import { table } from "./measure";
+import { kPage, table } from "./measure";
 
 const { positionals, values } = parseArgs({
   allowPositionals: true,
@@ -130,7 +130,7 @@ const session = new Session();
 await session.start(async (cases) => copyFileSync(file, join(cases, "case.sog")));
 try {
   mkdirSync(values.folder, { recursive: true });
-  const page = await session.open("");
+  const page = await session.open("", [], kPage);
   await page.evaluate(() => window.clipgs.ready);
   const { min, max } = await page.evaluate(() => window.clipgs.bounds!);
   const ends = kNormal.map((n, k) => [n * min[k]!, n * max[k]!] as const);

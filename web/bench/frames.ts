@@ -25,7 +25,7 @@ import type { ClipOperator } from "../src/worker/protocol";
 import { Session } from "../test/browser/session";
 import { caseHasLayers, exportSplats, readCaseInfo } from "./case_file";
 import { childrenCpuMs } from "./cpu_time";
-import { median, table } from "./measure";
+import { kScale, median, table } from "./measure";
 
 const { positionals, values } = parseArgs({
   allowPositionals: true,
@@ -39,6 +39,8 @@ const { positionals, values } = parseArgs({
 });
 const [file = ""] = positionals;
 const kSize = Number(values.size);
+/** What contenders are seen in. */
+const kViewport = { width: kSize, height: kSize, scale: kScale };
 const kFrames = Number(values.frames);
 const kRounds = Number(values.rounds);
 const kElevation = 24; // degrees
@@ -101,7 +103,7 @@ async function timeFrames(page: Page, moments: unknown[]): Promise<FrameTime> {
 }
 
 async function clipgsPage(session: Session, section: FaceSource): Promise<Page> {
-  const page = await session.open(`#size=${kSize}x${kSize}`, [], { width: kSize, height: kSize });
+  const page = await session.open(`#size=${kSize}x${kSize}`, [], kViewport);
   await page.keyboard.press("h"); // no handle
   await page.evaluate(installFrames);
   await page.evaluate(
@@ -141,7 +143,7 @@ interface Peer {
 
 /** A viewer that knows the scene alone: its camera and planes are in scene space. */
 async function peer(session: Session, url: string, name: string, info: CaseInfo): Promise<Contender> {
-  const page = await session.openPage(url, [], { width: kSize, height: kSize });
+  const page = await session.openPage(url, [], kViewport);
   page.on("pageerror", (error) => console.error(`${name}: ${error.message}`));
   await page.waitForFunction(() => "peer" in window);
   await page.evaluate(installFrames);

@@ -9,3 +9,8 @@ export function table(head: readonly string[], rows: readonly (readonly string[]
   const lines = [head, head.map(() => "---"), ...rows].map((cells) => `| ${cells.join(" | ")} |`);
   return lines.join("\n");
 }
+
+/** Pixels that benchmarks draw for one of a page, without a GPU: fewer than tests would tell nothing of frames. */
+export const kScale = 0.5;
+/** What the viewer is seen in. */
+export const kPage = { width: 900, height: 600, scale: kScale };
