@@ -7,8 +7,8 @@ import {
   Object3D,
   PlaneGeometry,
   Quaternion,
+  Ray,
   type Raycaster,
-  TorusGeometry,
   Vector3,
 } from "three";
 
@@ -41,13 +41,36 @@ export function poseOfPlane(plane: Plane, middle: Vector3, position: Vector3, qu
 
 const kFace = { a: 0, b: 1, c: 2, normal: new Vector3(0, 0, 1), materialIndex: 0 };
 
+/** A ray is at the rim when it is so near, in radii of the case; one that is not after so many steps passes it by. */
+const kNear = 1e-4;
+const kMostSteps = 100;
+
+/**
+ * How far along a ray, whose direction is a unit vector, it meets the rim, a ring about z in radii of the case; null: it does
+ * not. By steps of the distance that the rim has: its triangles would be a thousand, and garbage for each.
+ */
+export function rimDistance({ origin, direction }: Ray): number | null {
+  let along = 0;
+  for (let i = 0; i < kMostSteps && along < origin.length() + 2; ++i) {
+    const x = origin.x + along * direction.x;
+    const y = origin.y + along * direction.y;
+    const z = origin.z + along * direction.z;
+    const away = Math.hypot(Math.hypot(x, y) - kRim, z) - kRimThickness;
+    if (away < kNear) {
+      return along;
+    }
+    along += away;
+  }
+  return null;
+}
+
 /** From afar it is met at its rim alone, so that the case can be pointed at through it; from near anywhere. */
 class Disc extends Mesh<PlaneGeometry, MeshBasicMaterial> {
-  readonly #rim: Mesh;
+  readonly #ray = new Ray(); // scratch
+  readonly #inverse = new Matrix4();
 
   constructor(material: MeshBasicMaterial) {
     super(new PlaneGeometry(2, 2), material);
-    this.#rim = new Mesh(new TorusGeometry(kRim, kRimThickness, 8, 64), material);
   }
 
   /** As pointers from near ask for it: what is seen of it is round. */
@@ -62,16 +85,17 @@ class Disc extends Mesh<PlaneGeometry, MeshBasicMaterial> {
     }
   }
 
-  override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
-    this.#rim.matrixWorld.copy(this.matrixWorld);
-    const met: Intersection[] = [];
-    this.#rim.raycast(raycaster, met);
-    intersects.push(...met.map((one) => ({ ...one, object: this })));
-  }
-
-  free(): void {
-    this.geometry.dispose();
-    this.#rim.geometry.dispose();
+  override raycast({ ray, near, far }: Raycaster, intersects: Intersection[]): void {
+    const local = this.#ray.copy(ray).applyMatrix4(this.#inverse.copy(this.matrixWorld).invert());
+    const along = rimDistance(local);
+    if (along === null) {
+      return;
+    }
+    const point = local.at(along, new Vector3()).applyMatrix4(this.matrixWorld);
+    const distance = point.distanceTo(ray.origin);
+    if (near <= distance && distance <= far) {
+      intersects.push({ object: this, point, distance, face: kFace });
+    }
   }
 }
 
@@ -155,7 +179,7 @@ export class PlaneGrip {
 
   dispose(): void {
     this.#release();
-    this.#disc.free();
+    this.#disc.geometry.dispose();
     this.#disc.material.dispose();
   }
 

@@ -1,19 +1,25 @@
 import {
   Group,
   Mesh,
+  MeshBasicMaterial,
   PerspectiveCamera,
   PlaneGeometry,
   Quaternion,
+  Ray,
+  Raycaster,
   Sphere,
+  TorusGeometry,
   Vector3,
   type WebXRManager,
 } from "three";
 import { expect, it } from "vitest";
 
 import { kWorldFromPatient, planeThrough, signedDistance } from "../../src/model/geometry";
+import { kRim } from "../../src/render/plane_widget";
 import { Hand } from "../../src/xr/hand";
-import { planeOfPose, poseOfPlane } from "../../src/xr/plane_grip";
+import { planeOfPose, poseOfPlane, rimDistance } from "../../src/xr/plane_grip";
 import { PoseFilter } from "../../src/xr/pose_filter";
+import { makeRandom } from "./sog_fixture";
 
 const kFrame = 1 / 72; // s
 
@@ -105,4 +111,27 @@ it("has hands that take what they are at, before what their ray meets sooner", (
   plane.pointerEventsOrder = 1;
   controller()(new Group().add(sheet(-0.01, pressed, "case"), plane));
   expect(pressed).toEqual(["plane"]);
+});
+
+it("the rim of the plane is met by rays where a ring of triangles is", () => {
+  const ring = new Mesh(new TorusGeometry(kRim, 0.06, 96, 768), new MeshBasicMaterial());
+  ring.updateMatrixWorld();
+  const random = makeRandom(11);
+  const point = (reach: number) =>
+    new Vector3(random() - 0.5, random() - 0.5, random() - 0.5).multiplyScalar(2 * reach);
+  let met = 0;
+  for (let i = 0; i < 200; ++i) {
+    const origin = point(3);
+    const target = i % 2 === 0 ? point(1.5) : point(1).setZ(0).setLength(kRim);
+    const ray = new Ray(origin, target.sub(origin).normalize());
+    const caster = new Raycaster(ray.origin, ray.direction);
+    const expected = caster.intersectObject(ring)[0]?.distance ?? null;
+    const distance = rimDistance(ray);
+    if (Math.hypot(Math.hypot(origin.x, origin.y) - kRim, origin.z) > 0.07) {
+      expect(distance === null, JSON.stringify(ray)).toBe(expected === null);
+      expect(distance ?? 0).toBeCloseTo(expected ?? 0, 1);
+      met += Number(distance !== null);
+    }
+  }
+  expect(met).toBeGreaterThan(80);
 });
