@@ -53,14 +53,18 @@ function sentKb(without: RegExp): string {
 }
 
 /** The study's code, models of hands and controllers, and the languages that are fetched by whom they are for. */
-const kApart = /\/begin-[^/]*$|\.glb$|\/de-[^/]*\.js$/;
+const kApart = /\/begin-[^/]*$|\.glb$|\/(study_)?de-[^/]*\.js$/;
 
 function bundles(): string[][] {
   const peers = "bench/peers/node_modules";
   const three = ["core", "module"].map((part) => `${peers}/three/build/three.${part}.min.js`);
   return [
     ["page and headset, Brotli", sentKb(kApart), "350 KB"],
-    ["bundle with everything, gzipped", gzippedKb(filesIn(join(out, "dist")).filter(isServedPlain)), ""],
+    [
+      "all but models, gzipped",
+      gzippedKb(filesIn(join(out, "dist")).filter((path) => isServedPlain(path) && !path.endsWith(".glb"))),
+      "",
+    ],
     [
       "Spark 2.2.0 and three.js",
       gzippedKb([`${peers}/@sparkjsdev/spark/dist/spark.module.min.js`, ...three]),

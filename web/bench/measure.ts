@@ -10,7 +10,5 @@ export function table(head: readonly string[], rows: readonly (readonly string[]
   return lines.join("\n");
 }
 
-/** Pixels that benchmarks draw for one of a page, without a GPU: fewer than tests would tell nothing of frames. */
-export const kScale = 0.5;
-/** What the viewer is seen in. */
-export const kPage = { width: 900, height: 600, scale: kScale };
+/** What the viewer is seen in; of its pixels half as many a side are drawn, without a GPU. */
+export const kPage = { width: 900, height: 600, scale: 0.5 };
