@@ -85,7 +85,8 @@ function inGroups(entries: readonly Entry[], cards: readonly Container[]): (Cont
   );
   return starts.flatMap((start, k) => {
     const group = volume(entries[start]!);
-    const title = group && label(`${inShort(group.title)} · ${countText(group)}`, { quiet: true, size: kSmallFont });
+    const title =
+      group && label(`${inShort(group.title)} · ${countText(group)}`, { quiet: true, size: kSmallFont });
     return [...(title ? [title] : []), ...pairs(cards.slice(start, starts[k + 1]))];
   });
 }
