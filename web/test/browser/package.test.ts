@@ -397,7 +397,7 @@ describe.skipIf(missing !== undefined)(`the package${missing ? ` (${missing} is 
     const told = page.evaluate(
       () =>
         new Promise<string>((resolve) =>
-          viewer().addEventListener("error", (event) => resolve((event as ErrorEvent).message), {
+          viewer().addEventListener("error", (event) => resolve(event.message), {
             once: true,
           }),
         ),
