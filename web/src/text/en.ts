@@ -203,6 +203,8 @@ export const english = {
     title: "Light",
     own: "As the case was made",
     lamp: "Lamp in hand",
+    /** In other languages than presets/rigs has them. */
+    rigs: {} as Readonly<Record<string, string>>,
     turned: "Turned",
     turn: "Turn the light, degrees",
     pad: "Where the lamp shines from",
@@ -344,6 +346,8 @@ export const english = {
     title: "Background",
     hint: "What lies behind the case",
     depth: "Depth",
+    /** In other languages than the model has them. */
+    names: {} as Readonly<Record<string, string>>,
     depthName: "Depth: how much what is far away fades",
     depthHint: "What is farther away fades towards the background",
   },

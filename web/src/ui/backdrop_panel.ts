@@ -18,7 +18,7 @@ export function backdropPanel(viewer: Viewer, live: Follow): HTMLElement {
       onchange: () => store.setBackdrop(backdrop.value || null),
     },
     h("option", { value: "" }, t.title),
-    ...[...kBackdrops].map(([name, { title }]) => h("option", { value: name }, title)),
+    ...[...kBackdrops].map(([name, { title }]) => h("option", { value: name }, t.names[name] ?? title)),
   );
   const depth = range(
     { title: t.depthHint, "aria-label": t.depthName },

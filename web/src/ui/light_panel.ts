@@ -29,7 +29,7 @@ export function lightPanel(viewer: Viewer, live: Follow): HTMLElement {
       },
     },
     h("option", { value: "" }, t.own),
-    ...[...kRigs].map(([name, { title }]) => h("option", { value: name }, title)),
+    ...[...kRigs].map(([name, { title }]) => h("option", { value: name }, t.rigs[name] ?? title)),
     h("option", { value: kLamp }, t.lamp),
   );
   const turn = range(

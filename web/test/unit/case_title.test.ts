@@ -1,7 +1,9 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { afterEach, describe, expect, it } from "vitest";
 
+import { kBackdrops } from "../../src/model/backdrop";
 import { inShort, shownTitle, spokenLook } from "../../src/model/case_title";
+import { kRigs } from "../../src/model/rigs";
 import { german } from "../../src/text/de";
 import { speak } from "../../src/text/text";
 
@@ -72,6 +74,11 @@ describe("the title of a case", () => {
     });
     const told = Object.entries(german.looks).map(([name, [title]]) => [name, title] as const);
     expect(Object.fromEntries(told)).toEqual(Object.fromEntries(known));
+  });
+
+  it("has German names for all lights and backgrounds", () => {
+    expect(Object.keys(german.light.rigs).sort()).toEqual([...kRigs.keys()].sort());
+    expect(Object.keys(german.background.names).sort()).toEqual([...kBackdrops.keys()].sort());
   });
 
   it("is cut where there is little room, between letters", () => {

@@ -11,8 +11,9 @@ import { button, choice, column, each, kSmallFont, label, row, slider, when } fr
 
 /** Among rigs, the lights that the case was made in. */
 const kOwnLight = "";
-/** More than three buttons do not stand in a row. */
-const kRigRows = [0, 3].map((first) => [kOwnLight, ...kRigs.keys()].slice(first, first + 3));
+const kChoices = [kOwnLight, ...kRigs.keys()];
+/** As many as stand in a row: names of rigs are short. */
+const kRigRows = [kChoices.slice(0, 3), kChoices.slice(3)];
 
 type LampHand = "none" | "left" | "right";
 
@@ -81,7 +82,9 @@ function light(context: PanelContext): (Container | Text)[] {
     label(t.light),
     ...kRigRows.map((names) =>
       choice<string>(
-        Object.fromEntries(names.map((name) => [name, name ? capital(name) : t.asMade])),
+        Object.fromEntries(
+          names.map((name) => [name, name ? (texts().light.rigs[name] ?? capital(name)) : t.asMade]),
+        ),
         live(() => viewer.state.rig ?? kOwnLight),
         (name) => viewer.store.setRig(name === kOwnLight ? null : name),
       ),
