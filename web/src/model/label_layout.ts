@@ -49,6 +49,15 @@ function overlap(a: Box, b: Box): number {
 
 /** How much of a straight line lies within a box, px. */
 function within(box: Box, from: Place, to: Place): number {
+  // Most lines are elsewhere, and are asked for every place of every label.
+  if (
+    Math.max(from.x, to.x) < box.x ||
+    Math.min(from.x, to.x) > box.x + box.width ||
+    Math.max(from.y, to.y) < box.y ||
+    Math.min(from.y, to.y) > box.y + box.height
+  ) {
+    return 0;
+  }
   const spans = (low: number, size: number, begin: number, end: number): [number, number] => {
     if (begin === end) {
       return low <= begin && begin <= low + size ? [0, 1] : [1, 0];
