@@ -102,6 +102,7 @@ trap 'kill -- -"$beside" 2>/dev/null || true' EXIT
 
 step "tests release" run_tests release "${everything[@]}"
 count_tests "tests release"
+grep -a 'needed a second try' build/release/Testing/Temporary/LastTest.log | sed 's/^/test: /' || true
 echo "test: beside them:"
 waited=$SECONDS
 wait "$beside" || {

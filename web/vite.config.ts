@@ -4,6 +4,7 @@ import { join, resolve } from "node:path";
 import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import type { Plugin } from "vite";
 import { defineConfig } from "vitest/config";
+import type { Reporter } from "vitest/reporters";
 
 import { leanModels } from "./vite/lean_models";
 import { threeParts } from "./vite/three_parts";
@@ -95,6 +96,15 @@ const compressFiles: Plugin = {
   },
 };
 
+/** Says what passed at a second try alone: scripts/test.sh shows it, as it may hide a fault. */
+const tellFlaky: Reporter = {
+  onTestCaseResult(test) {
+    if (test.diagnostic()?.flaky) {
+      console.log(`needed a second try: ${test.fullName}: ${test.result().errors?.[0]?.message ?? ""}`);
+    }
+  },
+};
+
 export default defineConfig({
   base: "./",
   plugins: [threeParts(), preloadPage, inlineStyles, unpackYoga, stripShaders, leanModels, compressFiles],
@@ -122,6 +132,7 @@ export default defineConfig({
     headers: { "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Embedder-Policy": "require-corp" },
   },
   test: {
+    reporters: ["default", tellFlaky],
     projects: [
       { extends: true, test: { name: "unit", include: ["test/unit/**/*.test.ts"] } },
       {
@@ -130,6 +141,7 @@ export default defineConfig({
           name: "browser",
           include: ["test/browser/**/*.test.ts"],
           globalSetup: "test/browser/cases.ts",
+          retry: process.env["CI"] ? 1 : 0, // busy cores and software GL are late at times
           testTimeout: 300_000,
           expect: { poll: { timeout: 120_000 } },
           hookTimeout: 900_000, // trains cases
