@@ -79,9 +79,9 @@ class MarksPainter {
       return std::nullopt;
     }
     const TextBox box(cairo_, {mark.text}, kLetters, false);
-    const bool is_line = said.mark.kind == MarkKind::kLength || said.mark.kind == MarkKind::kAngle;
-    mark.label = {
-        *anchor, {box.width(), box.height()}, is_line ? mark.points : std::vector<dvec2>()};
+    mark.label = {*anchor,
+                  {box.width(), box.height()},
+                  said.mark.is_line() ? mark.points : std::vector<dvec2>()};
     return mark;
   }
 

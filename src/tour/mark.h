@@ -23,6 +23,8 @@ struct Mark {
   std::string name;      ///< "": it has none
 
   bool is_flat() const { return kind == MarkKind::kRegion || kind == MarkKind::kOutline; }
+  /// Whether it is a line through its points, which is to be seen from end to end.
+  bool is_line() const { return kind == MarkKind::kLength || kind == MarkKind::kAngle; }
 };
 
 /// Of a case: more could neither be seen nor told apart.
