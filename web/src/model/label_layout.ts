@@ -49,15 +49,6 @@ function overlap(a: Box, b: Box): number {
 
 /** How much of a straight line lies within a box, px. */
 function within(box: Box, from: Place, to: Place): number {
-  // Most lines are elsewhere, and are asked for every place of every label.
-  if (
-    Math.max(from.x, to.x) < box.x ||
-    Math.min(from.x, to.x) > box.x + box.width ||
-    Math.max(from.y, to.y) < box.y ||
-    Math.min(from.y, to.y) > box.y + box.height
-  ) {
-    return 0;
-  }
   const spans = (low: number, size: number, begin: number, end: number): [number, number] => {
     if (begin === end) {
       return low <= begin && begin <= low + size ? [0, 1] : [1, 0];
@@ -69,6 +60,23 @@ function within(box: Box, from: Place, to: Place): number {
   const down = spans(box.y, box.height, from.y, to.y);
   const share = Math.min(1, across[1], down[1]) - Math.max(0, across[0], down[0]);
   return Math.max(0, share) * Math.hypot(to.x - from.x, to.y - from.y);
+}
+
+/** The smallest box around these places, and so much more on every side. */
+function boxAround(places: readonly Place[], margin = 0): Box {
+  const x = places.map((place) => place.x);
+  const y = places.map((place) => place.y);
+  const [left, top] = [Math.min(...x) - margin, Math.min(...y) - margin];
+  return {
+    x: left,
+    y: top,
+    width: Math.max(...x) + margin - left,
+    height: Math.max(...y) + margin - top,
+  };
+}
+
+function touch(a: Box, b: Box): boolean {
+  return a.x <= b.x + b.width && b.x <= a.x + a.width && a.y <= b.y + b.height && b.y <= a.y + a.height;
 }
 
 /** How much of a box lies beyond the picture, px². */
@@ -85,36 +93,58 @@ export function layOut(
   picture: Size,
   before: readonly (number | undefined)[] = [],
 ): { at: Place; choice: number }[] {
-  const dots = labels.map(({ anchor: { x, y } }) => ({
-    x: x - kDot,
-    y: y - kDot,
-    width: 2 * kDot,
-    height: 2 * kDot,
-  }));
-  const lines = labels.flatMap(({ line = [] }) => line.slice(1).map((to, k) => [line[k]!, to] as const));
+  const dots = labels.map(({ anchor }) => boxAround([anchor], kDot));
+  const lines = labels.flatMap(({ line = [] }) =>
+    line.slice(1).map((to, k) => ({ from: line[k]!, to, box: boxAround([line[k]!, to]) })),
+  );
   const placed: Box[] = [];
   return labels.map((label, i) => {
-    const places = candidates(label);
-    const boxes = places.map((place) => ({ ...place, width: label.width, height: label.height }));
-    const cost = (box: Box): number => {
+    const { width, height } = label;
+    const boxes = candidates(label).map((place) => ({ ...place, width, height }));
+    // Most of what is to be kept clear of is far from all places of this label.
+    const reach = boxAround(
+      [...boxes, ...boxes.map(({ x, y }) => ({ x: x + width, y: y + height }))],
+      kApart,
+    );
+    const nearPlaced = placed.filter((box) => touch(box, reach));
+    const nearDots = dots.filter((dot) => touch(dot, reach));
+    const nearLines = lines.filter(({ box }) => touch(box, reach));
+    /** Of a place; no less than `enough` where it is no less than that. */
+    const cost = (box: Box, enough: number): number => {
       const wide = {
         x: box.x - kApart,
         y: box.y - kApart,
-        width: box.width + 2 * kApart,
-        height: box.height + 2 * kApart,
+        width: width + 2 * kApart,
+        height: height + 2 * kApart,
       };
-      const others = placed.reduce((sum, other) => sum + overlap(wide, other), 0);
-      const covered = dots.reduce((sum, dot) => sum + overlap(box, dot), 0);
-      const crossed = lines.reduce((sum, [from, to]) => sum + kLine * within(box, from, to), 0);
-      return others + covered + crossed + 2 * beyond(box, picture);
+      let sum = 2 * beyond(box, picture);
+      for (let k = 0; k < nearPlaced.length && sum < enough; ++k) {
+        sum += overlap(wide, nearPlaced[k]!);
+      }
+      for (let k = 0; k < nearDots.length && sum < enough; ++k) {
+        sum += overlap(box, nearDots[k]!);
+      }
+      for (let k = 0; k < nearLines.length && sum < enough; ++k) {
+        const { from, to } = nearLines[k]!;
+        sum += kLine * within(box, from, to);
+      }
+      return sum;
     };
     const last = before[i];
-    let choice = last !== undefined && cost(boxes[last]!) === 0 ? last : -1;
-    if (choice < 0) {
-      const costs = boxes.map(cost);
-      choice = costs.indexOf(Math.min(...costs));
+    let choice = 0;
+    if (last !== undefined && cost(boxes[last]!, Infinity) === 0) {
+      choice = last;
+    } else {
+      let least = Infinity;
+      for (let k = 0; k < boxes.length && least > 0; ++k) {
+        const its = cost(boxes[k]!, least);
+        if (its < least) {
+          [choice, least] = [k, its];
+        }
+      }
     }
-    placed.push(boxes[choice]!);
-    return { at: places[choice]!, choice };
+    const box = boxes[choice]!;
+    placed.push(box);
+    return { at: box, choice };
   });
 }
