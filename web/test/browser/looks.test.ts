@@ -167,6 +167,34 @@ describe.skipIf(missing !== undefined)(
       await expect.poll(shown).toBe("photo");
     });
 
+    it("have room for all that their cards say, whatever the screen, for fingers, too", async () => {
+      const devtools = await page.context().newCDPSession(page);
+      const library = page.getByRole("dialog", { name: "Cases" });
+      const cutOff = () =>
+        library.locator(".card").evaluateAll((cards) => {
+          const bottom = (element: Element) => element.getBoundingClientRect().bottom;
+          return cards
+            .filter((card) => bottom(card.lastElementChild!) > bottom(card))
+            .map(({ dataset }) => dataset["case"]);
+        });
+      await page.locator("canvas.stage").focus();
+      await page.keyboard.press("m");
+      for (const enabled of [true, false]) {
+        await devtools.send("Emulation.setTouchEmulationEnabled", { enabled });
+        for (const [width, height] of [
+          [390, 844],
+          [844, 390],
+          [820, 1180],
+          [680, 420],
+        ] as const) {
+          await page.setViewportSize({ width, height });
+          await library.locator(".card").nth(4).waitFor();
+          expect(await cutOff(), `${width} x ${height}`).toEqual([]);
+        }
+      }
+      await page.keyboard.press("Escape");
+    });
+
     it("are found in the library by keys alone, beside the names of their files", async () => {
       await page.locator("canvas.stage").focus();
       await page.keyboard.press("m");
