@@ -31,6 +31,36 @@ function tooSmall(page: Page): Promise<string[]> {
   });
 }
 
+/** What is to be read or pressed whatever happens, and is cut off by what holds it, or lies below something else. */
+function notSeen(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const leaves = (inner: DOMRect, outer: DOMRect): boolean =>
+      inner.left < outer.left - 1 ||
+      inner.right > outer.right + 1 ||
+      inner.top < outer.top - 1 ||
+      inner.bottom > outer.bottom + 1;
+    const seen = (selector: string): HTMLElement[] =>
+      [...document.querySelectorAll<HTMLElement>(selector)].filter((one) => one.checkVisibility());
+    const cutOff = seen(
+      ".viewer > footer .warning, .beside .warning, .beside-title, .slice-head > *, .card > :last-child",
+    )
+      .filter((one) =>
+        leaves(
+          one.getBoundingClientRect(),
+          one.closest(".slice, .beside, .card, .viewer")!.getBoundingClientRect(),
+        ),
+      )
+      .map((one) => `cut off: ${one.textContent}`);
+    const below = seen(".message button")
+      .filter((one) => {
+        const { x, y, width, height } = one.getBoundingClientRect();
+        return !one.contains(document.elementFromPoint(x + width / 2, y + height / 2));
+      })
+      .map((one) => `below something: ${one.title || one.textContent}`);
+    return [...cutOff, ...below];
+  });
+}
+
 /** Puts the page into one state after the other, each from the one before. */
 function states(page: Page): Record<string, () => Promise<unknown>> {
   const stage = page.locator("canvas.stage").first(); // not that of a case beside
@@ -160,13 +190,16 @@ describe.skipIf(missing !== undefined)(`axe${missing ? ` (${missing} is missing)
         const dark = await broken(page);
         await page.emulateMedia({ colorScheme: "light" });
         const light = await broken(page, kColors);
-        const small = isPhone ? await tooSmall(page) : [];
+        const laid = await notSeen(page);
         if (isPhone) {
+          laid.push(...(await tooSmall(page)));
           await page.setViewportSize({ width: viewport.height, height: viewport.width });
-          small.push(...(await tooSmall(page)).map((what) => `on its side, ${what}`));
+          await page.waitForTimeout(200); // what is laid out by what is free of the picture follows
+          const onItsSide = [...(await tooSmall(page)), ...(await notSeen(page))];
+          laid.push(...onItsSide.map((what) => `on its side, ${what}`));
           await page.setViewportSize(viewport);
         }
-        found.push(...[...dark, ...light, ...small].map((what) => `${state}: ${what}`));
+        found.push(...[...dark, ...light, ...laid].map((what) => `${state}: ${what}`));
       }
       expect(found).toEqual([]);
       await page.close();
