@@ -27,7 +27,7 @@ import { LoadingCard } from "./ui/loading_card";
 import { MarksOverlay } from "./ui/marks_overlay";
 import { markCard, marksPanel } from "./ui/marks_panel";
 import { Message } from "./ui/message";
-import { dropZone, isTour } from "./ui/open_file";
+import { dropZone, isTour, isVolume } from "./ui/open_file";
 import { OrientationCube } from "./ui/orientation_cube";
 import { pictureDialog } from "./ui/picture_dialog";
 import { Pictures } from "./ui/pictures";
@@ -257,6 +257,8 @@ export class App {
     }
     if (file.size === 0) {
       this.message.say(texts().files.empty(file.name), null);
+    } else if (await isVolume(file).catch(() => false)) {
+      this.message.say(texts().files.volume(file.name), null);
     } else if (!/\.json$/i.test(file.name)) {
       await this.host.openFile(file).catch(() => {});
     } else if (await isTour(file).catch(() => false)) {

@@ -5,6 +5,7 @@ import type { App } from "./app";
 import { type Cut, makeCut } from "./model/cut";
 import type { Plane, Triple } from "./model/geometry";
 import { isShape, makeMark, type Mark, markText, measure } from "./model/marks";
+import { viewFrom } from "./model/view";
 import type { Viewer } from "./viewer";
 
 function unitCut({ normal, offset, thickness }: ApiCut): Cut {
@@ -51,8 +52,7 @@ export function makeApi(app: App, ready: () => Promise<void>): ClipgsApi {
     },
     open: (name) => app.host.open(name),
     openFile: (file) => app.host.openFile(file),
-    setView: ({ azimuth, elevation, zoom = 1 }) =>
-      viewer.store.setView({ azimuth, elevation, zoom, pan: new Vector3(), back: 0 }),
+    setView: ({ azimuth, elevation, zoom = 1 }) => viewer.store.setView(viewFrom(azimuth, elevation, zoom)),
     setPlane: (plane) => {
       viewer.store.setCuts(plane ? [unitCut(plane)] : []);
     },

@@ -49,10 +49,14 @@ export interface Link {
   size?: { width: number; height: number };
 }
 
-/** `count` finite numbers separated by commas. */
+/** So far from everything, mm, is nothing. */
+const kFar = 1e6;
+
+/** From `least` to `most` numbers separated by commas, none of them beyond what there can be. */
 function numbers(text: string | null, least: number, most: number): number[] | null {
   const values = text?.split(",").map((part) => (part.trim() === "" ? NaN : Number(part))) ?? [];
-  return values.length >= least && values.length <= most && values.every(Number.isFinite) ? values : null;
+  const isSound = values.every((value) => Math.abs(value) <= kFar);
+  return isSound && values.length >= least && values.length <= most ? values : null;
 }
 
 /** `nx,ny,nz,c` of a plane or `nx,ny,nz,c,thickness` of a slab. */

@@ -27,7 +27,7 @@ const kMaxElevation = 89.9;
 const kZoom = { least: 0.25, most: 24 };
 
 export function viewFrom(azimuth: number, elevation: number, zoom = 1): View {
-  return { azimuth, elevation, zoom, pan: new Vector3(), back: 0 };
+  return { azimuth, elevation, zoom: withinZoom(zoom), pan: new Vector3(), back: 0 };
 }
 
 /** Unit vector from the target towards the camera, RAS. */
@@ -89,8 +89,12 @@ export function turned(view: View, right: number, up: number): Pick<View, "azimu
   };
 }
 
+function withinZoom(zoom: number): number {
+  return clamp(zoom, kZoom.least, kZoom.most);
+}
+
 export function zoomed({ zoom }: View, factor: number): Pick<View, "zoom"> {
-  return { zoom: clamp(zoom * factor, kZoom.least, kZoom.most) };
+  return { zoom: withinZoom(zoom * factor) };
 }
 
 /** With what is seen pushed by mm, but for no farther than it is seen. */

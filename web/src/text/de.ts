@@ -132,7 +132,10 @@ export const german: Texts = {
     open: "Datei öffnen…",
     several:
       "Es lässt sich nur ein Fall auf einmal öffnen: bitte nur einen ablegen, auf Wunsch mit seinen Markierungen oder Ansichten",
-    folder: (name) => `${name}: Das ist ein Ordner; bitte öffnen und einen Fall (.sog) daraus ablegen`,
+    folder: (name) =>
+      `${name}: Das ist ein Ordner; bitte öffnen und einen Fall (.sog) daraus ablegen. Aus einer DICOM-Serie macht der Befehl „clipgs view“ einen`,
+    volume: (name) =>
+      `${name}: Das ist ein Volumen; der Befehl „clipgs view“ macht daraus, oder aus dem Ordner einer DICOM-Serie, einen Fall und zeigt ihn`,
     empty: (name) => `${name}: Die Datei ist leer; bitte neu kopieren oder herunterladen`,
     openHint:
       "Ein Fall (.sog) oder eine 3D-Szene eines anderen Programms (.ply, .spz) von diesem Rechner: Hochgeladen wird nichts",

@@ -52,7 +52,10 @@ export const english = {
     open: "Open a file…",
     several:
       "One case can be opened at a time: drop a single one, with files of its marks or views if you like",
-    folder: (name: string) => `${name}: this is a folder; open it and drop one case (.sog) of it`,
+    folder: (name: string) =>
+      `${name}: this is a folder; open it and drop one case (.sog) of it. Of a DICOM series the command "clipgs view" makes one`,
+    volume: (name: string) =>
+      `${name}: this is a volume; the command "clipgs view" makes a case of it, or of the folder of a DICOM series, and shows it`,
     empty: (name: string) => `${name}: the file is empty; copy or download it again`,
     openHint:
       "A case (.sog), or a 3D scene of another program (.ply, .spz), from this computer: nothing is uploaded",

@@ -18,6 +18,15 @@ export function openFileButton(open: (file: File) => void): HTMLElement {
   return button;
 }
 
+/** Whether a file is of a volume, of which a case can be made. */
+export async function isVolume(file: File): Promise<boolean> {
+  const kDicom = { at: 128, word: "DICM" };
+  return (
+    /\.(dcm|dicom|ima|nii|nii\.gz|nrrd|nhdr|mha|mhd)$/i.test(file.name) ||
+    (await file.slice(kDicom.at, kDicom.at + kDicom.word.length).text()) === kDicom.word
+  );
+}
+
 /** Whether a file holds views of a case, or, as others of its kind, marks. */
 export async function isTour(file: File): Promise<boolean> {
   const kBeginning = 200;

@@ -16,7 +16,7 @@ import { formatLink, parseLink } from "../../src/model/link";
 import { PlaneDrag, snapped } from "../../src/model/plane_drag";
 import { freeAxis, kAxes, orientationOf, planeAcross, planeText } from "../../src/model/planes";
 import { lightsOf } from "../../src/model/rigs";
-import { applyView, viewDirection, viewFrom } from "../../src/model/view";
+import { applyView, viewDirection, viewFrom, zoomed } from "../../src/model/view";
 import type { LightRig } from "../../src/sog/section";
 
 const box = { min: new Vector3(-100, -60, 0), max: new Vector3(100, 60, 300) };
@@ -176,6 +176,15 @@ describe("links", () => {
     expect(parseLink(`#${"plane=0,0,1,0&".repeat(7)}`)).toEqual({});
   });
 
+  it("zoom as far as a person can", () => {
+    for (const factor of [1e-5, 1e5]) {
+      expect(parseLink(`#view=1,2,${factor}`).view).toEqual({
+        ...viewFrom(1, 2),
+        ...zoomed(viewFrom(1, 2), factor),
+      });
+    }
+  });
+
   it("leave out what is not valid", () => {
     for (const hash of [
       "",
@@ -184,7 +193,11 @@ describe("links", () => {
       "#view=a,b",
       "#view=1,2,0",
       "#view=1,2,3,4",
+      "#view=1e999,0",
       "#plane=0,0,0,1",
+      "#plane=0,0,1,1e308",
+      "#plane=1e300,1e300,1e300,1",
+      "#plane=1e-300,0,0,1",
       "#plane=0,0,1,0,5",
       "#slab=0,0,1,0",
       "#slab=0,0,1,0,0",
