@@ -3,7 +3,7 @@ import "./ui/page.css";
 
 import type { ClipgsApi } from "./api";
 import { caseFile, fetchIndex } from "./model/case_list";
-import { language, languageOf, speak, texts } from "./text/text";
+import { inOwnWords, language, languageOf, speak, texts } from "./text/text";
 import { h } from "./ui/dom";
 import { LoadingCard } from "./ui/loading_card";
 import { ViewerTheme } from "./ui/theme";
@@ -71,5 +71,7 @@ try {
   window.clipgs = startPage(root, client, index, loading);
 } catch (error) {
   client.dispose();
-  root.replaceChildren(h("div", { class: "message", role: "alert" }, h("p", {}, (error as Error).message)));
+  root.replaceChildren(
+    h("div", { class: "message", role: "alert" }, h("p", {}, inOwnWords((error as Error).message))),
+  );
 }

@@ -6,7 +6,7 @@ import { type Link, parseLink } from "./model/link";
 import { linkedState } from "./model/linked_state";
 import type { Stop } from "./model/tour";
 import { isSamePicture, type ViewerState, type ViewerStore } from "./model/viewer_state";
-import { texts } from "./text/text";
+import { inOwnWords, texts } from "./text/text";
 
 /** What a tour is played in. */
 export interface TourStage {
@@ -181,7 +181,7 @@ export class TourPlayer {
         if (going === this.#going) {
           this.#stage.veil(0);
           this.#playing.value = false;
-          this.#trouble.value = texts().views.missing(index + 1, (error as Error).message);
+          this.#trouble.value = texts().views.missing(index + 1, inOwnWords((error as Error).message));
         }
         return;
       }

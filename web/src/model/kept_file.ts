@@ -12,7 +12,7 @@ export interface FileKind {
   name: string; // "tour"
   list: string; // of what it holds, "stops"
   most: number;
-  file: string; // as errors call it, "a tour"
+  isNone: string; // of what is no such file, "not a tour"
   all: string; // and what it holds, "a tour"
 }
 
@@ -24,18 +24,18 @@ export function readKept(
   text: string,
   name: string,
   volume: string,
-  { name: kind, list, most, file, all }: FileKind,
+  { name: kind, list, most, isNone, all }: FileKind,
 ): JsonReader[] {
   let object: unknown;
   try {
     object = JSON.parse(text);
   } catch {
-    throw new CaseError(`${name}: not ${file}`);
+    throw new CaseError(`${name}: ${isNone}`);
   }
   const reader = new JsonReader(object, kind, { name, remedy: `save the ${kind} again` });
   const version = `clipgs_${kind}`;
   if (!reader.has(version)) {
-    throw new CaseError(`${name}: not ${file}`);
+    throw new CaseError(`${name}: ${isNone}`);
   }
   if (reader.value(version) !== kVersion) {
     throw new CaseError(`${name}: of a version that this viewer does not know; use a newer clipgs`);

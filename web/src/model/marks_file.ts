@@ -21,7 +21,7 @@ const kFile: FileKind = {
   name: "marks",
   list: "marks",
   most: kMostMarks,
-  file: "a file of marks",
+  isNone: "not a file of marks",
   all: "marks",
 };
 const kLongestId = 40;

@@ -25,7 +25,13 @@ const kStay = 5;
 const kLongestId = 40;
 /** Characters: words with as many marks as a case may have, without notes. */
 const kLongestShow = 40_000;
-const kFile: FileKind = { name: "tour", list: "stops", most: kMostStops, file: "a tour", all: "a tour" };
+const kFile: FileKind = {
+  name: "tour",
+  list: "stops",
+  most: kMostStops,
+  isNone: "not a tour",
+  all: "a tour",
+};
 
 /** A stop at what is shown. */
 export function makeStop(show: string, name: string, text = ""): Stop {

@@ -4,6 +4,7 @@ import type { Actions } from "../actions";
 import { makeMark } from "../model/marks";
 import type { CaseError } from "../sog/zip";
 import type { StudyTexts } from "../text/study_en";
+import { inOwnWords } from "../text/text";
 import type { Viewer } from "../viewer";
 import { type Entry, Journal, type Store } from "./journal";
 import { TaskMeasures } from "./measures";
@@ -186,7 +187,7 @@ export class Study {
       try {
         await this.#open(participant, device);
       } catch (error) {
-        this.#refusal = (error as CaseError).message;
+        this.#refusal = inOwnWords((error as CaseError).message);
         this.headset.leave();
       }
     });

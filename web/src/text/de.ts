@@ -1,7 +1,9 @@
 import type { Texts } from "./en";
+import { errorsInGerman } from "./errors_de";
 
 /** Alles, was der Betrachter sagt, auf Deutsch. */
 export const german: Texts = {
+  errors: errorsInGerman,
   usualTitles: {
     volume: "Volumen",
     photographs: "Fotografien",

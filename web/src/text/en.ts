@@ -1,5 +1,7 @@
 /** Everything that the viewer says, in English. Another language has a file of its own beside this one. */
 export const english = {
+  /** What is said where something goes wrong, as readers of files and workers say it, and what that is in another language. */
+  errors: [] as readonly (readonly [english: string, own: string])[],
   /** How cases are called that nobody gave a title. */
   usualTitles: {
     volume: "volume",

@@ -23,6 +23,20 @@ export function languageOf(wanted: readonly (string | null | undefined)[]): Lang
   return codes.flatMap((code) => kLanguages.find((one) => one === code) ?? []).at(0) ?? kUsual;
 }
 
+/**
+ * A line that says what is wrong, in the language that is spoken. What reads files, often in a worker, knows English
+ * alone; `{}` of a text is what differs.
+ */
+export function inOwnWords(line: string): string {
+  return spoken.texts.errors.reduce((said, [english, own]) => {
+    const parts = english.split("{}").map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+    return said.replace(new RegExp(parts.join("(.+?)")), (_all, ...found: string[]) => {
+      let k = 0;
+      return own.replace(/\{\}/g, () => found[k++]!);
+    });
+  }, line);
+}
+
 /** What is said from now on; English is always there, others are fetched by whom they are for. */
 export function speak(language: Language, texts = english): void {
   spoken = { language, texts };

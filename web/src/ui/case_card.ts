@@ -1,4 +1,5 @@
 import type { CaseSummary } from "../model/case_list";
+import { inOwnWords } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 
 /** A case's picture, what it is called and what there is to say of it, line by line, or what is wrong with it. */
@@ -22,6 +23,6 @@ export function caseCard(
     },
     h("span", { class: "picture" }, picture),
     h("strong", { dir: "auto", title }, one.error ? one.name : title),
-    ...(one.error ? [h("small", {}, one.error)] : lines),
+    ...(one.error ? [h("small", {}, inOwnWords(one.error))] : lines),
   );
 }

@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 
 import type { Host } from "../host";
-import { texts } from "../text/text";
+import { inOwnWords, texts } from "../text/text";
 import { h, icon, kIcons } from "./dom";
 
 /** What went wrong, in a line, and how to do it again, where that may help. */
@@ -21,7 +21,9 @@ export class Message {
     this.#host = host;
   }
 
-  say(text: string, again: (() => void) | null): void {
+  /** `line` may be an error's, in English. */
+  say(line: string, again: (() => void) | null): void {
+    const text = inOwnWords(line);
     this.trouble.value = { text, again };
     const t = texts().page;
     const host = this.#host;

@@ -1,6 +1,6 @@
 import { computed, signal } from "@preact/signals-core";
 
-import { texts } from "../text/text";
+import { inOwnWords, texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { sheetDialog } from "./sheet_dialog";
 import { h } from "./dom";
@@ -58,7 +58,7 @@ export function pictureDialog(
       });
       element.close();
     } catch (error) {
-      problem.value = (error as Error).message;
+      problem.value = inOwnWords((error as Error).message);
     } finally {
       busy.value = false;
     }

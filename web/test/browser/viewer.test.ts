@@ -603,6 +603,9 @@ describe.skipIf(missing !== undefined)(`the viewer${missing ? ` (${missing} is m
     expect(await operators.isVisible()).toBe(false);
     await german.evaluate(() => window.clipgs.setClip("soft")); // which is not what everyone has
     await operators.waitFor();
+    await expect(german.evaluate(() => window.clipgs.open("nobody"))).rejects.toThrow();
+    const said = await german.getByRole("alert").locator("p").textContent();
+    expect(said).toBe("nobody: Diesen Fall gibt es nicht; bitte einen anderen aus dem Menü wählen");
     await german.close();
   });
 
