@@ -75,6 +75,10 @@ export class App {
   readonly #theme = new ViewerTheme();
   readonly #ended = new AbortController();
   readonly #resized = new ResizeObserver(() => this.frame());
+  // In the next frame: what follows changes what is observed, which a browser calls an error within the same one.
+  readonly #freed = new ResizeObserver(() =>
+    requestAnimationFrame(() => this.#ended.signal.aborted || this.frame()),
+  );
   #pictureOnly = false;
   readonly #unfollow: () => void;
   readonly #endParts: () => void;
@@ -214,9 +218,9 @@ export class App {
     }
     addEventListener("pagehide", () => this.marks.flush(), { signal });
     addEventListener("pagehide", () => this.views.flush(), { signal });
-    for (const element of [this.viewer.canvas, this.#panel, this.#slices.free]) {
-      this.#resized.observe(element);
-    }
+    this.#resized.observe(this.viewer.canvas);
+    this.#resized.observe(this.#panel);
+    this.#freed.observe(this.#slices.free);
     navigator.xr?.addEventListener("devicechange", () => void this.bar.offerHeadset(), { signal });
     void this.bar.offerHeadset();
   }
@@ -230,6 +234,7 @@ export class App {
     this.#guide?.dispose();
     this.#beside.dispose();
     this.#resized.disconnect();
+    this.#freed.disconnect();
     this.#statistics.dispose();
     this.#announcer.dispose();
     this.#unfollow();

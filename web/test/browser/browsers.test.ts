@@ -12,6 +12,7 @@ import { kBrowsers, missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { normalCdf, runNormalCdf } from "./normal_cdf";
 import { coverage, decodePng, pagePicture, type Picture, psnr } from "./picture";
+import { useTabAtRandom } from "./monkey";
 import { missing } from "./program";
 import { Server } from "./server";
 import { choose, facesOf, rendered, type Shot, show, valueAt } from "./shot";
@@ -20,6 +21,8 @@ import { type Browser, type Evaluates, type Tab, waitFor } from "./tab";
 // dB of pictures that are drawn alike, pixel by pixel; the program has several rays through a pixel at edges alone.
 const kMinAlike = 48;
 const kMinShown = 35; // dB of what a page shows, whose edges are drawn anew
+const kSeed = 20261128;
+const kRandomMs = 8000;
 /** From the middle of the body to its right and forward, mm. */
 const kPins = [
   [0, 0],
@@ -554,6 +557,16 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         );
         const shown = decodePng(await page.screenshot());
         expect(psnr(topLeft(shown, 160, 160), onBlack(picture)).color).toBeGreaterThan(kMinShown);
+      });
+
+      it("stands random input, and shows the case afterwards", async () => {
+        await openViewer(page, "#case=phantom");
+        expect(await useTabAtRandom(page, kSeed, kRandomMs)).toBeGreaterThan(10);
+        await page.evaluate(async () => {
+          document.querySelectorAll<HTMLDialogElement>("dialog[open]").forEach((dialog) => dialog.close());
+          await window.clipgs.open("phantom");
+        });
+        expect(coverage(await pagePicture(page, 96, 96))).toBeGreaterThan(0.03);
       });
     });
   }

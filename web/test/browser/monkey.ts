@@ -2,6 +2,8 @@
 
 import type { CDPSession, Page } from "playwright-core";
 
+import type { Spot, Tab } from "./tab";
+
 /** What a page holds while nothing goes on. */
 export interface Holdings {
   heap: number; // bytes
@@ -48,6 +50,12 @@ const kKeys =
     " ",
   );
 
+/** The same as WebDriver writes them: letters, then Tab, Enter, Escape, Delete, arrows and so on. */
+const kTabKeys = [
+  ..."acsfpnexbugwilho1234qyrj0,.tmk?+- ",
+  ..."\uE004\uE007\uE00C\uE017\uE012\uE013\uE014\uE015\uE00E\uE00F\uE010\uE011",
+];
+
 /** Numbers from 0 to 1 (Mulberry32). */
 function randomFrom(seed: number): () => number {
   let state = seed >>> 0;
@@ -91,6 +99,26 @@ export async function useAtRandom(page: Page, seed: number, milliseconds: number
   return count;
 }
 
+/** Uses a page in any browser at random for so long: keys, clicks, and whatever can be pressed. Returns how many things it did. */
+export async function useTabAtRandom(tab: Tab, seed: number, milliseconds: number): Promise<number> {
+  const random = randomFrom(seed);
+  const below = (n: number) => Math.floor(random() * n);
+  const [width, height] = await tab.evaluate(() => [innerWidth, innerHeight] as const);
+  const end = Date.now() + milliseconds;
+  let count = 0;
+  for (; Date.now() < end; ++count) {
+    const what = random();
+    if (what < 0.35) {
+      await tab.press(kTabKeys[below(kTabKeys.length)]!);
+    } else if (what < 0.75) {
+      await tab.evaluate(pressControl, [random(), random()] as const);
+    } else {
+      await tab.click({ x: below(width), y: below(height) });
+    }
+  }
+  return count;
+}
+
 /** Presses, moves or types into one of what can be used now. */
 function pressControl([which, value]: readonly [number, number]): void {
   const root = document.querySelector("dialog[open]") ?? document;
@@ -112,11 +140,6 @@ function pressControl([which, value]: readonly [number, number]): void {
   } else {
     control?.click();
   }
-}
-
-interface Spot {
-  x: number;
-  y: number;
 }
 
 async function drag(page: Page, from: Spot, to: Spot, button: "left" | "right"): Promise<void> {
