@@ -49,13 +49,13 @@ export interface Link {
   size?: { width: number; height: number };
 }
 
-/** So far from everything, mm, is nothing. */
-const kFar = 1e6;
+/** No place, mm, and no value of a volume is beyond this. */
+const kMost = 1e9;
 
 /** From `least` to `most` numbers separated by commas, none of them beyond what there can be. */
 function numbers(text: string | null, least: number, most: number): number[] | null {
   const values = text?.split(",").map((part) => (part.trim() === "" ? NaN : Number(part))) ?? [];
-  const isSound = values.every((value) => Math.abs(value) <= kFar);
+  const isSound = values.every((value) => Math.abs(value) <= kMost);
   return isSound && values.length >= least && values.length <= most ? values : null;
 }
 
