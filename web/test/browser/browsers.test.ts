@@ -564,7 +564,13 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
         expect(await useTabAtRandom(page, kSeed, kRandomMs)).toBeGreaterThan(10);
         await page.evaluate(async () => {
           document.querySelectorAll<HTMLDialogElement>("dialog[open]").forEach((dialog) => dialog.close());
-          await window.clipgs.open("phantom");
+          const { clipgs } = window;
+          await clipgs.open("phantom");
+          clipgs.stopTour();
+          clipgs.setMode("arbitrary");
+          clipgs.setCuts([]);
+          clipgs.setLayers({ body: true, faces: true, marks: true });
+          clipgs.setView({ azimuth: 0, elevation: 0, zoom: 1 });
         });
         expect(coverage(await pagePicture(page, 96, 96))).toBeGreaterThan(0.03);
       });
