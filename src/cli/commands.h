@@ -5,15 +5,18 @@
 namespace clipgs {
 
 // Each adds one subcommand; its callback does the work and throws Error on failure.
-// One file per command: src/cli/<name>_command.cpp.
+// One file per command: src/cli/<name>_command.cpp; manual_command.cpp has what tells of all of
+// them.
 void add_bake_command(CLI::App& app);
 void add_build_command(CLI::App& app);
 void add_cinema_command(CLI::App& app);
+void add_completion_command(CLI::App& app);
 void add_dataset_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_looks_command(CLI::App& app);
+void add_man_command(CLI::App& app);
 void add_pack_command(CLI::App& app);
 void add_phantom_command(CLI::App& app);
 void add_refine_command(CLI::App& app);

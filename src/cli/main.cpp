@@ -35,11 +35,13 @@ int run(int argc, char** argv) {
   clipgs::add_bake_command(app);
   clipgs::add_build_command(app);
   clipgs::add_cinema_command(app);
+  clipgs::add_completion_command(app);
   clipgs::add_dataset_command(app);
   clipgs::add_eval_command(app);
   clipgs::add_export_command(app);
   clipgs::add_info_command(app);
   clipgs::add_looks_command(app);
+  clipgs::add_man_command(app);
   clipgs::add_pack_command(app);
   clipgs::add_phantom_command(app);
   clipgs::add_refine_command(app);
