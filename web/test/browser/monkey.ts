@@ -99,14 +99,12 @@ export async function useAtRandom(page: Page, seed: number, milliseconds: number
   return count;
 }
 
-/** Uses a page in any browser at random for so long: keys, clicks, and whatever can be pressed. Returns how many things it did. */
-export async function useTabAtRandom(tab: Tab, seed: number, milliseconds: number): Promise<number> {
+/** Does so many things at random to a page in any browser: keys, clicks, and whatever can be pressed. */
+export async function useTabAtRandom(tab: Tab, seed: number, count: number): Promise<void> {
   const random = randomFrom(seed);
   const below = (n: number) => Math.floor(random() * n);
   const [width, height] = await tab.evaluate(() => [innerWidth, innerHeight] as const);
-  const end = Date.now() + milliseconds;
-  let count = 0;
-  for (; Date.now() < end; ++count) {
+  for (let i = 0; i < count; ++i) {
     const what = random();
     if (what < 0.35) {
       await tab.press(kTabKeys[below(kTabKeys.length)]!);
@@ -116,7 +114,6 @@ export async function useTabAtRandom(tab: Tab, seed: number, milliseconds: numbe
       await tab.click({ x: below(width), y: below(height) });
     }
   }
-  return count;
 }
 
 /** Presses, moves or types into one of what can be used now. */
