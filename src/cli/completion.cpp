@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/shell_word.h"
+
 namespace clipgs {
 
 namespace {
@@ -18,15 +20,6 @@ std::string escaped(const std::string& text, std::string_view special) {
     safe += c;
   }
   return safe;
-}
-
-/// In single quotes for bash and zsh, which know no letter that is special between them.
-std::string quoted(const std::string& text) {
-  std::string safe = "'";
-  for (const char c : text) {
-    safe += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  }
-  return safe + "'";
 }
 
 /// As much of what an option is as a line of a list has room for.
@@ -69,7 +62,7 @@ std::string zsh_options(const DescribedCommand& command, std::string_view indent
       } else if (!option.value.empty()) {
         value = ":value:_files";
       }
-      lines += fmt::format("{}{} \\\n", indent, quoted(name + "[" + text + "]" + value));
+      lines += fmt::format("{}{} \\\n", indent, shell_word(name + "[" + text + "]" + value));
     }
   }
   return lines;
@@ -94,10 +87,10 @@ std::string bash_completion(const DescribedCommand& program,
         cases += fmt::format("{}\"{} {}\"", cases.empty() ? "" : " | ", command.name, name);
       }
       values += fmt::format("    {}) words={} ;;\n", cases,
-                            quoted(fmt::format("{}", fmt::join(option.choices, " "))));
+                            shell_word(fmt::format("{}", fmt::join(option.choices, " "))));
     }
     options += fmt::format("      {}) words={} ;;\n", command.name,
-                           quoted(names_of(command) + " " + names_of(program)));
+                           shell_word(names_of(command) + " " + names_of(program)));
   }
   const std::string names = names_of(commands);
   return fmt::format(
@@ -125,7 +118,7 @@ _clipgs() {{
 }}
 complete -o default -F _clipgs clipgs
 )",
-      names, values, options, quoted(names_of(program)), quoted(names));
+      names, values, options, shell_word(names_of(program)), shell_word(names));
 }
 
 std::string zsh_completion(const DescribedCommand& program,
@@ -133,7 +126,7 @@ std::string zsh_completion(const DescribedCommand& program,
   std::string names;
   std::string cases;
   for (const DescribedCommand& command : commands) {
-    names += "    " + quoted(escaped(command.name + ":", "") + escaped(command.text, "\\:")) + "\n";
+    names += "    " + shell_word(command.name + ":" + escaped(command.text, "\\:")) + "\n";
     cases += fmt::format("        {})\n          _arguments \\\n{}            '*:file:_files' ;;\n",
                          command.name, zsh_options(command, "            "));
   }

@@ -19,6 +19,7 @@
 #include "cli/commands.h"
 #include "cli/looks_sheet.h"
 #include "cli/sheet.h"
+#include "cli/shell_word.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -133,27 +134,13 @@ std::vector<Look> draw_looks(const LooksArguments& arguments, const Volume& volu
   return looks;
 }
 
-/// As a shell reads it as one word.
-std::string quoted(const std::string& word) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) {
-    return word;
-  }
-  std::string result = "'";
-  for (const char letter : word) {
-    result += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
-  }
-  return result + "'";
-}
-
 /// The command that draws, or builds, the volume with that look, or several.
 std::string command_line(const std::string& command, const std::string& output,
                          const LooksArguments& arguments, const std::string& preset) {
   std::string line = fmt::format("clipgs {} {} -o {} --preset {}", command,
-                                 quoted(arguments.volume.string()), output, preset);
+                                 shell_word(arguments.volume.string()), output, preset);
   for (const std::string& option : arguments.given) {
-    line += ' ' + quoted(option);
+    line += ' ' + shell_word(option);
   }
   return line;
 }

@@ -1,6 +1,7 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 
 import { CaseError } from "../sog/zip";
+import { inOwnWords } from "../text/text";
 
 /** What is kept of a case, each with an id that tells it from the others. */
 export interface Kept {
@@ -232,7 +233,7 @@ export class Keeper<T extends Kept> {
       this.#place = found;
       return items;
     } catch (error) {
-      this.#trouble.value = (error as Error).message;
+      this.#trouble.value = inOwnWords((error as Error).message);
       return [];
     }
   }
@@ -267,7 +268,7 @@ export class Keeper<T extends Kept> {
     this.#due = null;
     this.#place?.change(change).then(
       () => (this.#trouble.value = null),
-      (error: unknown) => (this.#trouble.value = (error as Error).message),
+      (error: unknown) => (this.#trouble.value = inOwnWords((error as Error).message)),
     );
   }
 }

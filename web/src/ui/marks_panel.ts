@@ -3,7 +3,7 @@ import { computed, type ReadonlySignal, type Signal } from "@preact/signals-core
 import type { Follow } from "../model/follower";
 import type { Marking } from "../model/marking";
 import { kLongestName, kLongestNote, type Mark } from "../model/marks";
-import { inOwnWords, texts } from "../text/text";
+import { texts } from "../text/text";
 import type { Viewer } from "../viewer";
 import { each, h, icon, kIcons } from "./dom";
 import { fileField } from "./file_field";
@@ -94,7 +94,7 @@ export function marksPanel(
     h(
       "p",
       { class: "hint", role: "status", hidden: computed(() => trouble.value === null) },
-      computed(() => t.notKept(inOwnWords(trouble.value ?? ""))),
+      computed(() => t.notKept(trouble.value ?? "")),
     ),
     h(
       "div",

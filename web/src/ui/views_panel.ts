@@ -4,7 +4,7 @@ import type { Follow } from "../model/follower";
 import { kLongestName, kLongestNote } from "../model/marks";
 import { kLongestFlight, kLongestStay, type Stop, withChange, withMove, withoutStop } from "../model/tour";
 import type { ViewerStore } from "../model/viewer_state";
-import { inOwnWords, texts } from "../text/text";
+import { texts } from "../text/text";
 import type { TourPlayer } from "../tour_player";
 import { each, h, icon, kIcons } from "./dom";
 import { fileField } from "./file_field";
@@ -48,7 +48,7 @@ export function viewsPanel(desk: ViewsDesk, live: Follow, picture: () => void): 
     h(
       "p",
       { class: "hint", role: "status", hidden: computed(() => desk.trouble.value === null) },
-      computed(() => t.notKept(inOwnWords(desk.trouble.value ?? ""))),
+      computed(() => t.notKept(desk.trouble.value ?? "")),
     ),
     h(
       "div",

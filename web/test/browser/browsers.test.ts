@@ -12,7 +12,7 @@ import { kBrowsers, missingFor, startBrowser } from "./browsers";
 import { copyMadeCases } from "./made_cases";
 import { normalCdf, runNormalCdf } from "./normal_cdf";
 import { coverage, decodePng, pagePicture, type Picture, psnr } from "./picture";
-import { useTabAtRandom } from "./monkey";
+import { comeToRest, useTabAtRandom } from "./monkey";
 import { missing } from "./program";
 import { Server } from "./server";
 import { choose, facesOf, rendered, type Shot, show, valueAt } from "./shot";
@@ -562,16 +562,7 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
       it("stands random input, and shows the case afterwards", async () => {
         await openViewer(page, "#case=phantom&size=240x160");
         await useTabAtRandom(page, kSeed, kRandomActions);
-        await page.evaluate(async () => {
-          document.querySelectorAll<HTMLDialogElement>("dialog[open]").forEach((dialog) => dialog.close());
-          const { clipgs } = window;
-          await clipgs.open("phantom");
-          clipgs.stopTour();
-          clipgs.setMode("arbitrary");
-          clipgs.setCuts([]);
-          clipgs.setLayers({ body: true, faces: true, marks: true });
-          clipgs.setView({ azimuth: 0, elevation: 0, zoom: 1 });
-        });
+        await comeToRest(page, "phantom");
         expect(coverage(await pagePicture(page, 96, 96))).toBeGreaterThan(0.03);
       });
     });

@@ -2,7 +2,7 @@
 
 import type { CDPSession, Page } from "playwright-core";
 
-import type { Spot, Tab } from "./tab";
+import { type Evaluates, type Spot, type Tab, waitFor } from "./tab";
 
 /** What a page holds while nothing goes on. */
 export interface Holdings {
@@ -50,11 +50,24 @@ const kKeys =
     " ",
   );
 
-/** The same as WebDriver writes them: letters, then Tab, Enter, Escape, Delete, arrows and so on. */
-const kTabKeys = [
-  ..."acsfpnexbugwilho1234qyrj0,.tmk?+- ",
-  ..."\uE004\uE007\uE00C\uE017\uE012\uE013\uE014\uE015\uE00E\uE00F\uE010\uE011",
-];
+/** Those with names, as WebDriver writes them. */
+const kCodes: Record<string, string> = {
+  Tab: "\uE004",
+  Enter: "\uE007",
+  Escape: "\uE00C",
+  Delete: "\uE017",
+  ArrowLeft: "\uE012",
+  ArrowUp: "\uE013",
+  ArrowRight: "\uE014",
+  ArrowDown: "\uE015",
+  PageUp: "\uE00E",
+  PageDown: "\uE00F",
+  Space: " ",
+  End: "\uE010",
+  Home: "\uE011",
+};
+/** Of the keys those that are pressed alone; "d" would have some browsers ask where to. */
+const kTabKeys = kKeys.flatMap((key) => kCodes[key] ?? (key.length === 1 && key !== "d" ? key : []));
 
 /** Numbers from 0 to 1 (Mulberry32). */
 function randomFrom(seed: number): () => number {
@@ -156,7 +169,7 @@ async function touch(devtools: CDPSession, spot: () => Spot, fingers: number): P
 }
 
 /** Brings the page back to where it began: this case, whole, without marks, views, or anything beside it. */
-async function comeToRest(page: Page, name: string): Promise<void> {
+export async function comeToRest(page: Evaluates, name: string): Promise<void> {
   await page.evaluate(async (wanted) => {
     document.querySelectorAll<HTMLDialogElement>("dialog[open]").forEach((dialog) => dialog.close());
     const { clipgs } = window;
@@ -191,7 +204,7 @@ async function comeToRest(page: Page, name: string): Promise<void> {
       document.querySelector<HTMLElement>(".view-card [title^='Remove this view']")?.click();
     }
   });
-  await page.waitForFunction(() => window.clipgs.stats.settled);
+  await waitFor(page, () => window.clipgs.stats.settled, undefined);
 }
 
 /** What the page holds once it has come to rest. */
