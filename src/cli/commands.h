@@ -23,6 +23,7 @@ void add_refine_command(CLI::App& app);
 void add_render_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_study_command(CLI::App& app);
+void add_token_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_unpack_command(CLI::App& app);
 void add_view_command(CLI::App& app);

@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   clipgs::add_render_command(app);
   clipgs::add_serve_command(app);
   clipgs::add_study_command(app);
+  clipgs::add_token_command(app);
   clipgs::add_train_command(app);
   clipgs::add_unpack_command(app);
   clipgs::add_view_command(app);

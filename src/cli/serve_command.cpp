@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cli/commands.h"
+#include "cli/service_options.h"
 #include "cli/serving.h"
 #include "core/error.h"
 #include "serve/certificate.h"
@@ -21,6 +22,7 @@ constexpr const char* kPapersPlan = "clipgs-vr.json";
 
 struct ServeArguments {
   ServingArguments serving;
+  CertificateFiles files;
   bool json = false;
 };
 
@@ -55,8 +57,12 @@ void announce(const Server& server, const ServeArguments& arguments) {
   }
   const auto& identity = arguments.serving.server.identity;
   const std::string query = study_query(arguments.serving.server.study);
-  if (!server.is_local() && !identity) {
-    warn("everyone in the network can open these cases, and the connection is not encrypted");
+  const bool is_open =
+      arguments.serving.server.tokens.empty() && (!identity || identity->token.empty());
+  if (!server.is_local() && is_open) {
+    warn(fmt::format(
+        "everyone in the network can open these cases{}",
+        identity ? "; --tokens lets in only some" : ", and the connection is not encrypted"));
   }
   if (arguments.json) {
     nlohmann::json text = {{"url", server.url_at(arguments.serving.host()) + query},
@@ -69,6 +75,10 @@ void announce(const Server& server, const ServeArguments& arguments) {
     fmt::print("{}\n", text.dump());
   } else {
     fmt::print("{} {} in {}\n\n", cases, cases == 1 ? "case" : "cases", folder);
+    if (!arguments.serving.server.tokens.empty()) {
+      fmt::print("Each opens it with a token behind the address (clipgs token {}).\n\n",
+                 arguments.serving.server.tokens.string());
+    }
     print_address(server, arguments.serving, query);
   }
   std::fflush(stdout);
@@ -77,7 +87,7 @@ void announce(const Server& server, const ServeArguments& arguments) {
 void run_serve(const ServeArguments& arguments) {
   Server server(arguments.serving.server);
   announce(server, arguments);
-  serve_until(server, [] { return false; });
+  serve_until(server, arguments.serving, [] { return false; });
 }
 
 }  // namespace
@@ -90,7 +100,8 @@ void add_serve_command(CLI::App& app) {
       "Example: clipgs serve cases --port 8080\n"
       "         clipgs serve cases --headset\n"
       "         clipgs serve cases --keep-marks\n"
-      "         clipgs serve cases --headset --study recorded");
+      "         clipgs serve cases --headset --study recorded\n"
+      "         clipgs serve cases --tokens tokens.json --audit audit.jsonl --access-log -");
   command->add_option("FOLDER", arguments->serving.server.folder, "Folder with the *.sog cases")
       ->required();
   add_serving_options(*command, arguments->serving);
@@ -102,9 +113,11 @@ void add_serve_command(CLI::App& app) {
                     "each case as NAME.marks.json");
   command->add_flag("--keep-tours", arguments->serving.server.keeps.tours,
                     "The same of their saved views, as NAME.tour.json");
+  add_service_options(*command, arguments->serving.server, arguments->files);
   command->add_flag("--json", arguments->json, "Print the address as one line of JSON");
   command->callback([command, arguments] {
     settle_serving(*command, arguments->serving);
+    settle_service(arguments->files, arguments->serving.server);
     run_serve(*arguments);
   });
 }

@@ -74,12 +74,16 @@ void allow_open_files(const ConnectionLimits& limits) {
   }
 }
 
-/// Those that end the process.
-sigset_t endings() {
+/// Those that end the process, and the one that tells of renamed logs: without these it ends the
+/// process, too, as that of a closed terminal does.
+sigset_t signals_of(const ServerOptions& options) {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
   sigaddset(&signals, SIGTERM);
+  if (!options.access_log.empty() || !options.audit.empty()) {
+    sigaddset(&signals, SIGHUP);
+  }
   return signals;
 }
 
@@ -109,25 +113,31 @@ void settle_serving(const CLI::App& command, ServingArguments& arguments) {
     arguments.server.identity = identity_for(arguments.server.host);
   }
   // Every thread started from here on leaves these signals to sigtimedwait.
-  const sigset_t signals = endings();
+  const sigset_t signals = signals_of(arguments.server);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
 void print_address(const Server& server, const ServingArguments& arguments,
                    const std::string& query) {
-  if (const auto& identity = arguments.server.identity) {
-    print_to_headsets(server, arguments.server.host, identity->certificate, query);
+  if (arguments.headset) {
+    print_to_headsets(server, arguments.server.host, arguments.server.identity->certificate, query);
   } else {
     fmt::print("  {}\n\nCtrl-C ends it.\n", server.url() + query);
   }
 }
 
-void serve_until(Server& server, const std::function<bool()>& is_over) {
+void serve_until(Server& server, const ServingArguments& arguments,
+                 const std::function<bool()>& is_over) {
   std::atomic<bool> failed = false;
   std::thread waiting([&] {
-    const sigset_t signals = endings();
+    const sigset_t signals = signals_of(arguments.server);
     const timespec pause{0, 500'000'000};
-    while (sigtimedwait(&signals, nullptr, &pause) < 0 && !failed && !is_over()) {
+    int signal = -1;
+    while ((signal < 0 || signal == SIGHUP) && !failed && !is_over()) {
+      signal = sigtimedwait(&signals, nullptr, &pause);
+      if (signal == SIGHUP) {
+        server.reopen_logs();
+      }
     }
     server.stop();
   });

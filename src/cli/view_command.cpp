@@ -277,7 +277,7 @@ void run_view(ViewArguments& arguments) {
     give_way();  // to the browser, which draws what there is
     making.run();
   });
-  serve_until(server, [&] {
+  serve_until(server, arguments.serving, [&] {
     const auto deserted = live.deserted();
     return deserted && *deserted > kGoneForGood;
   });

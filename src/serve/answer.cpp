@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "serve/http.h"
+
 namespace clipgs {
 
 namespace http = boost::beast::http;
@@ -35,6 +37,15 @@ ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner) 
             std::copy_n(rest.begin(), size, out.begin());
             return size;
           }};
+}
+
+bool not_modified(const HttpRequest& request, Answer& answer, const std::string& etag) {
+  answer.head.set(field::etag, etag);
+  if (!etag_matches(header(request, field::if_none_match), etag)) {
+    return false;
+  }
+  answer.head.result(http::status::not_modified);
+  return true;
 }
 
 void give_text(Answer& answer, http::status status, const char* type, std::string text) {

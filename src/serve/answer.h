@@ -23,6 +23,8 @@ struct Answer {
   std::chrono::milliseconds delay{0};
   /// The connection ends with it.
   bool last = false;
+  /// Whose token the request brought, as it is called; "": no named one.
+  std::string token;
 };
 
 /// Of a request; "" where it has none of that name.
@@ -38,6 +40,9 @@ bool is_from_own_page(const HttpRequest& request, std::string_view type);
 
 /// Bytes that live as long as the program, or as `owner`.
 ByteSource source_of(std::string_view bytes, std::shared_ptr<const void> owner = nullptr);
+
+/// Whether the browser already has what `etag` names; then it is told so.
+bool not_modified(const HttpRequest& request, Answer& answer, const std::string& etag);
 
 /// Answers with a text of that MIME type, which no browser keeps.
 void give_text(Answer& answer, boost::beast::http::status status, const char* type,

@@ -1,6 +1,8 @@
 #include "serve/case_index.h"
 
+#include <algorithm>
 #include <fmt/format.h>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
@@ -16,6 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kExtension = ".sog";
+constexpr const char* kWorkFolder = ".clipgs-work";
 
 /// Without its path: browsers read it.
 [[noreturn]] void fail_folder(const std::error_code& error) {
@@ -44,10 +47,24 @@ std::shared_ptr<const CaseEntry> read_entry(const std::string& name, const fs::p
   return entry;
 }
 
+/// Whether cases are looked for in a folder of that name.
+bool is_looked_into(const fs::path& name) {
+  return !name.string().starts_with('.') && name.extension() != kWorkFolder;
+}
+
+/// "a/b c" as part of an address, which keeps its strokes: proxies do not like them written else.
+std::string encode_path(const std::string& name) {
+  std::string address;
+  for (const fs::path& part : fs::path(name)) {
+    address += (address.empty() ? "" : "/") + percent_encode(part.string());
+  }
+  return address;
+}
+
 }  // namespace
 
-CaseIndex::CaseIndex(fs::path folder, std::set<std::string> only)
-    : folder_(std::move(folder)), only_(std::move(only)) {
+CaseIndex::CaseIndex(fs::path folder, std::set<std::string> only, bool subfolders)
+    : folder_(std::move(folder)), only_(std::move(only)), subfolders_(subfolders) {
   std::error_code error;
   const fs::file_status status = fs::status(folder_, error);
   if (!fs::exists(status)) {
@@ -65,23 +82,42 @@ CaseIndex::CaseIndex(fs::path folder, std::set<std::string> only)
   folder_ = fs::absolute(folder_);
 }
 
-CaseEntries CaseIndex::list() {
-  const fs::path folder = real_folder();
-  std::map<std::string, std::shared_ptr<const CaseEntry>> now;
+void CaseIndex::require_folder() const {
   std::error_code error;
-  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
-       it.increment(error)) {
-    if (it->path().extension() != kExtension) {
+  const fs::directory_iterator readable(real_folder(), error);
+  if (error) {
+    fail_folder(error);
+  }
+}
+
+void CaseIndex::collect(const fs::path& root, const std::string& prefix, Found& found,
+                        std::error_code& error) {
+  for (auto it = fs::directory_iterator(root / prefix, error);
+       !error && it != fs::directory_iterator(); it.increment(error)) {
+    const fs::path file = it->path().filename();
+    std::error_code ignored;
+    if (subfolders_ && !it->is_symlink(ignored) && it->is_directory(ignored)) {
+      std::error_code gone;  // only those of that folder are
+      if (is_looked_into(file) && std::ranges::count(prefix, '/') < kMostFolders) {
+        collect(root, prefix + file.string() + "/", found, gone);
+      }
       continue;
     }
-    const std::string name = it->path().stem().string();
-    if (is_hidden(name)) {
+    const std::string name = prefix + file.stem().string();
+    if (file.extension() != kExtension || is_hidden(name)) {
       continue;
     }
-    if (auto entry = look_at(name, folder)) {
-      now.emplace(name, std::move(entry));
+    if (auto entry = look_at(name, root)) {
+      found.emplace(name, std::move(entry));
     }
   }
+}
+
+CaseEntries CaseIndex::list() {
+  const fs::path folder = real_folder();
+  Found now;
+  std::error_code error;
+  collect(folder, "", now, error);
   if (error) {
     fail_folder(error);
   }
@@ -97,10 +133,7 @@ CaseEntries CaseIndex::list() {
 
 std::shared_ptr<const CaseEntry> CaseIndex::find(const std::string& name) {
   const fs::path folder = real_folder();
-  // One file of the folder itself, by a name that `list` would give it.
-  if (is_hidden(name) || name.find('/') != std::string::npos ||
-      name.find('\0') != std::string::npos ||
-      fs::path(name + kExtension).extension() != kExtension) {
+  if (!is_listed(name, folder)) {
     return nullptr;
   }
   auto entry = look_at(name, folder);
@@ -116,6 +149,28 @@ std::shared_ptr<const CaseEntry> CaseIndex::find(const std::string& name) {
 std::shared_ptr<const OpenFile> CaseIndex::open(const CaseEntry& entry) const {
   const fs::path folder = real_folder();
   return std::make_shared<OpenFile>(folder / (entry.name + kExtension), folder);
+}
+
+bool CaseIndex::is_listed(const std::string& name, const fs::path& folder) const {
+  if (is_hidden(name) || name.find('\0') != std::string::npos || name.starts_with('/') ||
+      fs::path(name + kExtension).extension() != kExtension) {
+    return false;
+  }
+  const fs::path parents = fs::path(name).parent_path();
+  if (parents.empty()) {
+    return true;
+  }
+  // Written in one way alone, and no deeper than list() goes.
+  if (!subfolders_ || std::distance(parents.begin(), parents.end()) > kMostFolders ||
+      (parents / fs::path(name).filename()).string() != name) {
+    return false;
+  }
+  fs::path so_far = folder;
+  return std::ranges::all_of(parents, [&](const fs::path& part) {
+    so_far /= part;
+    std::error_code error;
+    return is_looked_into(part) && fs::is_directory(fs::symlink_status(so_far, error));
+  });
 }
 
 fs::path CaseIndex::real_folder() const {
@@ -151,7 +206,7 @@ nlohmann::json case_index_json(const CaseEntries& entries) {
     if (!entry->error.empty()) {
       one["error"] = entry->error;
     } else {
-      const std::string address = "cases/" + percent_encode(entry->name);
+      const std::string address = "cases/" + encode_path(entry->name);
       // The version lets a browser keep a thumbnail for ever and still see a new one.
       const std::string thumbnail =
           fmt::format("{}/thumbnail?v={}", address, percent_encode(entry->version));

@@ -210,5 +210,39 @@ TEST(CaseIndex, SeesOtherContentsOfTheSameTimeAndSize) {
   EXPECT_EQ(seen(index, "head"), "A hand");
 }
 
+TEST(CaseIndex, LooksBelowTheFolderWhereToldTo) {
+  const TestFolder folder;
+  const fs::path cases = folder / "cases";
+  fs::create_directories(cases / "a" / "b");
+  fs::create_directories(cases / ".trash");
+  fs::create_directories(cases / "head.clipgs-work");
+  fs::create_directories(folder / "outside");
+  for (const char* name : {"cases/head", "cases/a/foot", "cases/a/b/hand", "cases/.trash/old",
+                           "cases/head.clipgs-work/part", "outside/secret"}) {
+    test::write_small_case(folder / (std::string(name) + ".sog"), name);
+  }
+  fs::create_directory_symlink("../outside", cases / "door");
+  fs::create_directory_symlink(".", cases / "a" / "again");
+  CaseIndex flat(cases);
+  EXPECT_EQ(flat.list().size(), 1U);
+  EXPECT_EQ(flat.find("a/foot"), nullptr);
+  CaseIndex index(cases, {}, true);
+  std::vector<std::string> names;
+  for (const auto& entry : index.list()) {
+    names.push_back(entry->name);
+    EXPECT_EQ(index.find(entry->name), entry);
+    EXPECT_EQ(index.open(*entry)->state().version, entry->version);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("a/b/hand", "a/foot", "head"));
+  for (const char* name :
+       {"door/secret", "a/again/foot", ".trash/old", "head.clipgs-work/part", "a/../head", "./head",
+        "a//foot", "/a/foot", "a/", "a", "../outside/secret", "a/b/../foot"}) {
+    EXPECT_EQ(index.find(name), nullptr) << name;
+  }
+  fs::remove_all(cases / "a");
+  EXPECT_EQ(index.list().size(), 1U);
+  EXPECT_EQ(index.find("a/foot"), nullptr);
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -11,6 +11,7 @@
 #include <netinet/in.h>
 #include <openssl/bio.h>
 #include <openssl/ec.h>
+#include <openssl/err.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
 #include <openssl/rand.h>
@@ -20,6 +21,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "serve/token.h"
 
 namespace clipgs {
 
@@ -30,13 +32,6 @@ namespace fs = std::filesystem;
 constexpr long kYear = 365L * 24 * 3600;
 constexpr long kWeek = 7L * 24 * 3600;
 constexpr long kHour = 3600;  // clocks differ
-/// None that is mistaken for another one.
-constexpr std::string_view kLetters = "abcdefghijkmnpqrstuvwxyz23456789";
-static_assert(kLetters.size() == 32, "5 bits a letter");
-constexpr size_t kTokenLetters = 26;
-constexpr size_t kGroup = 5;
-constexpr size_t kGroups = kTokenLetters / kGroup;  // the last one has a letter more
-
 template <auto Free>
 struct Freer {
   template <typename T>
@@ -91,32 +86,6 @@ KeyPtr parse_key(const Certificate& certificate) {
   return KeyPtr(PEM_read_bio_PrivateKey(text.get(), nullptr, nullptr, nullptr));
 }
 
-std::string in_groups(const std::string& letters) {
-  std::string token;
-  for (size_t i = 0; i < letters.size(); ++i) {
-    const bool begins = i > 0 && i % kGroup == 0 && i / kGroup < kGroups;
-    token += begins ? "-" : "";
-    token += letters[i];
-  }
-  return token;
-}
-
-std::string make_token() {
-  std::array<unsigned char, kTokenLetters> bytes{};
-  require(RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) == 1);
-  std::string letters;
-  for (const unsigned char byte : bytes) {
-    letters += kLetters[byte % kLetters.size()];
-  }
-  return in_groups(letters);
-}
-
-bool is_token(const std::string& text) {
-  const std::string letters = plain_token(text);
-  return letters.size() == kTokenLetters && in_groups(letters) == text &&
-         letters.find_first_not_of(kLetters) == std::string::npos;
-}
-
 /// What a file holds, or nothing.
 std::string text_in(const fs::path& path) {
   return fs::exists(path) ? read_text(path) : std::string();
@@ -135,16 +104,6 @@ void write_secret(const fs::path& path, const std::string& text) {
 }
 
 }  // namespace
-
-std::string plain_token(std::string_view text) {
-  std::string letters;
-  for (const char c : text) {
-    if (c != '-') {
-      letters += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    }
-  }
-  return letters;
-}
 
 Certificate make_certificate(const std::vector<std::string>& hosts) {
   const KeyPtr key(EVP_EC_gen("P-256"));
@@ -198,10 +157,45 @@ bool is_good(const Certificate& certificate, const std::vector<std::string>& hos
 }
 
 bool use_certificate(SSL_CTX& context, const Certificate& certificate) {
+  const BioPtr text = reader_of(certificate.certificate);
+  const X509Ptr x(PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr));
+  const KeyPtr key = parse_key(certificate);
+  if (!x || !key || SSL_CTX_use_certificate(&context, x.get()) != 1 ||
+      SSL_CTX_use_PrivateKey(&context, key.get()) != 1) {
+    return false;
+  }
+  // Those behind it lead to an authority that browsers know.
+  while (const X509Ptr next{PEM_read_bio_X509(text.get(), nullptr, nullptr, nullptr)}) {
+    if (SSL_CTX_add1_chain_cert(&context, next.get()) != 1) {
+      return false;
+    }
+  }
+  ERR_clear_error();  // of the end of the text
+  return true;
+}
+
+Certificate load_certificate(const fs::path& certificate_file, const fs::path& key_file) {
+  struct stat status{};
+  if (::stat(key_file.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
+    throw Error("{}: everybody on this machine may read this key; run chmod o= {}",
+                key_file.string(), key_file.string());
+  }
+  Certificate certificate{read_text(certificate_file), read_text(key_file)};
   const X509Ptr x = parse(certificate);
   const KeyPtr key = parse_key(certificate);
-  return x && key && SSL_CTX_use_certificate(&context, x.get()) == 1 &&
-         SSL_CTX_use_PrivateKey(&context, key.get()) == 1;
+  if (!x) {
+    throw Error("{}: holds no certificate; give a PEM file, your own one first",
+                certificate_file.string());
+  }
+  if (!key || X509_check_private_key(x.get(), key.get()) != 1) {
+    ERR_clear_error();
+    throw Error("{}: is not the key of {}; give the PEM file that belongs to it", key_file.string(),
+                certificate_file.string());
+  }
+  if (X509_cmp_current_time(X509_get0_notAfter(x.get())) <= 0) {
+    throw Error("{}: this certificate's time is over; renew it", certificate_file.string());
+  }
+  return certificate;
 }
 
 std::string fingerprint(const Certificate& certificate) {

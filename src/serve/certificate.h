@@ -22,6 +22,11 @@ Certificate make_certificate(const std::vector<std::string>& hosts);
 /// Whether it is for all of `hosts`, and good for another week.
 bool is_good(const Certificate& certificate, const std::vector<std::string>& hosts);
 
+/// An authority's certificate, with those that lead to it behind it, and its key. Throws Error,
+/// also of a key that everybody may read, or that belongs to another certificate.
+Certificate load_certificate(const std::filesystem::path& certificate_file,
+                             const std::filesystem::path& key_file);
+
 /// Makes a server show it; returns whether OpenSSL takes it.
 bool use_certificate(ssl_ctx_st& context, const Certificate& certificate);
 
@@ -31,13 +36,9 @@ std::string fingerprint(const Certificate& certificate);
 /// What is kept for the next time, so that a headset knows the server again.
 struct ServerIdentity {
   Certificate certificate;
-  /// The secret part of the address: 26 letters and digits, 130 bits, in groups for those who type
-  /// them: "k3v9q-txw7h-…".
+  /// The secret part of the address, see make_token(); "": it has none.
   std::string token;
 };
-
-/// A token as people may type it, in capitals or without its strokes, in the form that is compared.
-std::string plain_token(std::string_view text);
 
 /// The identity in `folder`, readable by its owner alone; made where there is none, and its
 /// certificate made anew where it is no longer good, as is a token of another form. Throws Error.

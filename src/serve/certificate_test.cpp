@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "serve/token.h"
 
 namespace clipgs {
 namespace {

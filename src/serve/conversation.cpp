@@ -40,16 +40,21 @@ asio::redirect_error_t<std::decay_t<decltype(asio::use_awaitable)>> into(error_c
 /// Among the open connections for as long as it lives.
 class Registration {
  public:
-  Registration(Connections& connections, const std::string& client, std::function<void()> close)
-      : connections_(connections), id_(connections.add(client, std::move(close))) {}
-  ~Registration() { connections_.remove(id_); }
+  Registration(Host& host, const std::string& client, std::function<void()> close)
+      : host_(host), id_(host.connections.add(client, std::move(close))) {
+    host_.site.metrics().connection_opened();
+  }
+  ~Registration() {
+    host_.connections.remove(id_);
+    host_.site.metrics().connection_closed();
+  }
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
-  void set_answering(bool answering) { connections_.set_answering(id_, answering); }
+  void set_answering(bool answering) { host_.connections.set_answering(id_, answering); }
 
  private:
-  Connections& connections_;
+  Host& host_;
   Connections::Id id_;
 };
 
@@ -57,12 +62,12 @@ class Registration {
 template <typename Stream>
 class Conversation {
  public:
-  Conversation(Host& host, Stream& stream, std::string client)
+  Conversation(Host& host, Stream& stream, asio::ip::address peer)
       : host_(host),
         stream_(stream),
-        client_(std::move(client)),
+        peer_(std::move(peer)),
         timer_(stream.get_executor()),
-        registration_(host.connections, client_, [this] {
+        registration_(host, network_of(peer_), [this] {
           closed_ = true;
           timer_.cancel();
           socket().close();
@@ -85,14 +90,19 @@ class Conversation {
           error == beast::http::error::partial_message) {
         break;
       }
-      const Answer answer = co_await asio::co_spawn(host_.workers, find_answer(parser.get(), error),
-                                                    asio::use_awaitable);
+      const Clock::time_point asked = Clock::now();
+      const Client client = host_.proxies.client(peer_, parser.get());
+      const Answer answer = co_await asio::co_spawn(
+          host_.workers, find_answer(parser.get(), client, error), asio::use_awaitable);
       goes_on = !answer.last;
       co_await wait(answer.delay);
       registration_.set_answering(true);
-      const bool sent = co_await send(answer);
+      const Sent sent = co_await send(answer);
       registration_.set_answering(false);
-      if (!sent) {
+      co_await asio::co_spawn(
+          host_.workers, record({parser.get(), answer, client, sent.bytes, Clock::now() - asked}),
+          asio::use_awaitable);
+      if (!sent.all) {
         co_return;
       }
     }
@@ -100,6 +110,13 @@ class Conversation {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  /// Of an answer.
+  struct Sent {
+    std::uint64_t bytes = 0;
+    bool all = false;
+  };
+
   static const boost::system::error_category& bad_requests() {
     static const error_code one = beast::http::error::bad_method;
     return one.category();
@@ -107,11 +124,17 @@ class Conversation {
 
   beast::tcp_stream& socket() { return beast::get_lowest_layer(stream_); }
 
-  asio::awaitable<Answer> find_answer(const HttpRequest& request, error_code error) {
+  asio::awaitable<Answer> find_answer(const HttpRequest& request, const Client& client,
+                                      error_code error) {
     if (error) {
       co_return Site::refuse(error);
     }
-    co_return host_.site.answer(request, client_);
+    co_return host_.site.answer(request, client);
+  }
+
+  asio::awaitable<void> record(Exchange exchange) {
+    host_.site.record(exchange);
+    co_return;
   }
 
   asio::awaitable<size_t> read_body(const ByteSource& body, std::uint64_t offset,
@@ -128,13 +151,13 @@ class Conversation {
     co_await timer_.async_wait(into(cancelled));
   }
 
-  /// The head with the beginning of the body, then the rest, a piece at a time; returns whether all
-  /// of it was taken.
-  asio::awaitable<bool> send(const Answer& answer) {
+  /// The head with the beginning of the body, then the rest, a piece at a time.
+  asio::awaitable<Sent> send(const Answer& answer) {
     const std::string head = head_text(answer.head);
     std::vector<std::uint8_t> piece(head.begin(), head.end());
     size_t filled = piece.size();
     std::uint64_t offset = 0;
+    Sent sent;
     for (;;) {
       const size_t size = std::min<std::uint64_t>(kPiece, answer.body.size - offset);
       piece.resize(filled + size);
@@ -143,18 +166,16 @@ class Conversation {
             host_.workers, read_body(answer.body, offset, std::span(piece).subspan(filled)),
             asio::use_awaitable);
         if (n != size) {
-          co_return false;  // the file was cut off
+          co_return sent;  // the file was cut off
         }
       }
       offset += size;
       error_code error;
       socket().expires_after(host_.limits.piece);
-      co_await asio::async_write(stream_, asio::buffer(piece), into(error));
-      if (error || closed_) {
-        co_return false;
-      }
-      if (offset == answer.body.size) {
-        co_return true;
+      sent.bytes += co_await asio::async_write(stream_, asio::buffer(piece), into(error));
+      sent.all = !error && !closed_ && offset == answer.body.size;
+      if (error || closed_ || sent.all) {
+        co_return sent;
       }
       filled = 0;
     }
@@ -177,22 +198,22 @@ class Conversation {
 
   Host& host_;
   Stream& stream_;
-  std::string client_;
+  asio::ip::address peer_;
   asio::steady_timer timer_;
   beast::flat_buffer buffer_{RequestParser::kLimit};
   bool closed_ = false;
   Registration registration_;
 };
 
-asio::awaitable<void> serve_client(tcp::socket socket, std::string client, Host& host) {
+asio::awaitable<void> serve_client(tcp::socket socket, asio::ip::address peer, Host& host) {
   if (host.tls == nullptr) {
     PlainStream stream(std::move(socket));
-    Conversation conversation(host, stream, std::move(client));
+    Conversation conversation(host, stream, std::move(peer));
     co_await conversation.hold();
     co_return;
   }
   TlsStream stream(beast::tcp_stream(std::move(socket)), *host.tls);
-  Conversation conversation(host, stream, std::move(client));
+  Conversation conversation(host, stream, std::move(peer));
   error_code error;
   beast::get_lowest_layer(stream).expires_after(host.limits.handshake);
   co_await stream.async_handshake(asio::ssl::stream_base::server, into(error));
@@ -211,7 +232,7 @@ asio::awaitable<void> accept_all(tcp::acceptor& acceptor, Host& host) {
     if (!error && !gone) {
       socket.set_option(tcp::no_delay(true), gone);
       asio::co_spawn(acceptor.get_executor(),
-                     serve_client(std::move(socket), client_of(client.address()), host),
+                     serve_client(std::move(socket), client.address(), host),
                      [](const std::exception_ptr&) {});  // of that connection alone
     } else if (error && error != asio::error::connection_aborted && acceptor.is_open()) {
       // Out of files or memory, most likely: one connection less, and a while for others to end.
@@ -226,18 +247,6 @@ asio::awaitable<void> accept_all(tcp::acceptor& acceptor, Host& host) {
 
 void accept_connections(tcp::acceptor& acceptor, Host& host) {
   asio::co_spawn(acceptor.get_executor(), accept_all(acceptor, host), asio::detached);
-}
-
-std::string client_of(const asio::ip::address& address) {
-  if (address.is_v4()) {
-    return address.to_string();
-  }
-  asio::ip::address_v6::bytes_type bytes = address.to_v6().to_bytes();
-  if (address.to_v6().is_v4_mapped()) {
-    return asio::ip::address_v4({bytes[12], bytes[13], bytes[14], bytes[15]}).to_string();
-  }
-  std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
-  return asio::ip::address_v6(bytes).to_string();
 }
 
 }  // namespace clipgs

@@ -3,7 +3,9 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/thread_pool.hpp>
+#include <utility>
 
+#include "serve/client.h"
 #include "serve/connections.h"
 #include "serve/site.h"
 
@@ -11,11 +13,13 @@ namespace clipgs {
 
 /// What the conversations with all clients have in common.
 struct Host {
-  Host(Site& what, const ConnectionLimits& most, boost::asio::ssl::context* with)
-      : site(what), limits(most), tls(with), connections(most) {}
+  Host(Site& what, const ConnectionLimits& most, TrustedProxies between,
+       boost::asio::ssl::context* with)
+      : site(what), limits(most), proxies(std::move(between)), tls(with), connections(most) {}
 
   Site& site;
   ConnectionLimits limits;
+  TrustedProxies proxies;
   boost::asio::ssl::context* tls;  ///< null: not encrypted
   Connections connections;
   /// Files are read here, where disks may be slow: conversations share one thread.
@@ -25,9 +29,5 @@ struct Host {
 /// Starts to take connections and to answer what they ask, until the acceptor is closed. Everything
 /// happens in its execution context, which must be run by one thread; `host` must live as long.
 void accept_connections(boost::asio::ip::tcp::acceptor& acceptor, Host& host);
-
-/// What the connections from one place have in common: an IPv4 address, or the network of an IPv6
-/// address (/64), all of whose addresses are one machine's to choose from.
-std::string client_of(const boost::asio::ip::address& address);
 
 }  // namespace clipgs

@@ -114,6 +114,18 @@ std::optional<std::string> percent_decode(std::string_view text) {
   return result;
 }
 
+bool is_alike(std::string_view one, std::string_view other) {
+  return lower_case(one) == lower_case(other);
+}
+
+std::vector<std::string_view> header_list(std::string_view list, char separator) {
+  std::vector<std::string_view> elements;
+  while (!list.empty()) {
+    elements.push_back(next_of_list(list, separator));
+  }
+  return elements;
+}
+
 const char* content_type(std::string_view path) {
   constexpr std::array<std::pair<std::string_view, const char*>, 8> kTypes = {{
       {".html", "text/html; charset=utf-8"},

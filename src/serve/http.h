@@ -15,6 +15,12 @@ std::string percent_encode(std::string_view text);
 /// The reverse; nothing where a % is not followed by two hexadecimal digits.
 std::optional<std::string> percent_decode(std::string_view text);
 
+/// Whether they differ in capitals at most.
+bool is_alike(std::string_view one, std::string_view other);
+
+/// The elements of a list in a header, without the blanks around them.
+std::vector<std::string_view> header_list(std::string_view list, char separator);
+
 /// MIME type by the ending of a file's name.
 const char* content_type(std::string_view path);
 

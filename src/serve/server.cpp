@@ -1,6 +1,5 @@
 #include "serve/server.h"
 
-#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -70,6 +69,22 @@ void listen(tcp::acceptor& acceptor, const tcp::endpoint& at, const std::string&
   }
 }
 
+/// Of "https://host:port/"; "" of "".
+std::string host_of_url(const std::string& url) {
+  if (url.empty()) {
+    return "";
+  }
+  const size_t scheme = url.find("://");
+  const size_t begin = scheme == std::string::npos ? url.size() : scheme + 3;
+  const size_t end = url.find('/', begin);
+  const auto host = host_name(std::string_view(url).substr(begin, end - begin));
+  const bool is_http = url.starts_with("http://") || url.starts_with("https://");
+  if (!is_http || !host || end != url.size() - 1) {
+    throw Error("{}: is no address to open; give one as https://cases.hospital.example/", url);
+  }
+  return *host;
+}
+
 bool is_local(const asio::ip::address& address) { return is_loopback(address.to_string()); }
 
 }  // namespace
@@ -84,19 +99,14 @@ class Server::Implementation {
     const tcp::endpoint bound = acceptor_.local_endpoint();
     port_ = bound.port();
     local_ = clipgs::is_local(bound.address());
-    SiteOptions site{options_.folder,
-                     options_.identity ? options_.identity->token : "",
-                     {},
-                     origin(options_.host),
-                     options_.study,
-                     options_.only,
-                     options_.live,
-                     options_.keeps};
-    if (local_) {
-      site.local_name = host_name(options_.host).value_or("localhost");
+    TrustedProxies proxies(options_.proxies);
+    if (!proxies.empty()) {
+      // All come by them.
+      options_.limits.per_client = options_.limits.all;
     }
-    site_ = std::make_unique<Site>(std::move(site));
-    host_ = std::make_unique<Host>(*site_, options_.limits, options_.identity ? &tls_ : nullptr);
+    site_ = std::make_unique<Site>(site_options());
+    host_ = std::make_unique<Host>(*site_, options_.limits, std::move(proxies),
+                                   options_.identity ? &tls_ : nullptr);
     accept_connections(acceptor_, *host_);
   }
 
@@ -107,10 +117,10 @@ class Server::Implementation {
   int port() const { return port_; }
   bool is_local() const { return local_; }
   std::string url_at(const std::string& host) const {
-    return origin(host) + (options_.identity ? options_.identity->token : "");
+    return (options_.public_url.empty() ? origin(host) : options_.public_url) + token();
   }
   std::string url() const { return url_at(options_.host); }
-  CaseIndex& index() { return site_->index(); }
+  Site& site() { return *site_; }
 
   void run() {
     io_.run();
@@ -126,6 +136,30 @@ class Server::Implementation {
   }
 
  private:
+  std::string token() const {
+    return options_.identity && options_.tokens.empty() ? options_.identity->token : "";
+  }
+
+  SiteOptions site_options() const {
+    SiteOptions site;
+    site.folder = options_.folder;
+    site.token = token();
+    site.url = options_.public_url.empty() ? origin(options_.host) : options_.public_url;
+    site.study = options_.study;
+    site.only = options_.only;
+    site.live = options_.live;
+    site.keeps = options_.keeps;
+    site.subfolders = options_.subfolders || !options_.tokens.empty();
+    site.tokens = options_.tokens;
+    site.access_log = options_.access_log;
+    site.audit = options_.audit;
+    site.public_name = host_of_url(options_.public_url);
+    if (local_) {
+      site.local_name = host_name(options_.host).value_or("localhost");
+    }
+    return site;
+  }
+
   std::string origin(const std::string& host) const {
     const bool v6 = host.find(':') != std::string::npos;
     return fmt::format("{}://{}{}{}:{}/", options_.identity ? "https" : "http", v6 ? "[" : "", host,
@@ -157,17 +191,17 @@ std::string Server::url() const { return implementation_->url(); }
 std::string Server::url_at(const std::string& host) const { return implementation_->url_at(host); }
 
 size_t Server::case_count() const {
-  const CaseEntries entries = implementation_->index().list();
-  return static_cast<size_t>(
-      std::ranges::count_if(entries, [](const auto& entry) { return entry->error.empty(); }));
+  return implementation_->site().cases().count().value_or(Metrics::Cases()).shown;
 }
 
 size_t Server::broken_count() const {
-  return implementation_->index().list().size() - case_count();
+  return implementation_->site().cases().count().value_or(Metrics::Cases()).broken;
 }
 
 void Server::run() { implementation_->run(); }
 
 void Server::stop() { implementation_->stop(); }
+
+void Server::reopen_logs() { implementation_->site().reopen_logs(); }
 
 }  // namespace clipgs

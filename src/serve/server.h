@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "serve/certificate.h"
 #include "serve/companion_desk.h"
@@ -17,14 +18,23 @@ struct ServerOptions {
   std::filesystem::path folder;    ///< its *.sog are the cases
   std::string host = "127.0.0.1";  ///< address to listen on
   int port = 8080;                 ///< 0: any free one
-  /// Encrypts (TLS 1.2 or newer), and answers only those who came by the address with the token in
-  /// it once: "https://192.168.1.20:8080/k3v9q-txw7h-…". Browsers then keep it in a cookie.
+  /// Encrypts (TLS 1.2 or newer), and where it has a token answers only those who came by the
+  /// address with it once: "https://192.168.1.20:8080/k3v9q-txw7h-…". Browsers then keep it in a
+  /// cookie.
   std::optional<ServerIdentity> identity;
   ConnectionLimits limits = {};
   std::filesystem::path study = {};  ///< where a study is recorded (StudyDesk); "": nowhere
   std::set<std::string> only = {};   ///< names of the cases that are served; none: all of them
   LiveWork* live = nullptr;          ///< what is made while it is served; outlives the server
   CompanionDesk::Keeps keeps = {};   ///< what beside cases may be changed
+  bool subfolders = false;           ///< also the cases of the folders below it
+  /// The file of named tokens, see Entrance; identity's token is none then. "": none.
+  std::filesystem::path tokens = {};
+  std::filesystem::path access_log = {};  ///< see AccessLog; "": none
+  std::filesystem::path audit = {};       ///< see CaseOpenings; "": none
+  std::vector<std::string> proxies = {};  ///< see TrustedProxies
+  /// Where browsers open it behind a proxy, "https://cases.hospital.example/"; "": nowhere else.
+  std::string public_url = {};
 };
 
 /// Gives the viewer and the cases of one folder to browsers, and nothing else:
@@ -38,6 +48,8 @@ struct ServerOptions {
 ///   /cases/NAME.marks.json  what is marked of it, and
 ///   /cases/NAME.tour.json   its tour, see CompanionDesk
 ///   /study, /api/study      of a study, if one is recorded, see StudyDesk
+///   /health                 200 while cases can be given, or 503 and why not; to everybody
+///   /metrics                what it counts, see Metrics; for this machine, or a token's owner
 ///
 /// Listening on a loopback address, it answers only requests that call it by one, so that a web
 /// page elsewhere cannot reach the cases through a name of its own (DNS rebinding). No connection
@@ -66,6 +78,8 @@ class Server {
   void run();
   /// Ends `run`; from any thread.
   void stop();
+  /// Goes on in new log files where the old ones were renamed; from any thread.
+  void reopen_logs();
 
  private:
   class Implementation;

@@ -8,12 +8,15 @@
 #include <string>
 #include <string_view>
 
+#include "serve/access_log.h"
 #include "serve/answer.h"
-#include "serve/case_index.h"
+#include "serve/case_desk.h"
+#include "serve/client.h"
 #include "serve/companion_desk.h"
+#include "serve/entrance.h"
 #include "serve/live_work.h"
+#include "serve/metrics.h"
 #include "serve/study_desk.h"
-#include "serve/throttle.h"
 
 namespace clipgs {
 
@@ -34,15 +37,20 @@ std::string head_text(const HttpHead& head);
 
 struct SiteOptions {
   std::filesystem::path folder;  ///< its *.sog are the cases
-  std::string token;             ///< only those who know it are answered; "": everyone is
+  std::string token;             ///< see Entrance
   /// Where the server listens on a loopback address: what it is called there, beside the names
   /// that is_loopback() knows. Requests that call it anything else are refused.
   std::optional<std::string> local_name;
-  std::string url;                   ///< for those who are refused; without the token
-  std::filesystem::path study = {};  ///< where a study is recorded; "": nowhere
-  std::set<std::string> only = {};   ///< see CaseIndex
-  LiveWork* live = nullptr;          ///< what is made meanwhile; outlives the site
-  CompanionDesk::Keeps keeps = {};   ///< what beside cases may be changed
+  std::string url;                        ///< for those who are refused; without the token
+  std::filesystem::path study = {};       ///< where a study is recorded; "": nowhere
+  std::set<std::string> only = {};        ///< see CaseIndex
+  LiveWork* live = nullptr;               ///< what is made meanwhile; outlives the site
+  CompanionDesk::Keeps keeps = {};        ///< what beside cases may be changed
+  bool subfolders = false;                ///< see CaseIndex
+  std::filesystem::path tokens = {};      ///< see Entrance
+  std::filesystem::path access_log = {};  ///< see AccessLog; "": none
+  std::filesystem::path audit = {};       ///< see CaseOpenings
+  std::string public_name = {};           ///< what else it may be called; "": nothing
 };
 
 /// What is served, without a network: requests in, answers out. Safe to use from several threads.
@@ -53,33 +61,43 @@ class Site {
 
   /// Whether a request has a body that is to be read before it is answered.
   bool wants_body(const HttpRequest& request) const;
-  /// `client`: who asks, see Throttle.
-  Answer answer(const HttpRequest& request, const std::string& client);
+  Answer answer(const HttpRequest& request, const Client& client);
+  /// What came of a request, or of what was none.
+  void record(const Exchange& exchange);
   /// To what is no request.
   static Answer refuse(const boost::system::error_code& error);
   /// To the bytes that a client sent, up to the end of the first request in them: all that it is
   /// sent. "" if there is no end.
   std::string answer_bytes(std::string_view bytes);
 
-  CaseIndex& index() { return index_; }
+  CaseDesk& cases() { return cases_; }
+  Metrics& metrics() { return metrics_; }
+  /// Goes on in new files where those that were written were renamed.
+  void reopen_logs();
 
  private:
-  void route(const HttpRequest& request, const std::string& path, std::string_view query,
-             Answer& answer);
+  /// A request of somebody who is let in.
+  struct Asked {
+    const HttpRequest& request;
+    const std::string& path;
+    std::string_view query;
+    const Client& client;
+    const Grant& grant;
+  };
+
+  void route(const Asked& asked, Answer& answer);
   bool is_called_rightly(const HttpRequest& request) const;
-  /// Whether the request has the token. One that brings it in its address is sent on without it,
-  /// all others are refused.
-  bool may_enter(const HttpRequest& request, const std::string& path, const std::string& client,
-                 Answer& answer);
-  void give_cases(std::string_view query, Answer& answer);
-  void give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
-                    Answer& answer);
+  void give_study(const Asked& asked, Answer& answer);
+  /// Says to anybody whether cases can be given, and nothing else.
+  void give_health(Answer& answer);
+  void give_metrics(const Grant& grant, Answer& answer);
 
   SiteOptions options_;
-  CaseIndex index_;
-  Throttle throttle_;
-  CompanionDesk companions_;
+  CaseDesk cases_;
+  Entrance entrance_;
+  Metrics metrics_;
   std::unique_ptr<StudyDesk> study_;
+  std::unique_ptr<AccessLog> log_;
 };
 
 }  // namespace clipgs

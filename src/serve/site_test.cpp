@@ -36,7 +36,7 @@ class SiteTest : public ::testing::Test {
     if (!cookie.empty()) {
       request.set(boost::beast::http::field::cookie, cookie);
     }
-    return site.answer(request, "client");
+    return site.answer(request, {"client", "client"});
   }
 
   const TestFolder folder_;

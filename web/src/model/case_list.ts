@@ -48,9 +48,9 @@ export interface CaseIndex {
   keepsTours: boolean;
 }
 
-/** Where the server has the case of this name. */
-export function caseFile(name: string): string {
-  return `cases/${encodeURIComponent(name)}.sog`;
+/** Where the server has the case of this name, or what lies beside it: `cardiology/head` is in a folder below the served one. */
+export function caseFile(name: string, ending = "sog"): string {
+  return `cases/${name.split("/").map(encodeURIComponent).join("/")}.${ending}`;
 }
 
 export const kNoAnswer = "the server does not answer; is clipgs serve still running?";

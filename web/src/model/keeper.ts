@@ -2,6 +2,7 @@ import { type ReadonlySignal, signal } from "@preact/signals-core";
 
 import { CaseError } from "../sog/zip";
 import { inOwnWords } from "../text/text";
+import { caseFile } from "./case_list";
 
 /** What is kept of a case, each with an id that tells it from the others. */
 export interface Kept {
@@ -138,7 +139,7 @@ export class ServerPlace<T extends Kept> implements Place<T> {
   constructor(kind: KeptKind<T>, name: string, volume: string) {
     this.#kind = kind;
     this.#file = `${name}.${kind.name}.json`;
-    this.#url = `cases/${encodeURIComponent(name)}.${kind.name}.json`;
+    this.#url = caseFile(name, `${kind.name}.json`);
     this.#volume = volume;
   }
 

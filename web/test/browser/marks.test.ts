@@ -1,4 +1,4 @@
-import { existsSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import type { BrowserContext, Page } from "playwright-core";
 import { afterAll, beforeAll, describe, expect, it } from "vitest";
@@ -13,10 +13,21 @@ describe.skipIf(missing !== undefined)(
   `marks on a server${missing ? ` (${missing} is missing)` : ""}`,
   () => {
     const session = new Session();
-    const file = () => join(session.cases, "phantom.marks.json");
+    // In a folder below the served one, with what an address has to write in another way.
+    const name = "ward 3/2027/phantom";
+    const file = () => join(session.cases, `${name}.marks.json`);
     let contexts: BrowserContext[] = [];
 
-    beforeAll(() => session.start(() => copyMadeCases(session), "--keep-marks", "--keep-tours"));
+    beforeAll(() =>
+      session.start(
+        () => {
+          copyMadeCases(session);
+          mkdirSync(join(session.cases, "ward 3/2027"), { recursive: true });
+          renameSync(join(session.cases, "phantom.sog"), join(session.cases, `${name}.sog`));
+        },
+        ...["--keep-marks", "--keep-tours", "--subfolders"],
+      ),
+    );
 
     afterAll(async () => {
       await Promise.all(contexts.map((context) => context.close()));
@@ -28,7 +39,7 @@ describe.skipIf(missing !== undefined)(
       const context = await session.context();
       contexts = [...contexts, context];
       const page = await context.newPage();
-      await page.goto(`${session.url}#case=phantom&view=10,60&plane=0,0,-1,0`);
+      await page.goto(`${session.url}#case=${encodeURIComponent(name)}&view=10,60&plane=0,0,-1,0`);
       await page.waitForFunction(() => window.clipgs !== undefined);
       await page.evaluate(() => window.clipgs.ready);
       return page;
@@ -68,7 +79,7 @@ describe.skipIf(missing !== undefined)(
 
     it("stand beside views, which are flown between, kept as a tour, and say which case is missing", async () => {
       const page = await visit();
-      const tour = () => join(session.cases, "phantom.tour.json");
+      const tour = () => join(session.cases, `${name}.tour.json`);
       const stops = () =>
         existsSync(tour())
           ? (JSON.parse(readFileSync(tour(), "utf8")) as { stops: { name: string; show: string }[] }).stops
@@ -115,7 +126,7 @@ describe.skipIf(missing !== undefined)(
       await last.evaluate(() => window.clipgs.showView(1));
       await last.getByText('View 2 is not shown: its case "gone" is not here').waitFor();
       expect(await last.evaluate(() => window.clipgs.views.length)).toBe(2);
-      expect(await last.evaluate(() => window.clipgs.state.case)).toBe("phantom");
+      expect(await last.evaluate(() => window.clipgs.state.case)).toBe(name);
     });
 
     it("of a newer version are said to be, and left as they are", async () => {

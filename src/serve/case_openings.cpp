@@ -1,0 +1,82 @@
+#include "serve/case_openings.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "core/error.h"
+
+namespace clipgs {
+
+namespace {
+
+std::string audit_line(const Client& client, const std::string& token, const CaseEntry& entry) {
+  const nlohmann::ordered_json line = {{"time", log_time(std::chrono::system_clock::now())},
+                                       {"event", "opened"},
+                                       {"client", client.address},
+                                       {"token", token},
+                                       {"case", entry.name},
+                                       {"version", entry.version}};
+  return line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+CaseOpenings::CaseOpenings(const std::filesystem::path& audit)
+    : audit_(audit.empty() ? nullptr : std::make_unique<LogFile>(audit)) {}
+
+void CaseOpenings::note(const Client& client, const std::string& token, const CaseEntry& entry,
+                        Clock::time_point now) {
+  const std::string key = client.address + '\n' + token + '\n' + entry.version + '\n' + entry.name;
+  // Held while it is written: a second request waits until the first one is told of.
+  const std::scoped_lock lock(mutex_);
+  const auto known = last_.find(key);
+  if (known != last_.end() && now - known->second < kRest) {
+    known->second = std::max(known->second, now);
+    return;
+  }
+  if (audit_) {
+    const bool was_well = std::exchange(well_, false);
+    try {
+      audit_->write_for_good(audit_line(client, token, entry));
+    } catch (const Error& error) {
+      if (was_well) {
+        warn(std::string(error.what()) + "; until then no case is given");
+      }
+      throw Error(
+          "it cannot be recorded who opens this case, so it is not given; tell who runs "
+          "this server");
+    }
+    well_ = true;
+  }
+  ++count_;
+  if (last_.size() >= kMost) {
+    forget_old(now);
+  }
+  last_[key] = now;
+}
+
+std::uint64_t CaseOpenings::count() const {
+  const std::scoped_lock lock(mutex_);
+  return count_;
+}
+
+bool CaseOpenings::is_well() const {
+  const std::scoped_lock lock(mutex_);
+  return well_;
+}
+
+void CaseOpenings::reopen() {
+  if (audit_) {
+    audit_->reopen();
+  }
+}
+
+void CaseOpenings::forget_old(Clock::time_point now) {
+  std::erase_if(last_, [&](const auto& one) { return now - one.second >= kRest; });
+  if (last_.size() >= kMost) {
+    last_.clear();
+  }
+}
+
+}  // namespace clipgs
