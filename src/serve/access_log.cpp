@@ -22,6 +22,13 @@ std::string told_path(RequestKind kind, const std::string& path) {
   return kind == RequestKind::kOther || kind == RequestKind::kStudy ? "" : path;
 }
 
+/// What is no method is anything at all.
+std::string method_of(const HttpRequest& request) {
+  return request.method() == boost::beast::http::verb::unknown
+             ? ""
+             : std::string(request.method_string());
+}
+
 }  // namespace
 
 std::string access_line(const Exchange& exchange, std::chrono::system_clock::time_point now) {
@@ -34,7 +41,7 @@ std::string access_line(const Exchange& exchange, std::chrono::system_clock::tim
   nlohmann::ordered_json line = {{"time", log_time(now)},
                                  {"client", exchange.client.address},
                                  {"token", exchange.answer.token},
-                                 {"method", std::string(request.method_string())},
+                                 {"method", method_of(request)},
                                  {"kind", kind_name(kind)},
                                  {"path", told_path(kind, path)},
                                  {"status", exchange.answer.head.result_int()},

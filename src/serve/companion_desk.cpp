@@ -164,7 +164,11 @@ void CompanionDesk::take(const HttpRequest& request, Kind kind, const std::files
   try {
     write_file(file, request.body().data(), request.body().size());
   } catch (const Error& error) {
-    fail(answer, status::insufficient_storage, error.what());
+    // Where it lies is for who runs the server.
+    warn(error.what());
+    fail(answer, status::insufficient_storage,
+         fmt::format("{} cannot be written there; tell who runs this server",
+                     file.filename().string()));
     return;
   }
   answer.head.result(status::no_content);

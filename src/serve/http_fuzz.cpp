@@ -1,11 +1,14 @@
 // libFuzzer's entry to what answers HTTP requests: after a byte that says who is asked comes what a
 // client sends.
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "core/file.h"
 #include "core/fuzz.h"
+#include "serve/access_log.h"
+#include "serve/client.h"
 #include "serve/site.h"
 #include "serve/test_cases.h"
 
@@ -30,6 +33,21 @@ std::filesystem::path make_folder() {
   return folder;
 }
 
+/// Whatever a request says, its line in a log is one, and of ASCII.
+void log_request(const std::string& text) {
+  static const TrustedProxies kProxies({"127.0.0.0/8"});
+  RequestParser parser;
+  boost::system::error_code error;
+  parser.put(boost::asio::buffer(text), error);
+  const HttpRequest& request = parser.get();
+  const Client client = kProxies.client(boost::asio::ip::make_address("127.0.0.1"), request);
+  const std::string line =
+      access_line({request, Site::refuse(error), client}, std::chrono::system_clock::now());
+  if (!std::ranges::all_of(line, [](char c) { return c >= ' ' && c <= '~'; })) {
+    std::abort();
+  }
+}
+
 }  // namespace
 
 std::vector<Bytes> seeds() {
@@ -48,6 +66,9 @@ std::vector<Bytes> seeds() {
       kLocal + ("HEAD /cases/head/thumbnail?v=1" + end + "If-None-Match: W/\"a\", *\r\n\r\n"),
       kLocal + std::string("GET /api/cases HTTP/1.0\r\nHost: [::ffff:127.0.0.1]:80\r\n\r\n"),
       kSecret + (std::string("GET /") + kToken + end + "\r\n"),
+      kLocal + ("GET /metrics" + end + "X-Forwarded-For: 6.6.6.6, [2001:db8::7]:1\r\n" +
+                "Forwarded: for=\"[::1]:2\";by=x\r\nUser-Agent: \xff\"\r\n\r\n"),
+      kSecret + ("GET /health" + end + "Authorization: Bearer " + kToken + "\r\n\r\n"),
       kSecret + ("GET /api/cases" + end + "Cookie: a=1; __Host-clipgs=" + kToken + "\r\n\r\n"),
   };
   std::vector<Bytes> result;
@@ -70,6 +91,7 @@ void read(std::span<const std::uint8_t> input) {
   const size_t who = input.front() % std::size(sites);
   const std::string request = text_of(input.subspan(1));
   const std::string answer = sites[who].answer_bytes(request);
+  log_request(request);
   const bool entered = who == kSecret && request.find(kToken) == std::string::npos &&
                        answer.starts_with("HTTP/1.1 200");
   if (entered || answer.find("nobody may have this") != std::string::npos) {

@@ -39,8 +39,12 @@ RequestKind request_kind(std::string_view path) {
   if (StudyDesk::is_asked(path)) {
     return RequestKind::kStudy;
   }
-  const auto is_asked = [&](const ViewerFile& file) { return path.substr(1) == file.path; };
-  const bool is_page = path == "/" || std::ranges::any_of(viewer_files(), is_asked);
+  if (!path.starts_with('/')) {
+    return RequestKind::kOther;
+  }
+  const std::string_view page = path.substr(1);
+  const bool is_page =
+      page.empty() || std::ranges::count(viewer_files(), page, &ViewerFile::path) > 0;
   return is_page ? RequestKind::kPage : RequestKind::kOther;
 }
 

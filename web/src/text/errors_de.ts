@@ -23,6 +23,39 @@ export const errorsInGerman: readonly (readonly [english: string, german: string
     "Ein Teil des Betrachters lässt sich nicht laden ({}); bitte erneut versuchen",
   ],
   ["the folder of the cases cannot be read", "Der Ordner der Fälle lässt sich nicht lesen"],
+  [
+    "open the whole address that you were given, with the letters at its end",
+    "Bitte die ganze Adresse öffnen, mit den Buchstaben am Ende",
+  ],
+  [
+    "open the whole address that clipgs serve printed, with the letters at its end",
+    "Bitte die ganze Adresse öffnen, die clipgs serve ausgab, mit den Buchstaben am Ende",
+  ],
+  [
+    "the time of this address is over; ask for another",
+    "Die Zeit dieser Adresse ist vorbei; bitte eine andere erbitten",
+  ],
+  ["too many wrong addresses; wait a little", "Zu viele falsche Adressen; bitte ein wenig warten"],
+  [
+    "your address lets you look alone; ask for one that may write",
+    "Diese Adresse lässt nur schauen; bitte eine erbitten, mit der man schreiben darf",
+  ],
+  [
+    "your address takes part in no study; ask for one that sees all cases and may write",
+    "Mit dieser Adresse nimmt man an keiner Studie teil; bitte eine erbitten, die alle Fälle zeigt und schreiben lässt",
+  ],
+  [
+    "it cannot be recorded who opens this case, so it is not given; tell who runs this server",
+    "Es lässt sich nicht festhalten, wer diesen Fall öffnet, darum wird er nicht gezeigt; bitte dem Betreiber des Servers sagen",
+  ],
+  [
+    "the tokens of this server cannot be read; tell who runs it to look at what it says",
+    "Wer hier zugelassen ist, kann der Server nicht lesen; bitte dem Betreiber sagen, dass er nachsehe, was dieser meldet",
+  ],
+  [
+    "{} cannot be written there; tell who runs this server",
+    "{} lässt sich dort nicht schreiben; bitte dem Betreiber des Servers sagen",
+  ],
   ["another case was chosen meanwhile", "Inzwischen wurde ein anderer Fall gewählt"],
   ["others change them all the time; try again", "Andere ändern sie ständig; bitte erneut versuchen"],
   ["the tour cannot be fetched ({})", "Die Tour lässt sich nicht laden ({})"],
