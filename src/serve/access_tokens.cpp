@@ -208,7 +208,7 @@ void write_tokens(const fs::path& file, const std::vector<AccessToken>& tokens) 
   }
 }
 
-TokenBook::TokenBook(fs::path file) : file_(fs::absolute(file)) {
+TokenBook::TokenBook(const fs::path& file) : file_(fs::absolute(file)) {
   tokens_ = std::make_shared<const std::vector<AccessToken>>(read_tokens(file_));
   version_ = file_state(file_).value_or(FileState()).version;
 }

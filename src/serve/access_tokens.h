@@ -49,7 +49,7 @@ void write_tokens(const std::filesystem::path& file, const std::vector<AccessTok
 class TokenBook {
  public:
   /// Throws Error if the file cannot be read.
-  explicit TokenBook(std::filesystem::path file);
+  explicit TokenBook(const std::filesystem::path& file);
 
   /// The token of that text, as people may type it. Throws Error, without the file's name, while
   /// the file cannot be read: nobody is let in by what it once said.

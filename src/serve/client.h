@@ -17,7 +17,7 @@ struct Client {
 
 /// What the connections from one place have in common: an IPv4 address, or the network of an IPv6
 /// address (/64), all of whose addresses are one machine's to choose from.
-std::string network_of(const boost::asio::ip::address& address);
+std::string network_of(const boost::asio::ip::address& one);
 
 /// The reverse proxies that are believed when they say for whom they ask.
 class TrustedProxies {
@@ -38,7 +38,7 @@ class TrustedProxies {
     unsigned bits;
   };
 
-  bool trusts(const boost::asio::ip::address& address) const;
+  bool trusts(const boost::asio::ip::address& one) const;
 
   std::vector<Network> networks_;
 };

@@ -22,11 +22,11 @@ class Exposition {
     text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
   }
   template <typename T>
-  void sample(T value, std::string_view labels = "") {
+  void sample(const T& value, std::string_view labels = "") {
     text_ += fmt::format("{}{} {}\n", name_, labels, value);
   }
   template <typename T>
-  void single(std::string_view name, std::string_view type, std::string_view help, T value) {
+  void single(std::string_view name, std::string_view type, std::string_view help, const T& value) {
     family(name, type, help);
     sample(value);
   }
@@ -100,7 +100,7 @@ std::string metric_label(std::string_view value) {
     if (c == '\\' || c == '"') {
       text += '\\';
     }
-    text += c == '\n' ? "\\n" : std::string(1, c);
+    text += c == '\n' ? R"(\n)" : std::string(1, c);
   }
   return text;
 }
