@@ -35,20 +35,7 @@ void CaseOpenings::note(const Client& client, const std::string& token, const Ca
     known->second = std::max(known->second, now);
     return;
   }
-  if (audit_) {
-    const bool was_well = std::exchange(well_, false);
-    try {
-      audit_->write_for_good(audit_line(client, token, entry));
-    } catch (const Error& error) {
-      if (was_well) {
-        warn(std::string(error.what()) + "; until then no case is given");
-      }
-      throw Error(
-          "it cannot be recorded who opens this case, so it is not given; tell who runs "
-          "this server");
-    }
-    well_ = true;
-  }
+  tell(audit_line(client, token, entry));
   ++count_;
   if (last_.size() >= kMost) {
     forget_old(now);
@@ -61,9 +48,36 @@ std::uint64_t CaseOpenings::count() const {
   return count_;
 }
 
-bool CaseOpenings::is_well() const {
+bool CaseOpenings::is_well() {
   const std::scoped_lock lock(mutex_);
-  return well_;
+  if (!well_) {
+    const nlohmann::ordered_json line = {{"time", log_time(std::chrono::system_clock::now())},
+                                         {"event", "resumed"}};
+    try {
+      tell(line.dump());
+    } catch (const Error&) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void CaseOpenings::tell(const std::string& line) {
+  if (!audit_) {
+    return;
+  }
+  const bool was_well = std::exchange(well_, false);
+  try {
+    audit_->write_for_good(line);
+  } catch (const Error& error) {
+    if (was_well) {
+      warn(std::string(error.what()) + "; until then no case is given");
+    }
+    throw Error(
+        "it cannot be recorded who opens this case, so it is not given; tell who runs this "
+        "server");
+  }
+  well_ = true;
 }
 
 void CaseOpenings::reopen() {

@@ -32,11 +32,14 @@ class CaseOpenings {
             Clock::time_point now = Clock::now());
 
   std::uint64_t count() const;
-  /// Whether what was to be told last could be.
-  bool is_well() const;
+  /// Whether openings can be told. Where the last one could not, it is tried anew, by a line that
+  /// says so: nobody may ask for a case before it is well.
+  bool is_well();
   void reopen();
 
  private:
+  /// Throws Error.
+  void tell(const std::string& line);
   void forget_old(Clock::time_point now);
 
   std::unique_ptr<LogFile> audit_;

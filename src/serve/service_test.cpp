@@ -362,9 +362,12 @@ TEST_F(ServiceTest, GivesNoCaseThatItCannotRecord) {
   EXPECT_EQ(samples_of(get("/metrics")->body).at("clipgs_cases_opened_total"), 0);
   fs::remove(audit);
   server_->reopen_logs();
-  EXPECT_EQ(status("/cases/head.sog"), 200);
+  EXPECT_EQ(status("/health"), 200) << "before anybody is sent here again";
   EXPECT_EQ(status("/health"), 200);
-  EXPECT_EQ(lines_of(audit, 1)[0].at("case"), "head");
+  EXPECT_EQ(status("/cases/head.sog"), 200);
+  const auto lines = lines_of(audit, 2);
+  EXPECT_EQ(lines[0].at("event"), "resumed");
+  EXPECT_EQ(lines[1].at("case"), "head");
 }
 
 TEST(CaseOpenings, AreNewAfterARest) {
