@@ -23,9 +23,10 @@ void add_service_options(CLI::App& command, ServerOptions& server, CertificateFi
                   "error. SIGHUP opens it anew")
       ->group(group);
   command
-      .add_option("--audit", server.audit,
-                  "File that gets a line of JSON for each case that is opened, by whom and when. "
-                  "Where that cannot be written, no case is given")
+      .add_option(
+          "--audit", server.audit,
+          "File that gets a line of JSON for each case that is opened or marked, by whom and "
+          "when. Where that cannot be written, no case is given")
       ->group(group);
   CLI::Option* certificate =
       command

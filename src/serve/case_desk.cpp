@@ -119,7 +119,7 @@ void CaseDesk::give_list(std::string_view query, const Grant& grant, Answer& ans
 void CaseDesk::give_of_case(const HttpRequest& request, std::string_view rest, bool versioned,
                             const Client& client, const Grant& grant, Answer& answer) {
   if (const std::optional wanted = CompanionDesk::wanted_of(rest)) {
-    give_companion(request, *wanted, grant, answer);
+    give_companion(request, *wanted, client, grant, answer);
     return;
   }
   const bool thumbnail = rest.ends_with(kThumbnailSuffix);
@@ -142,14 +142,17 @@ void CaseDesk::give_of_case(const HttpRequest& request, std::string_view rest, b
 }
 
 void CaseDesk::give_companion(const HttpRequest& request, const CompanionDesk::Wanted& wanted,
-                              const Grant& grant, Answer& answer) {
+                              const Client& client, const Grant& grant, Answer& answer) {
   const std::string name(wanted.name);
-  if (!grant.may_see(name) || index_.find(name) == nullptr) {
+  const auto entry = grant.may_see(name) ? index_.find(name) : nullptr;
+  if (entry == nullptr) {
     fail(answer, status::not_found, kNoCase);
   } else if (request.method() == http::verb::put && !grant.writes) {
     fail(answer, status::forbidden, "your address lets you look alone; ask for one that may write");
   } else {
-    companions_.answer(request, wanted, answer);
+    const char* const what = CompanionDesk::kind_name(wanted.kind);
+    companions_.answer(
+        request, wanted, [&] { openings_.note_change(client, grant.name, *entry, what); }, answer);
   }
 }
 

@@ -49,7 +49,7 @@ class CaseDesk {
 
  private:
   void give_companion(const HttpRequest& request, const CompanionDesk::Wanted& wanted,
-                      const Grant& grant, Answer& answer);
+                      const Client& client, const Grant& grant, Answer& answer);
 
   LiveWork* live_;
   CaseIndex index_;

@@ -10,13 +10,18 @@ namespace clipgs {
 
 namespace {
 
-std::string audit_line(const Client& client, const std::string& token, const CaseEntry& entry) {
-  const nlohmann::ordered_json line = {{"time", log_time(std::chrono::system_clock::now())},
-                                       {"event", "opened"},
-                                       {"client", client.address},
-                                       {"token", token},
-                                       {"case", entry.name},
-                                       {"version", entry.version}};
+/// `changed`: what of the case was; "": it was opened.
+std::string audit_line(const Client& client, const std::string& token, const CaseEntry& entry,
+                       const std::string& changed = "") {
+  nlohmann::ordered_json line = {{"time", log_time(std::chrono::system_clock::now())},
+                                 {"event", changed.empty() ? "opened" : "changed"},
+                                 {"client", client.address},
+                                 {"token", token},
+                                 {"case", entry.name},
+                                 {"version", entry.version}};
+  if (!changed.empty()) {
+    line["what"] = changed;
+  }
   return line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
@@ -41,6 +46,12 @@ void CaseOpenings::note(const Client& client, const std::string& token, const Ca
     forget_old(now);
   }
   last_[key] = now;
+}
+
+void CaseOpenings::note_change(const Client& client, const std::string& token,
+                               const CaseEntry& entry, const char* what) {
+  const std::scoped_lock lock(mutex_);
+  tell(audit_line(client, token, entry, what));
 }
 
 std::uint64_t CaseOpenings::count() const {
@@ -74,7 +85,7 @@ void CaseOpenings::tell(const std::string& line) {
       warn(std::string(error.what()) + "; until then no case is given");
     }
     throw Error(
-        "it cannot be recorded who opens this case, so it is not given; tell who runs this "
+        "it cannot be recorded who opens or changes this, so nobody can; tell who runs this "
         "server");
   }
   well_ = true;

@@ -14,8 +14,9 @@
 
 namespace clipgs {
 
-/// Who opened which case when: told once for all requests of somebody (an address and a token) for
-/// a version of a case, until there was none for kRest. Safe to use from several threads.
+/// Who opened which case when, and who changed what lies beside it. Openings are told once for all
+/// requests of somebody (an address and a token) for a version of a case, until there was none for
+/// kRest. Safe to use from several threads.
 class CaseOpenings {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,6 +31,10 @@ class CaseOpenings {
   /// The case is about to be given. Throws Error if that cannot be told; then it must not be.
   void note(const Client& client, const std::string& token, const CaseEntry& entry,
             Clock::time_point now = Clock::now());
+
+  /// Its marks or its tour are about to be changed. Throws Error as note() does.
+  void note_change(const Client& client, const std::string& token, const CaseEntry& entry,
+                   const char* what);
 
   std::uint64_t count() const;
   /// Whether openings can be told. Where the last one could not, it is tried anew, by a line that

@@ -104,11 +104,14 @@ bool CompanionDesk::is_brought(const HttpRequest& request) const {
   return wanted && keeps(wanted->kind);
 }
 
-void CompanionDesk::answer(const HttpRequest& request, const Wanted& wanted, Answer& answer) {
+const char* CompanionDesk::kind_name(Kind kind) { return kind == Kind::kMarks ? "marks" : "tour"; }
+
+void CompanionDesk::answer(const HttpRequest& request, const Wanted& wanted,
+                           const std::function<void()>& before_change, Answer& answer) {
   const std::filesystem::path file =
       folder_ / (std::string(wanted.name) + std::string(file_of(wanted.kind).suffix));
   if (request.method() == http::verb::put) {
-    take(request, wanted.kind, file, answer);
+    take(request, wanted.kind, file, before_change, answer);
   } else {
     give(request, file, answer);
   }
@@ -134,7 +137,7 @@ void CompanionDesk::give(const HttpRequest& request, const std::filesystem::path
 }
 
 void CompanionDesk::take(const HttpRequest& request, Kind kind, const std::filesystem::path& file,
-                         Answer& answer) {
+                         const std::function<void()>& before_change, Answer& answer) {
   const FileOfKind& known = file_of(kind);
   if (!keeps(kind)) {
     fail(answer, status::forbidden,
@@ -161,6 +164,7 @@ void CompanionDesk::take(const HttpRequest& request, Kind kind, const std::files
          fmt::format("somebody else changed these {}; read them again", known.noun));
     return;
   }
+  before_change();
   try {
     write_file(file, request.body().data(), request.body().size());
   } catch (const Error& error) {

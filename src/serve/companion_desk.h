@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -43,14 +44,17 @@ class CompanionDesk {
   bool is_brought(const HttpRequest& request) const;
 
   const Keeps& keeps() const { return keeps_; }
-  /// Of a case that there is.
-  void answer(const HttpRequest& request, const Wanted& wanted, Answer& answer);
+  /// "marks", "tour".
+  static const char* kind_name(Kind kind);
+  /// Of a case that there is. `before_change`: is called before one; what it throws prevents it.
+  void answer(const HttpRequest& request, const Wanted& wanted,
+              const std::function<void()>& before_change, Answer& answer);
 
  private:
   bool keeps(Kind kind) const { return kind == Kind::kMarks ? keeps_.marks : keeps_.tours; }
   void give(const HttpRequest& request, const std::filesystem::path& file, Answer& answer) const;
   void take(const HttpRequest& request, Kind kind, const std::filesystem::path& file,
-            Answer& answer);
+            const std::function<void()>& before_change, Answer& answer);
 
   std::filesystem::path folder_;
   Keeps keeps_;

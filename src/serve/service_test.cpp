@@ -197,6 +197,7 @@ TEST(Metrics, LabelsAreEscaped) { EXPECT_EQ(metric_label("a\\b\"c\nd"), "a\\\\b\
 TEST_F(ServiceTest, GivesEachWhatItMaySee) {
   use_tokens();
   options_.keeps = {true, true};
+  options_.audit = folder_ / "audit.jsonl";
   start();
   const auto names = [&](const std::string& token) {
     std::vector<std::string> result;
@@ -235,6 +236,12 @@ TEST_F(ServiceTest, GivesEachWhatItMaySee) {
   EXPECT_EQ(read_text(options_.folder / "cardiology" / "heart.marks.json"), marks_file());
   EXPECT_EQ(status("/cases/cardiology/heart.marks.json", kWard), 200);
   EXPECT_EQ(put("cardiology/../head", kChief), 404);
+  EXPECT_EQ(put("cardiology/heart", kChief), 412) << "somebody was faster";
+  const nlohmann::json change = lines_of(options_.audit, 4).back();  // behind three openings
+  EXPECT_EQ(change.at("event"), "changed");
+  EXPECT_EQ(change.at("what"), "marks");
+  EXPECT_EQ(change.at("token"), "chief");
+  EXPECT_EQ(change.at("case"), "cardiology/heart");
 }
 
 TEST_F(ServiceTest, LetsInByAddressCookieOrHeaderUntilATokenIsOver) {

@@ -45,8 +45,8 @@ export const errorsInGerman: readonly (readonly [english: string, german: string
     "Mit dieser Adresse nimmt man an keiner Studie teil; bitte eine erbitten, die alle Fälle zeigt und schreiben lässt",
   ],
   [
-    "it cannot be recorded who opens this case, so it is not given; tell who runs this server",
-    "Es lässt sich nicht festhalten, wer diesen Fall öffnet, darum wird er nicht gezeigt; bitte dem Betreiber des Servers sagen",
+    "it cannot be recorded who opens or changes this, so nobody can; tell who runs this server",
+    "Es lässt sich nicht festhalten, wer dies öffnet oder ändert, darum kann es niemand; bitte dem Betreiber des Servers sagen",
   ],
   [
     "the tokens of this server cannot be read; tell who runs it to look at what it says",
