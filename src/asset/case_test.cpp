@@ -449,7 +449,7 @@ TEST(Case, IsReadWithoutASectionThatIsBroken) {
     EXPECT_FALSE(contents.section) << key;
     EXPECT_EQ(contents.scene.gaussians.size(), scene.gaussians.size());
   };
-  is_left_out("version", 3, "newer clipgs");
+  is_left_out("version", 4, "newer clipgs");
   is_left_out("lights/tone", "agfa",
               "a tone curve \"agfa\" that this program does not know; use a newer clipgs");
   is_left_out("materials", json::object(), "materials");
@@ -458,7 +458,7 @@ TEST(Case, IsReadWithoutASectionThatIsBroken) {
   is_left_out("checksum", "00000000", "checksum");
 
   json meta = meta_of(whole);
-  meta["clipgs"]["section"]["version"] = 3;
+  meta["clipgs"]["section"]["version"] = 4;
   const CaseInfo info = read_case_info(with_meta(whole, meta), "test.sog");
   EXPECT_FALSE(info.section);
   EXPECT_THAT(info.section_problem, HasSubstr("newer clipgs"));

@@ -20,7 +20,7 @@ struct CodedSection {
   size_t bytes() const;  ///< about what it adds to a case
 };
 
-/// A section by ever lower qualities of its image, or by one that is given. Coding takes seconds:
+/// A section by ever lower qualities of its voxels, or by one that is given. Coding takes seconds:
 /// each is coded once, and what it will take is first read off a part of the slices.
 class SectionCodings {
  public:
@@ -28,8 +28,8 @@ class SectionCodings {
   /// at once, beside whatever else is done.
   SectionCodings(const Section& section, std::optional<float> given, Saving saving);
 
-  /// The best that takes no more than `room` bytes, or the smallest. What does not fit by one is
-  /// not tried by a better one. Throws Error.
+  /// The best that takes no more than `room` bytes (without loss: half a megabyte), or the
+  /// smallest. What does not fit by one is not tried by a better one. Throws Error.
   const CodedSection& best(size_t room);
 
  private:

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asset/checksum.h"
-#include "asset/webp.h"
+#include "asset/section_slices.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_reader.h"
@@ -18,87 +18,16 @@ using nlohmann::json;
 
 namespace {
 
+// What readers of an earlier version alone would miss.
 constexpr int kPlainVersion = 1;
-constexpr int kTonedVersion = 2;  // has a "tone", which readers of version 1 alone would miss
+constexpr int kTonedVersion = 2;  // has a "tone"
+constexpr int kVideoVersion = 3;  // may have one, and its slices are frames
 constexpr int kMaxSide = 1024;
 constexpr float kMostReflectance = 100;
-constexpr int kMaxImage = 16383;
-constexpr int kSectionBlock =
-    16;  // side of the blocks that lossy WebP codes: slices do not share one
 constexpr std::uintmax_t kMaxFile = std::uintmax_t{1} << 30;
-constexpr const char* kImageFile = "section.webp";
 constexpr const char* kVoxelsFile = "section.voxels";
 constexpr const char* kSectionMetaFile = "section.json";
 constexpr const char* kChecksum = "checksum";
-
-/// How slices lie in the image: row by row, each padded to whole blocks by its last voxels.
-struct Mosaic {
-  int tile_width;
-  int tile_height;
-  int columns;
-  int rows;
-
-  explicit Mosaic(const IVec3& dims)
-      : tile_width(whole_blocks(dims.x)), tile_height(whole_blocks(dims.y)) {
-    const double square = std::sqrt(static_cast<double>(dims.z) * tile_height / tile_width);
-    columns = std::clamp(static_cast<int>(std::ceil(square)), 1,
-                         std::min(dims.z, kMaxImage / tile_width));
-    rows = (dims.z + columns - 1) / columns;
-  }
-  int width() const { return columns * tile_width; }
-  int height() const { return rows * tile_height; }
-
-  /// Texel of voxel (x, y) of slice z; x and y may lie in the padding.
-  size_t texel(int x, int y, int z) const {
-    const size_t row = static_cast<size_t>(z / columns) * tile_height + y;
-    return row * width() + static_cast<size_t>(z % columns) * tile_width + x;
-  }
-
- private:
-  static int whole_blocks(int n) { return (n + kSectionBlock - 1) / kSectionBlock * kSectionBlock; }
-};
-
-Texels to_texels(const Section& section, const Mosaic& mosaic) {
-  Texels texels(mosaic.width(), mosaic.height());
-  for (int z = 0; z < section.dims.z; ++z) {
-    for (int y = 0; y < mosaic.tile_height; ++y) {
-      for (int x = 0; x < mosaic.tile_width; ++x) {
-        const int from_x = std::min(x, section.dims.x - 1);
-        const int from_y = std::min(y, section.dims.y - 1);
-        const size_t voxel = section.offset(from_x, from_y, z) * section.channels;
-        std::uint8_t* to = &texels.rgba[4 * mosaic.texel(x, y, z)];
-        for (int c = 0; c < 3; ++c) {
-          to[c] = section.voxels[voxel + (section.channels == 3 ? c : 0)];
-        }
-      }
-    }
-  }
-  return texels;
-}
-
-/// By itself: texels take four times as much as voxels, and decoding takes as much again.
-Bytes encode_image(const Section& section, const Mosaic& mosaic, float quality, Saving saving) {
-  const Texels texels = to_texels(section, mosaic);
-  return quality >= kLossless ? encode_webp(texels, saving)
-                              : encode_webp_data(texels, quality, saving);
-}
-
-std::vector<std::uint8_t> to_voxels(const Texels& texels, const Mosaic& mosaic, const IVec3& dims,
-                                    int channels) {
-  std::vector<std::uint8_t> voxels(static_cast<size_t>(dims.x) * dims.y * dims.z * channels);
-  std::uint8_t* to = voxels.data();
-  for (int z = 0; z < dims.z; ++z) {
-    for (int y = 0; y < dims.y; ++y) {
-      for (int x = 0; x < dims.x; ++x) {
-        const std::uint8_t* from = &texels.rgba[4 * mosaic.texel(x, y, z)];
-        for (int c = 0; c < channels; ++c) {
-          *to++ = from[c];
-        }
-      }
-    }
-  }
-  return voxels;
-}
 
 /// By how much coding moved the values.
 ErrorBands coding_errors(const Section& section, const std::vector<std::uint8_t>& decoded) {
@@ -270,7 +199,7 @@ IVec3 read_dims(const JsonReader& reader) {
 
 void require_version(const JsonReader& reader, const std::string& name) {
   const float version = reader.number("version");
-  if (version != kPlainVersion && version != kTonedVersion) {
+  if (version != kPlainVersion && version != kTonedVersion && version != kVideoVersion) {
     throw Error("{}: is of a version this program does not know; use a newer clipgs", name);
   }
 }
@@ -288,14 +217,14 @@ ToneCurve read_tone(const JsonReader& lights, const std::string& name) {
   return *known;
 }
 
-/// Of the section's image what `files` has of each file: its content, its size.
+/// Of what holds the section's voxels what `files` has of each file: its content, its size.
 template <typename What>
-const What& find_image(const JsonReader& reader, const std::map<std::string, What>& files) {
-  const auto image = files.find(reader.text("file"));
-  if (image == files.end()) {
+const What& find_voxels(const JsonReader& reader, const std::map<std::string, What>& files) {
+  const auto found = files.find(reader.text("file"));
+  if (found == files.end()) {
     reader.fail("file");
   }
-  return image->second;
+  return found->second;
 }
 
 void read_grid(const JsonReader& reader, Section& section) {
@@ -382,21 +311,14 @@ Section read_description(const JsonReader& reader, const std::string& name) {
 
 json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
                     Saving saving) {
-  const Mosaic mosaic(section.dims);
-  if (mosaic.width() > kMaxImage || mosaic.height() > kMaxImage) {
-    throw Error("a section of {} × {} × {} voxels does not fit into an image; make it smaller",
-                section.dims.x, section.dims.y, section.dims.z);
+  CodedSlices coded = encode_slices(section, quality, saving);
+  const ErrorBands errors = coding_errors(section, coded.voxels);
+  json object = describe(section, coded.voxels, errors.on_top_of(section.value_errors));
+  object.update(coded.keys);
+  if (coded.video) {
+    object["version"] = kVideoVersion;
   }
-  Bytes image = encode_image(section, mosaic, quality, saving);
-  const std::vector<std::uint8_t> decoded =
-      to_voxels(decode_webp(image, mosaic.width(), mosaic.height(), kImageFile), mosaic,
-                section.dims, section.channels);
-  json object =
-      describe(section, decoded, coding_errors(section, decoded).on_top_of(section.value_errors));
-  object["file"] = kImageFile;
-  object["tile"] = {mosaic.tile_width, mosaic.tile_height};
-  object["columns"] = mosaic.columns;
-  files.push_back({kImageFile, std::move(image)});
+  files.push_back(std::move(coded.file));
   return object;
 }
 
@@ -404,16 +326,8 @@ Section decode_section(const json& object, const std::map<std::string, Bytes>& f
                        const std::string& name) {
   const JsonReader reader(object, name);
   Section section = read_description(reader, name);
-  const Mosaic mosaic(section.dims);
-  if (reader.integer("columns", 1, kMaxImage) != mosaic.columns) {
-    reader.fail("columns");
-  }
-  if (reader.vector<2>("tile") != Vec2(mosaic.tile_width, mosaic.tile_height)) {
-    reader.fail("tile");
-  }
-  const Texels texels =
-      decode_webp(find_image(reader, files), mosaic.width(), mosaic.height(), name + ": its image");
-  section.voxels = to_voxels(texels, mosaic, section.dims, section.channels);
+  section.voxels =
+      decode_slices(reader, find_voxels(reader, files), section.dims, section.channels, name);
   require_checksum(object.value(kChecksum, json()), section.voxels, name);
   return section;
 }
@@ -422,7 +336,7 @@ SectionInfo section_info(const json& object, const std::map<std::string, size_t>
                          const std::string& name) {
   const JsonReader reader(object, name);
   require_version(reader, name);
-  return {read_dims(reader), find_image(reader, sizes), read_tone(reader.child("lights"), name)};
+  return {read_dims(reader), find_voxels(reader, sizes), read_tone(reader.child("lights"), name)};
 }
 
 std::filesystem::path section_path(std::filesystem::path scene) {

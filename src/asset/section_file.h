@@ -6,32 +6,30 @@
 #include <string>
 #include <vector>
 
+#include "asset/section_slices.h"
 #include "asset/webp.h"
 #include "asset/zip.h"
 #include "section/section.h"
 
 namespace clipgs {
 
-/// Quality of the image that holds a section's voxels; below, 90 loses 0.2 to 0.5 dB of a picture
-/// and half of the bytes (docs/tried.md).
-constexpr float kLossless = 100;
-
-/// Appends the section's image to `files` and returns its JSON (docs/format.md). The error with
-/// which values can be read back, as the JSON states it, includes what the image's coding loses.
+/// Appends the section's voxels to `files` and returns its JSON (docs/format.md), see
+/// encode_slices(). The error with which values can be read back, as the JSON states it, includes
+/// what coding loses.
 /// Throws Error.
 nlohmann::json encode_section(const Section& section, float quality, std::vector<ZipEntry>& files,
                               Saving saving = Saving::kBytes);
 
 /// The section of such JSON. Throws Error, `name` in it, on whatever is missing, out of range,
-/// undecodable or decoded to something else than its checksum says; nothing larger than the image
-/// warrants is allocated.
+/// undecodable or decoded to something else than its checksum says; nothing larger than its
+/// dims warrant is allocated.
 Section decode_section(const nlohmann::json& object, const std::map<std::string, Bytes>& files,
                        const std::string& name);
 
 /// What a case says of its section.
 struct SectionInfo {
   IVec3 dims{0};
-  size_t bytes = 0;  ///< of its image
+  size_t bytes = 0;  ///< of its voxels' file
   ToneCurve tone = ToneCurve::kSrgb;
 };
 

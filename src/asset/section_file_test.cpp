@@ -147,6 +147,29 @@ TEST(SectionFile, NamesAToneCurveInAVersionOfItsOwn) {
   EXPECT_EQ(filmic, plain);
 }
 
+TEST(SectionFile, NamesAVideoInAVersionOfItsOwn) {
+  const Section section = make(1);
+  std::vector<ZipEntry> files;
+  const json good = encode_section(section, 97, files);
+  EXPECT_EQ(good["version"], 3);
+  EXPECT_EQ(files[0].name, "section.obu");
+  const std::map<std::string, Bytes> videos = {{files[0].name, files[0].bytes}};
+  expect_same(section, decode_section(good, videos, "test"));
+  const auto refused = [&](const char* key, const json& value) {
+    json bad = good;
+    bad[key] = value;
+    EXPECT_THROW(decode_section(bad, videos, "test"), Error) << key;
+  };
+  refused("coding", "vp9");
+  refused("coding", 1);
+  refused("channels", 3);
+  refused("dims", {12, 10, 5});
+  std::vector<ZipEntry> soon;
+  EXPECT_EQ(encode_section(section, 97, soon, Saving::kTime)["version"], 1);
+  std::vector<ZipEntry> colors;
+  EXPECT_EQ(encode_section(make(3), 97, colors)["version"], 1);
+}
+
 TEST(SectionFile, HasABoundarysLookWhereThePresetHas) {
   std::vector<ZipEntry> files;
   Section section = make(1);

@@ -16,8 +16,8 @@ void add_section_options(CLI::App& command, SectionChoice& choice) {
 void add_section_coding(CLI::App& command, SectionChoice& choice) {
   command
       .add_option("--section-quality", choice.coding.section_quality,
-                  "Of the section's image in the case: 100 is lossless (default: the best that "
-                  "--max-mb leaves room for, 90 at least)")
+                  "Of the section's voxels in the case: 100 is lossless (default: 97, or the best "
+                  "that --max-mb leaves room for, 70 at least; small ones lossless)")
       ->check(CLI::Range(1.0, 100.0));
   command
       .add_option_function<double>(

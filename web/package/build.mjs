@@ -29,7 +29,7 @@ function packagesOf(modules) {
 /** The licence of what is in the package, as its own licence asks for. */
 function licenceOf(folder) {
   const { name, version, license } = JSON.parse(readFileSync(`${folder}/package.json`, "utf8"));
-  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "license"].find((one) =>
+  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "license", "COPYING"].find((one) =>
     existsSync(`${folder}/${one}`),
   );
   const text = file ? readFileSync(`${folder}/${file}`, "utf8").trim() : license;
@@ -38,7 +38,10 @@ function licenceOf(folder) {
 }
 
 /** Of what packages hold besides their own. */
-const kHeld = { "@cwasm/webp": "package/LICENSE-libwebp" };
+const kHeld = {
+  "@cwasm/webp": "package/LICENSE-libwebp",
+  ogv: "node_modules/ogv/dist/COPYING-dav1d.txt",
+};
 
 /** Takes over a file of types, and those that it names. */
 function copyTypes(name) {

@@ -12,8 +12,8 @@ const kMaxSide = 1024;
 const kMaxImage = 16383;
 const kBlock = 16;
 export const kErrorBands = 16;
-/** 2: with a tone curve, which viewers that know version 1 alone would leave out. */
-const kVersions = new Set<unknown>([1, 2]);
+/** 2: with a tone curve, 3: as a video, which viewers that know earlier ones alone would miss. */
+const kVersions = new Set<unknown>([1, 2, 3]);
 /** What is wrong with a section alone: splats can be shown all the same. */
 export class SectionError extends CaseError {
   override name = "SectionError";
@@ -60,7 +60,8 @@ export interface SectionInfo {
   checksum: string | undefined;
   dims: Triple;
   channels: 1 | 3;
-  mosaic: Mosaic;
+  /** How slices lie in the image of `file`; null: it is a video of them. */
+  mosaic: Mosaic | null;
   origin: Triple; // RAS mm of the first voxel's centre
   spacing: Triple; // mm
   axes: [Triple, Triple, Triple];
@@ -123,6 +124,14 @@ function readMosaic(reader: JsonReader, dims: Triple): Mosaic {
   const columns = reader.integer("columns", 1, Math.min(dims[2], Math.floor(kMaxImage / tileWidth)));
   const rows = Math.ceil(dims[2] / columns);
   return rows * tileHeight <= kMaxImage ? { tileWidth, tileHeight, columns, rows } : reader.fail("columns");
+}
+
+/** How the voxels are coded; photographs have no video. */
+function readCoding(reader: JsonReader, dims: Triple, channels: number): Mosaic | null {
+  if (!reader.has("coding")) {
+    return readMosaic(reader, dims);
+  }
+  return reader.text("coding") === "av1" && channels === 1 ? null : reader.fail("coding");
 }
 
 function readCurve(reader: JsonReader): number[] {
@@ -210,7 +219,7 @@ export function parseSection(clipgs: unknown, archive: Pick<Archive, "has">): Se
     checksum: reader.has("checksum") ? reader.text("checksum") : undefined,
     dims,
     channels: channels as 1 | 3,
-    mosaic: readMosaic(reader, dims),
+    mosaic: readCoding(reader, dims, channels),
     origin: reader.vector("origin"),
     spacing: reader.vector("spacing", Number.MIN_VALUE),
     axes: readAxes(reader),
@@ -227,11 +236,13 @@ export function parseSection(clipgs: unknown, archive: Pick<Archive, "has">): Se
 }
 
 /**
- * The section of its image, whose slices lie as `info.mosaic` says. Throws CaseError where the image has another size,
- * or its voxels are not what was written.
+ * The voxels of an image whose slices lie as `mosaic` says. Throws CaseError where the image has another size.
  */
-export function readVoxels(info: SectionInfo, { width, height, rgba }: Texels): Section {
-  const { dims, channels, mosaic, file } = info;
+export function readMosaicVoxels(
+  { dims, channels, file }: SectionInfo,
+  mosaic: Mosaic,
+  { width, height, rgba }: Texels,
+): Uint8Array {
   const [nx, ny, nz] = dims;
   if (width !== mosaic.columns * mosaic.tileWidth || height !== mosaic.rows * mosaic.tileHeight) {
     throw new CaseError(
@@ -251,7 +262,12 @@ export function readVoxels(info: SectionInfo, { width, height, rgba }: Texels): 
       }
     }
   }
-  requireChecksum(info.checksum, voxels, file);
+  return voxels;
+}
+
+/** The section of its voxels. Throws CaseError where they are not what was written. */
+export function sectionOf(info: SectionInfo, voxels: Uint8Array): Section {
+  requireChecksum(info.checksum, voxels, info.file);
   return { ...info, voxels, counts: countCodes(voxels) };
 }
 

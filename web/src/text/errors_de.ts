@@ -84,6 +84,10 @@ export const errorsInGerman: readonly (readonly [english: string, german: string
     "{} cannot be decoded, or there is not enough memory; copy the case again",
     "{} lässt sich nicht entpacken, oder der Speicher reicht nicht; bitte den Fall neu kopieren",
   ],
+  [
+    "{} has other slices than its section says; build the case again",
+    "{} hat andere Schichten als beschrieben; bitte den Fall neu erzeugen",
+  ],
   ["{} cannot be decoded:", "{} lässt sich nicht entpacken:"],
   ["the case cannot be shown:", "Der Fall lässt sich nicht zeigen:"],
   // Archives

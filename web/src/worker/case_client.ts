@@ -220,7 +220,7 @@ export class CaseClient {
         fail(data.message);
       }
     };
-    worker.postMessage({ kind: "decode", coded } satisfies SectionRequest, [coded.webp.buffer]);
+    worker.postMessage({ kind: "decode", coded } satisfies SectionRequest, [coded.coded.buffer]);
   }
 
   /** Ends the worker of a section that nobody has asked for. */

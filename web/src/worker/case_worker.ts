@@ -2,6 +2,7 @@
 
 import libwebpUrl from "@cwasm/webp/webp.wasm?url";
 import splatOrderUrl from "@wasm/splat_order.wasm?url";
+import dav1dUrl from "ogv/dist/ogv-decoder-video-av1-wasm.wasm?url";
 
 import { requireTexelChecksum } from "../sog/checksum";
 import { hullOf } from "../sog/hull";
@@ -30,6 +31,7 @@ const worker = self as unknown as {
 
 const files = new FileCache();
 let modules: Promise<[WebAssembly.Module, WebAssembly.Module]> | null = null;
+let dav1d: Promise<WebAssembly.Module> | null = null;
 fetchModules().catch(() => {}); // while the first case is on its way, which says what failed
 // What was loaded last, and what is shown until that is.
 let scenes: { ticket: number; order: SplatOrder }[] = [];
@@ -52,6 +54,15 @@ function fetchModules(): Promise<[WebAssembly.Module, WebAssembly.Module]> {
     modules.catch(() => (modules = null));
   }
   return modules;
+}
+
+/** What decodes sections that are videos: fetched once there is one, and again where that failed. */
+function fetchDav1d(): Promise<WebAssembly.Module> {
+  if (!dav1d) {
+    dav1d = compile(dav1dUrl);
+    dav1d.catch(() => (dav1d = null));
+  }
+  return dav1d;
 }
 
 async function compile(url: string): Promise<WebAssembly.Module> {
@@ -152,6 +163,8 @@ async function loadCase(
   const meta = parseSogMeta(archive);
   const { info, problem } = sectionOf(meta.clipgs, archive);
   checkNewest(ticket);
+  const sectionDecoder = info?.mosaic === null ? fetchDav1d() : Promise.resolve(libwebp);
+  sectionDecoder.catch(() => {}); // told when it is needed
   const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
   giveScene(ticket, scene, splatOrder, {
     clipgs: meta.clipgs,
@@ -159,7 +172,7 @@ async function loadCase(
     hasSection: info !== null,
     sectionProblem: problem,
   });
-  giveRest(ticket, meta.clipgs, await arriving.whole, libwebp);
+  await giveRest(ticket, meta.clipgs, await arriving.whole, sectionDecoder);
 }
 
 /** Sorts a scene from now on, and gives it away. */
@@ -187,11 +200,20 @@ function giveScene(
 }
 
 /** What is not shown at first. */
-function giveRest(ticket: number, clipgs: unknown, archive: Archive, libwebp: WebAssembly.Module): void {
+async function giveRest(
+  ticket: number,
+  clipgs: unknown,
+  archive: Archive,
+  decoding: Promise<WebAssembly.Module>,
+): Promise<void> {
   const { info, problem } = sectionOf(clipgs, archive);
-  const webp = info && archive.get(info.file)!.slice();
-  const section = info && webp && { info, webp, libwebp };
-  reply({ kind: "rest", ticket, section, sectionProblem: problem }, webp ? [webp.buffer] : []);
+  const coded = info && archive.get(info.file)!.slice();
+  try {
+    const section = info && coded && { info, coded, decoder: await decoding };
+    reply({ kind: "rest", ticket, section, sectionProblem: problem }, coded ? [coded.buffer] : []);
+  } catch (error) {
+    reply({ kind: "rest", ticket, section: null, sectionProblem: (error as CaseError).message });
+  }
 }
 
 function sort(request: Extract<Request, { kind: "sort" }>): void {

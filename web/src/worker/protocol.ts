@@ -10,11 +10,11 @@ export type CaseSource = string | File;
 /** Why there is nothing of a case, to whoever waited for it. */
 export const kSuperseded = "another case was chosen meanwhile";
 
-/** A section's image, and what decodes it. */
+/** A section's image or video, and what decodes it: libwebp or dav1d. */
 export interface CodedSection {
   info: SectionInfo;
-  webp: Uint8Array;
-  libwebp: WebAssembly.Module;
+  coded: Uint8Array;
+  decoder: WebAssembly.Module;
 }
 
 /** Light in what cuts open: of 255 `scale`, linear, in sRGB, and A of what is lit [walls and splats, side, z, y, x, RGBA]. */

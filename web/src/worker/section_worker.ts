@@ -3,7 +3,8 @@
 
 import cutLightUrl from "@wasm/cut_light.wasm?url";
 
-import { readVoxels, type Section } from "../sog/section";
+import { decodeAv1 } from "../sog/av1";
+import { readMosaicVoxels, type Section, sectionOf } from "../sog/section";
 import { CaseError } from "../sog/zip";
 import { WebpDecoder } from "../sog/webp";
 import { CutLight } from "./cut_light";
@@ -18,10 +19,11 @@ const worker = self as unknown as {
 const module = WebAssembly.compileStreaming(fetch(cutLightUrl)).catch(() => null);
 let light: CutLight | null = null;
 
-async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
+async function decode(coded: CodedSection): Promise<void> {
+  const { info } = coded;
   let section: Section;
   try {
-    section = new WebpDecoder(libwebp).decode(webp, info.file, (texels) => readVoxels(info, texels));
+    section = sectionOf(info, await decodeVoxels(coded));
   } catch (error) {
     const message =
       error instanceof CaseError ? error.message : `${info.file} cannot be decoded: ${String(error)}`;
@@ -37,6 +39,13 @@ async function decode({ info, webp, libwebp }: CodedSection): Promise<void> {
     { kind: "openings", openings },
     parts.flatMap((part) => part?.buffer ?? []),
   );
+}
+
+async function decodeVoxels({ info, coded, decoder }: CodedSection): Promise<Uint8Array> {
+  const { mosaic, dims, file } = info;
+  return mosaic
+    ? new WebpDecoder(decoder).decode(coded, file, (texels) => readMosaicVoxels(info, mosaic, texels))
+    : decodeAv1(decoder, coded, dims, file);
 }
 
 /** Without the module, or memory for it, splats show what cuts open. */

@@ -40,6 +40,7 @@ async function makeCase(
   title: string,
   work: string,
   out: string,
+  quality: string, // of its section: below 100 it is a video
   ...look: string[]
 ): Promise<void> {
   const dataset = join(work, "dataset");
@@ -58,13 +59,13 @@ async function makeCase(
     ...kSection,
   );
   await clipgs("train", dataset, "-o", scene, ..."--steps 100 --budget 8000 --sh-degree 3".split(" "));
-  await clipgs("pack", scene, "-o", out, "--title", title);
+  await clipgs("pack", scene, "-o", out, "--title", title, "--section-quality", quality);
 }
 
 async function makePhantomCase(work: string, out: string): Promise<void> {
   const volume = join(work, "phantom.nii.gz");
   await clipgs("phantom", volume, "--size", "96");
-  await makeCase(volume, "skin-and-bone", "Torso phantom", work, out);
+  await makeCase(volume, "skin-and-bone", "Torso phantom", work, out, "97");
 }
 
 /** A case of the same volume in which nothing is learnt. */
@@ -86,7 +87,7 @@ async function makeInstantCase(made: string, out: string): Promise<void> {
 async function makeFilmicCase(made: string, work: string, out: string): Promise<void> {
   const look = "--tone filmic --exposure 2".split(" ");
   mkdirSync(work);
-  await makeCase(join(made, "phantom.nii.gz"), "anatomy", "Filmic phantom", work, out, ...look);
+  await makeCase(join(made, "phantom.nii.gz"), "anatomy", "Filmic phantom", work, out, "100", ...look);
 }
 
 /** A case of the same pictures without a section: its splats are solid and have face colours. */
@@ -136,5 +137,5 @@ async function makePhotoCase(work: string, out: string): Promise<void> {
   mkdirSync(work);
   const volume = join(work, "photo.nrrd");
   writeFileSync(volume, Buffer.concat([Buffer.from(`${header.join("\n")}\n\n`), rgb]));
-  await makeCase(volume, "photo", "Striped ball", work, out);
+  await makeCase(volume, "photo", "Striped ball", work, out, "100");
 }

@@ -100,8 +100,8 @@ describe.skipIf(missing !== undefined)(`what fails${missing ? ` (${missing} is m
   it("shows a case by its splats alone where its section is broken, and says what is wrong", async () => {
     const page = await opened("solid");
     const broken: [(meta: CaseMeta) => void, RegExp][] = [
-      [({ section }) => (section.checksum = "00000000"), /section\.webp does not decode to what was written/],
-      [({ section }) => (section.version = 3), /section is of a version .* newer clipgs/],
+      [({ section }) => (section.checksum = "00000000"), /section\.obu does not decode to what was written/],
+      [({ section }) => (section.version = 4), /section is of a version .* newer clipgs/],
       [({ section }) => delete section.materials, /materials/],
       [({ section }) => (section.file = "gone.webp"), /gone\.webp is missing/],
     ];

@@ -63,7 +63,7 @@ describe("the client of the case worker", () => {
 
   const sort = () => client.sort(0, new Float32Array(1), 0, new Uint32Array(1));
   const load = () => client.load("a.sog", null, true);
-  const section = () => ({ info: { file: "section.webp" }, webp: new Uint8Array(1) });
+  const section = () => ({ info: { file: "section.webp" }, coded: new Uint8Array(1) });
 
   it("ends what waits for a worker that fails, and has another one for the next case", async () => {
     const [sorted, loaded, sorting] = [sort(), load(), client.sorting];

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { parseSection, readVoxels, type SectionInfo } from "../../src/sog/section";
+import { parseSection, readMosaicVoxels, type SectionInfo, sectionOf } from "../../src/sog/section";
 import type { Texels } from "../../src/sog/sog";
 import { CaseError, crc32 } from "../../src/sog/zip";
 import { makeSectionBlock, withValue } from "./section_fixture";
@@ -26,6 +26,15 @@ describe("parseSection", () => {
     expect(info.tone).toBe("srgb");
   });
 
+  it("knows a video of version 3 from an image", () => {
+    const block: Record<string, unknown> = { ...makeSectionBlock(), version: 3, coding: "av1" };
+    delete block["tile"];
+    delete block["columns"];
+    expect(parse(block).mosaic).toBe(null);
+    expect(() => parse({ ...block, coding: "vp9" })).toThrow(/coding/);
+    expect(() => parse({ ...block, channels: 3 })).toThrow(/coding/);
+  });
+
   it("takes cases without one, and modalities that it does not know", () => {
     expect(parseSection(undefined, archive)).toBeNull();
     expect(parseSection({ version: 1 }, archive)).toBeNull();
@@ -39,7 +48,7 @@ describe("parseSection", () => {
   });
 
   it.each([
-    ["version", 3, /version/],
+    ["version", 4, /version/],
     ["version", undefined, /section\.version/],
     ["file", undefined, /section\.file/],
     ["file", "nowhere.webp", /nowhere\.webp is missing/],
@@ -99,12 +108,17 @@ describe("parseSection", () => {
   });
 });
 
-describe("readVoxels", () => {
+describe("a section in one image", () => {
+  const read = (info: SectionInfo, texels: Texels) =>
+    sectionOf(info, readMosaicVoxels(info, info.mosaic!, texels));
+
   /** What voxel (x, y, z) of the fixture holds. */
   const value = (x: number, y: number, z: number) => (x + 5 * y + 90 * z) % 251;
 
   /** The image of its slices; 99 where there is no voxel. */
-  function mosaic({ dims, mosaic: { tileWidth, tileHeight, columns, rows } }: SectionInfo): Texels {
+  function mosaic(info: SectionInfo): Texels {
+    const { dims } = info;
+    const { tileWidth, tileHeight, columns, rows } = info.mosaic!;
     const width = columns * tileWidth;
     const height = rows * tileHeight;
     const rgba = new Uint8Array(4 * width * height).fill(99);
@@ -123,7 +137,7 @@ describe("readVoxels", () => {
   for (const channels of [1, 3]) {
     it(`puts every voxel in its place and checks them (${channels} channels)`, () => {
       const info = parse({ ...makeSectionBlock(), channels });
-      const { voxels, counts } = readVoxels(info, mosaic(info));
+      const { voxels, counts } = read(info, mosaic(info));
       expect(voxels.length).toBe(5 * 18 * 7 * channels);
       for (let i = 0; i < voxels.length / channels; ++i) {
         const v = value(i % 5, Math.floor(i / 5) % 18, Math.floor(i / 90));
@@ -135,19 +149,19 @@ describe("readVoxels", () => {
 
       const checksum = crc32(voxels).toString(16).padStart(8, "0");
       const checked = parse({ ...makeSectionBlock(), channels, checksum });
-      expect(readVoxels(checked, mosaic(checked)).voxels).toEqual(voxels);
+      expect(read(checked, mosaic(checked)).voxels).toEqual(voxels);
       const shifted = mosaic(checked);
       shifted.rgba.copyWithin(4, 0); // as by a decoder that loses an offset
-      expect(() => readVoxels(checked, shifted)).toThrow(/section\.webp .* checksum differs.*not shown/);
+      expect(() => read(checked, shifted)).toThrow(/section\.webp .* checksum differs.*not shown/);
       const other = mosaic(checked);
       other.rgba[0]! ^= 1;
-      expect(() => readVoxels(checked, other)).toThrow(CaseError);
+      expect(() => read(checked, other)).toThrow(CaseError);
     });
   }
 
   it("takes no image of another size", () => {
     const info = parse(makeSectionBlock());
     const { width, height, rgba } = mosaic(info);
-    expect(() => readVoxels(info, { width: height, height: width, rgba })).toThrow(/does not fit/);
+    expect(() => read(info, { width: height, height: width, rgba })).toThrow(/does not fit/);
   });
 });
