@@ -67,7 +67,7 @@ packages=(
   g++ cmake ninja-build ccache pkg-config
   # libraries
   libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libwebp-dev libaom-dev libdav1d-dev libspng-dev libarchive-dev libeigen3-dev
+  nlohmann-json3-dev libwebp-dev libaom-dev libdav1d-dev libzstd-dev libspng-dev libarchive-dev libeigen3-dev
   libboost-dev libssl-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
   # clipgs render --tour writes MP4 and WebM with it
   ffmpeg

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asset/layers.h"
+#include "asset/other_splats.h"
 #include "asset/section_codings.h"
 #include "asset/sog.h"
 #include "asset/webp.h"
@@ -53,13 +54,7 @@ OpenCase open_case(std::map<std::string, Bytes> files, const std::string& name) 
   if (!result.meta.is_object()) {
     throw Error("{}: its {} is not JSON; the file is corrupt", name, kMetaFile);
   }
-  if (!result.meta.contains("clipgs")) {
-    throw Error(
-        "{}: is a SOG without a \"clipgs\" block, which says how it lies in the patient; "
-        "make it with clipgs pack",
-        name);
-  }
-  result.block = result.meta["clipgs"];
+  result.block = result.meta.value("clipgs", json());
   return result;
 }
 
@@ -74,9 +69,20 @@ std::string text_of(const json& value) {
 
 std::string section_name(const std::string& name) { return name + ": clipgs.section"; }
 
+/// Throws Error for a SOG of other programs.
+void require_block(const OpenCase& opened, const std::string& name) {
+  if (opened.block.is_null()) {
+    throw Error(
+        "{}: is a SOG without a \"clipgs\" block, which says how it lies in the patient; "
+        "make it with clipgs pack",
+        name);
+  }
+}
+
 /// Everything but its size and its thumbnail. `sizes`: of the case's files.
 CaseInfo info_of(const OpenCase& opened, const std::map<std::string, size_t>& sizes,
                  const std::string& name) {
+  require_block(opened, name);
   CaseInfo info;
   scene_from_json(opened.block, name + ": clipgs", info.scene);
   const SogSummary summary = sog_summary(opened.meta, name);
@@ -178,6 +184,10 @@ void write_case(const std::filesystem::path& path, const Case& contents, const I
 
 Case read_case(std::span<const std::uint8_t> bytes, const std::string& name, BrokenSection broken) {
   const OpenCase opened = open_case(read_zip(bytes, name), name);
+  if (opened.block.is_null()) {
+    warn_of_assumptions(name);
+    return Case(scene_of_splats(decode_sog(opened.meta, opened.files, name)));
+  }
   Case result;
   const Similarity world = scene_from_json(opened.block, name + ": clipgs", result.scene);
   result.scene.gaussians = transform(decode_sog(opened.meta, opened.files, name), world);
@@ -222,6 +232,9 @@ void relight(Case& contents, const LightRig& rig) {
 }
 
 Case load_case(const std::filesystem::path& path, BrokenSection broken) {
+  if (is_other_splats(path)) {
+    return Case(read_other_splats(path));
+  }
   if (path.extension() != ".ply") {
     return read_case(path, broken);
   }

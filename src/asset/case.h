@@ -82,7 +82,9 @@ Case read_case(std::span<const std::uint8_t> bytes, const std::string& name,
 Case read_case(const std::filesystem::path& path, BrokenSection broken = BrokenSection::kRefused);
 
 /// From either of its files: a case, or the .ply of a scene with what lies beside it: its JSON and,
-/// perhaps, its section (section_path()) or its model (is_model()). Throws Error.
+/// perhaps, its section (section_path()) or its model (is_model()). Splats of other programs, and
+/// those of clipgs export, are a case, too, see scene_of_splats(): .sog, .ply and .spz. Throws
+/// Error.
 Case load_case(const std::filesystem::path& path, BrokenSection broken = BrokenSection::kRefused);
 
 CaseInfo read_case_info(std::span<const std::uint8_t> bytes, const std::string& name);

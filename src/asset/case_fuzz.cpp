@@ -17,7 +17,8 @@ const Bytes& seed_case() {
   static const Bytes kCase = [] {
     Scene scene = layered_scene(40, 1, 1);
     scene.gaussians = random_faces(40, 1, 1);
-    return encode_case({std::move(scene), test::ball_section()}, nullptr);
+    // Its section is a video.
+    return encode_case({std::move(scene), test::ball_section()}, nullptr, {.section_quality = 90});
   }();
   return kCase;
 }

@@ -351,7 +351,7 @@ TEST(Case, RefusesOtherFilesInOneLine) {
   refuses(Bytes(1000, 0), "truncated or corrupt");
   refuses(write_zip({{"a.txt", {1}}}), "meta.json");
   refuses(write_zip({{"meta.json", {'{', '"'}}}), "not JSON");
-  refuses(write_zip({{"meta.json", {'{', '}'}}}), "clipgs");
+  refuses(write_zip({{"meta.json", {'{', '}'}}}), "version");
 
   Scene scene = random_scene(50, 1, 25);
   scene.gaussians = random_faces(50, 1, 25);
@@ -413,6 +413,19 @@ Bytes with_other_texel(const Bytes& bytes, const std::string& file) {
 }
 
 // What a decoder that returns other texels would give: the archive's own checksums are good.
+TEST(Case, OfAnotherProgramIsItsSplatsAlone) {
+  const Scene scene = random_scene(50, 1, 25);
+  json meta = meta_of(encode_case({scene, test::ball_section()}, nullptr));
+  meta.erase("clipgs");
+  ::testing::internal::CaptureStderr();
+  const Case contents =
+      read_case(with_meta(encode_case({scene, test::ball_section()}, nullptr), meta), "test.sog");
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("test.sog: says neither"));
+  EXPECT_EQ(contents.scene.gaussians.size(), 50);
+  EXPECT_GT(contents.scene.sphere.radius, 0);
+  EXPECT_FALSE(contents.section);
+}
+
 TEST(Case, RefusesImagesThatDecodeToSomethingElse) {
   const Bytes whole = encode_case({layered_scene(60, 1, 26), test::ball_section()}, nullptr);
   int images = 0;

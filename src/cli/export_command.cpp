@@ -1,9 +1,20 @@
+#include <fmt/format.h>
+#include <functional>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "asset/case.h"
+#include "asset/filled.h"
+#include "asset/glb.h"
+#include "asset/sog.h"
+#include "asset/spz.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/cut_options.h"
+#include "core/error.h"
 #include "core/file.h"
 #include "splat/ply.h"
 #include "splat/similarity.h"
@@ -15,31 +26,86 @@ namespace {
 struct ExportArguments {
   std::string input;
   std::string output;
-  std::string format = "ply";
+  std::string format;  // "": as the output ends
+  CutArguments cut;
+  size_t fill = 60000;
 };
 
+/// SOG without what is clipgs's own.
+Bytes encode_plain_sog(const Gaussians& gaussians) {
+  std::vector<ZipEntry> files;
+  nlohmann::json meta = encode_sog(gaussians, files);
+  meta.erase("clipgs");
+  const std::string text = meta.dump();
+  files.insert(files.begin(), {"meta.json", Bytes(text.begin(), text.end())});
+  return write_zip(files);
+}
+
+/// The file of Gaussians (scene space) in each format but PLY, which has a writer of its own.
+const std::map<std::string, std::function<Bytes(const Gaussians&)>>& encoders() {
+  static const std::map<std::string, std::function<Bytes(const Gaussians&)>> kEncoders = {
+      {"spz", encode_spz}, {"glb", encode_glb}, {"sog", encode_plain_sog}};
+  return kEncoders;
+}
+
+/// What the arguments ask for: "ply", or one of encoders().
+std::string format_of(const ExportArguments& arguments) {
+  const std::string ending = std::filesystem::path(arguments.output).extension().string();
+  const std::string format = ending.empty() ? "" : ending.substr(1);
+  if (!arguments.format.empty() && arguments.format != format) {
+    throw Error("{} does not end in .{}, as --format says; change one of them", arguments.output,
+                arguments.format);
+  }
+  return format;
+}
+
 void run_export(const ExportArguments& arguments) {
+  const std::string format = format_of(arguments);
   require_writable(arguments.output);
-  const Gaussians gaussians = load_case(arguments.input).scene.gaussians;
-  // Other programs cut nothing: face colours are of no use to them.
-  write_ply(arguments.output, transform(gaussians.reshaped(gaussians.sh_degree(), false),
-                                        scene_to_world().inverse()));
+  const Case contents = load_case(arguments.input);
+  const Cut cut = parse_cut(arguments.cut);
+  warn_if_plane_misses(cut, contents.scene.bounds);
+  const Gaussians gaussians =
+      transform(filled_splats(contents, cut, arguments.fill), scene_to_world().inverse());
+  if (gaussians.size() == 0) {
+    throw Error("the cut leaves nothing to export; move its plane");
+  }
+  if (format == "ply") {
+    write_ply(arguments.output, gaussians);
+  } else {
+    const Bytes bytes = encoders().at(format)(gaussians);
+    write_file(arguments.output, bytes.data(), bytes.size());
+  }
+  fmt::print("{}: {} splats, {:.2f} MB\n", arguments.output, gaussians.size(),
+             1e-6 * static_cast<double>(std::filesystem::file_size(arguments.output)));
 }
 
 }  // namespace
 
 void add_export_command(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("export", "Write a case's Gaussians, uncut, for other programs");
+      app.add_subcommand("export", "Write a case, uncut or cut, as splats for other programs");
   const auto arguments = std::make_shared<ExportArguments>();
   command->add_option("case", arguments->input, "Case (.sog) or scene (.ply)")->required();
-  command->add_option("-o,--output", arguments->output, "File to write (.ply)")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "File to write: .ply (3D Gaussian Splatting), .spz (version 4), .glb (glTF with "
+                   "KHR_gaussian_splatting) or .sog (without what is clipgs's own)")
       ->required()
-      ->check(ends_in({".ply"}));
-  command->add_option("--format", arguments->format, "ply: 3D Gaussian Splatting, metres, y down")
-      ->check(CLI::IsMember({"ply"}))
+      ->check(ends_in({".ply", ".spz", ".glb", ".sog"}));
+  command->add_option("--format", arguments->format, "The same, where it is to be checked")
+      ->check(CLI::IsMember({"ply", "spz", "glb", "sog"}));
+  add_cut_options(*command, arguments->cut);
+  command
+      ->add_option(
+          "--fill", arguments->fill,
+          "Splats, about, that fill faces: those of a cut and where the volume ends, which "
+          "clipgs draws from the volume")
+      ->check(CLI::Range(100, 2'000'000))
       ->capture_default_str();
-  command->footer("Example: clipgs export case.sog -o splats.ply --format ply");
+  command->footer(
+      "Example: clipgs export case.sog -o case.spz\n"
+      "         clipgs export case.sog -o cut.glb --plane 0,0,-1,-40");
   command->callback([arguments] { run_export(*arguments); });
 }
 

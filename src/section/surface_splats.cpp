@@ -1,7 +1,6 @@
 #include "section/surface_splats.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "section/display_curve.h"
 #include "section/face_light.h"
 #include "section/material_table.h"
+#include "splat/disc.h"
 
 namespace clipgs {
 namespace {
@@ -18,7 +18,6 @@ namespace {
 constexpr float kWide = 0.65f;
 constexpr float kThick = 0.15f;
 constexpr float kOpacity = 0.95f;
-constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
 
 /// The grid of light, or a finer one with about `count` patches for `lit` of its own.
 PatchGrid grid_of(const PatchGrid& light, size_t lit, size_t count) {
@@ -27,13 +26,6 @@ PatchGrid grid_of(const PatchGrid& light, size_t lit, size_t count) {
   grid.spacing = light.spacing / static_cast<float>(finer);
   grid.dims = IVec3(glm::ceil(Vec3(light.dims - 1) * light.spacing / grid.spacing)) + 1;
   return grid;
-}
-
-Quat facing(const Vec3& normal) {
-  Vec3 u;
-  Vec3 v;
-  orthonormal_basis(normal, u, v);
-  return glm::quat_cast(Mat3(u, v, normal));
 }
 
 /// Of a scan what a ray meets: threads that it passes by have no colour.
@@ -109,20 +101,17 @@ void add_ends(const Section& section, const PatchGrid& grid, Shown& shown) {
   }
 }
 
-/// The patch as a disc.
-void place(const SurfacePoint& point, const Vec3& color, float spacing, size_t i,
-           Gaussians& discs) {
-  const Quat rotation = facing(point.normal);
-  const std::array<float, 4> wxyz = {rotation.w, rotation.x, rotation.y, rotation.z};
-  for (int a = 0; a < 3; ++a) {
-    discs.plane(Gaussians::kMean + a)[i] = point.position[a];
-    discs.plane(Gaussians::kLogScale + a)[i] = std::log((a == 2 ? kThick : kWide) * spacing);
-    discs.plane(Gaussians::kSh + a)[i] = (color[a] - 0.5f) / kShBand0;
+Gaussians discs_of(const Section& section, const Shown& shown, float spacing) {
+  const DisplayCurve& display = display_curve(section.tone);
+  Gaussians discs(shown.points.size(), 0);
+  for (size_t i = 0; i < discs.size(); ++i) {
+    const Vec3 seen = section.exposure * shown.radiance[i];
+    place({shown.points[i].position, shown.points[i].normal,
+           Vec3(display(seen.r), display(seen.g), display(seen.b)), kWide * spacing,
+           kThick * spacing, kOpacity},
+          i, discs);
   }
-  for (int k = 0; k < 4; ++k) {
-    discs.plane(Gaussians::kRotation + k)[i] = wxyz[static_cast<size_t>(k)];
-  }
-  discs.plane(Gaussians::kOpacity)[i] = std::log(kOpacity / (1 - kOpacity));
+  return discs;
 }
 
 }  // namespace
@@ -136,14 +125,36 @@ Gaussians surface_splats(const Section& section, const SurfaceScan& scan, const 
   Shown shown;
   add_lit_surfaces(Patches(grid, colored(scan)), openings, shown);
   add_ends(section, grid, shown);
-  const DisplayCurve& display = display_curve(section.tone);
-  Gaussians discs(shown.points.size(), 0);
-  for (size_t i = 0; i < discs.size(); ++i) {
-    const Vec3 seen = section.exposure * shown.radiance[i];
-    place(shown.points[i], {display(seen.r), display(seen.g), display(seen.b)}, grid.spacing, i,
-          discs);
+  return discs_of(section, shown, grid.spacing);
+}
+
+Gaussians wall_splats(const Section& section, const SurfaceScan& scan, const Openings& openings,
+                      const Cut& cut, size_t most) {
+  const Patches& light = openings.light().patches();
+  const std::vector<Vec3> solution = openings.solve(cut.planes());
+  size_t opened = 0;
+  for (size_t i = 0; i < solution.size(); ++i) {
+    opened += Openings::is_lit(solution[i]) && !Openings::is_lit(openings.own_light()[i]) ? 1 : 0;
   }
-  return discs;
+  if (opened == 0) {
+    return Gaussians(0, 0);
+  }
+  // Finer than the light itself, but not as fine as a few patches would allow.
+  constexpr size_t kFiner = 16;
+  const PatchGrid grid = grid_of(light.grid(), opened, std::min(most, kFiner * opened));
+  Shown shown;
+  const Patches patches(grid, colored(scan));
+  for (const SurfacePoint& point : patches.all()) {
+    const Vec3 uncut = light_at(light, openings.own_light(), point.position, point.normal);
+    const Vec3 white = light_at(light, solution, point.position, point.normal);
+    const bool is_kept = std::ranges::all_of(cut.planes(), [&](const Plane& plane) {
+      return plane.signed_distance(point.position) > 0;
+    });
+    if (is_kept && Openings::is_lit(white) && !Openings::is_lit(uncut)) {
+      shown.add(point, white);
+    }
+  }
+  return discs_of(section, shown, grid.spacing);
 }
 
 }  // namespace clipgs

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "core/cut.h"
 #include "section/openings.h"
 #include "section/section_light.h"
 #include "splat/gaussians.h"
@@ -16,5 +17,10 @@ namespace clipgs {
 /// the section that `openings` was made of; `openings` draws walls.
 Gaussians surface_splats(const Section& section, const SurfaceScan& scan, const Openings& openings,
                          size_t count);
+
+/// The same for walls of cavities that a cut lets light into, for programs that draw splats alone:
+/// of what is dark uncut what is lit then and is kept. At most about `most`.
+Gaussians wall_splats(const Section& section, const SurfaceScan& scan, const Openings& openings,
+                      const Cut& cut, size_t most);
 
 }  // namespace clipgs

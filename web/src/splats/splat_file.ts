@@ -23,11 +23,11 @@ export async function readSplatFile(
 ): Promise<{ scene: PackedScene; clipgs: object }> {
   const cloud = kind === "ply" ? readPly(new Uint8Array(await readBytes(file))) : await readSpz(file);
   const scene = packCloud(cloud);
-  return { scene, clipgs: describe(scene, file.name) };
+  return { scene, clipgs: describeSplats(scene, file.name) };
 }
 
-/** Where almost all of its splats are. */
-function describe(scene: PackedScene, title: string): object {
+/** What a case would say of splats that nothing is said of: where almost all of them are. */
+export function describeSplats(scene: PackedScene, title: string): object {
   const [x, y, z] = [0, 1, 2].map((axis) => coordinates(scene, axis)) as [Range, Range, Range];
   // Scene x, y and z are −R, −S and −A.
   const [r, a, s] = [x, z, y].map(([least, most]) => [-1000 * most, -1000 * least]) as [Range, Range, Range];

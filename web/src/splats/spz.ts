@@ -1,8 +1,14 @@
+import { decompress } from "fzstd";
+
 import { CaseError } from "../sog/zip";
+import { readBytes } from "../worker/own_file";
 import { makeCloud, requireCount, type SplatCloud } from "./splat_cloud";
 
 const kMagic = 0x5053474e;
-const kHeader = 16; // bytes
+const kHeader = 16; // bytes, of gzip's versions, and
+const kPackedHeader = 32; // of those whose streams are packed by zstd, each by itself
+const kPackedVersion = 4;
+const kTableEntry = 16;
 const kCoefficients = [0, 3, 8, 15];
 /** SPZ's axes are x right, y up, z back. */
 const kMirrored = [1, -1, -1] as const;
@@ -11,18 +17,26 @@ const kMirroredSh = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1];
 const kShReach = 255 / 256; // (code − 128) / 128, nearly
 const kCodeOfZero = 128;
 
-/** The splats of an SPZ file of version 2 or 3. Rejects with CaseError. */
+/** Gives the streams of a scene, one after the other, each of the size that it is to have. */
+interface Source {
+  take(size: number): Promise<Uint8Array<ArrayBuffer>>;
+}
+
+/** The splats of an SPZ file of version 2, 3 or 4. Rejects with CaseError. */
 export async function readSpz(file: Blob): Promise<SplatCloud> {
-  const stream = file.stream().pipeThrough(new DecompressionStream("gzip"));
-  const reader = new Filler(stream.getReader());
-  const head = new DataView((await reader.take(kHeader)).buffer);
+  const begin = new DataView(await readBytes(file.slice(0, kPackedHeader)));
+  const isPacked = begin.byteLength === kPackedHeader && begin.getUint32(0, true) === kMagic;
+  const gzip = (): Source =>
+    new Filler(file.stream().pipeThrough(new DecompressionStream("gzip")).getReader());
+  const reader = isPacked ? new PackedStreams(new Uint8Array(await readBytes(file))) : gzip();
+  const head = isPacked ? begin : new DataView((await reader.take(kHeader)).buffer);
   const version = head.getUint32(4, true);
   if (head.getUint32(0, true) !== kMagic) {
     throw new CaseError("has no splats: what is packed in it is no SPZ scene");
   }
-  if (version !== 2 && version !== 3) {
+  if (isPacked ? version !== kPackedVersion : version !== 2 && version !== 3) {
     throw new CaseError(
-      `is SPZ of version ${version}, and the viewer reads versions 2 and 3; save it as one of these`,
+      `is SPZ of version ${version}, and the viewer reads versions 2 to 4; save it as one of these`,
     );
   }
   const count = head.getUint32(8, true);
@@ -88,8 +102,55 @@ function rotationOf4(bytes: Uint8Array, i: number): Quaternion {
   return rotation;
 }
 
+/** Of version 4: a table says how long each stream is, packed and unpacked. */
+class PackedStreams implements Source {
+  readonly #file: Uint8Array;
+  readonly #table: DataView;
+  readonly #count: number;
+  #stream = 0;
+  #at: number;
+
+  constructor(file: Uint8Array) {
+    const head = new DataView(file.buffer);
+    const table = head.getUint32(16, true);
+    this.#count = file[15]!;
+    this.#at = table + kTableEntry * this.#count;
+    if (table < kPackedHeader || this.#at > file.length) {
+      throw damaged();
+    }
+    this.#file = file;
+    this.#table = new DataView(file.buffer, table);
+  }
+
+  async take(size: number): Promise<Uint8Array<ArrayBuffer>> {
+    const entry = kTableEntry * this.#stream++;
+    if (this.#stream > this.#count) {
+      throw damaged();
+    }
+    const packed = Number(this.#table.getBigUint64(entry, true));
+    const end = this.#at + packed;
+    if (Number(this.#table.getBigUint64(entry + 8, true)) !== size || end > this.#file.length) {
+      throw damaged();
+    }
+    const bytes = new Uint8Array(size);
+    try {
+      if (decompress(this.#file.subarray(this.#at, end), bytes).length !== size) {
+        throw damaged();
+      }
+    } catch {
+      throw damaged();
+    }
+    this.#at = end;
+    return Promise.resolve(bytes);
+  }
+}
+
+function damaged(): CaseError {
+  return new CaseError("is damaged (it does not unpack); copy it again");
+}
+
 /** Takes bytes from a stream as they are wanted: what is packed cannot fill more memory than it says. */
-class Filler {
+class Filler implements Source {
   readonly #reader: ReadableStreamDefaultReader<Uint8Array>;
   #rest: Uint8Array = new Uint8Array(0);
 
@@ -117,7 +178,7 @@ class Filler {
     try {
       part = await this.#reader.read();
     } catch {
-      throw new CaseError("is damaged (it does not unpack); copy it again");
+      throw damaged();
     }
     if (part.done) {
       throw new CaseError("ends too early; copy it again, whole");

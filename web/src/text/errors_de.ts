@@ -243,8 +243,8 @@ export const errorsInGerman: readonly (readonly [english: string, german: string
     "ist beschädigt, mit weniger Blöcken oder Kugelflächenfunktionen als Splats; bitte neu kopieren",
   ],
   [
-    "is SPZ of version {}, and the viewer reads versions 2 and 3; save it as one of these",
-    "ist SPZ der Version {}, und der Betrachter liest 2 und 3; bitte so speichern",
+    "is SPZ of version {}, and the viewer reads versions 2 to 4; save it as one of these",
+    "ist SPZ der Version {}, und der Betrachter liest 2 bis 4; bitte so speichern",
   ],
   [
     "has harmonics of degree {}, and the viewer knows 0 to 3",

@@ -166,9 +166,13 @@ async function loadCase(
   const sectionDecoder = info?.mosaic === null ? fetchDav1d() : Promise.resolve(libwebp);
   sectionDecoder.catch(() => {}); // told when it is needed
   const scene = packScene(meta, decodeImages(new WebpDecoder(libwebp), meta, archive));
+  const isOther = meta.clipgs === undefined && typeof source !== "string"; // a SOG of another program
+  const clipgs = isOther
+    ? (await import("../splats/splat_file")).describeSplats(scene, source.name)
+    : meta.clipgs;
   giveScene(ticket, scene, splatOrder, {
-    clipgs: meta.clipgs,
-    hasWorld: true,
+    clipgs,
+    hasWorld: !isOther,
     hasSection: info !== null,
     sectionProblem: problem,
   });

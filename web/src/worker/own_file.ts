@@ -6,11 +6,12 @@ export type FileKind = "case" | "ply" | "spz";
 
 const kPly = [0x70, 0x6c, 0x79];
 const kGzip = [0x1f, 0x8b];
+const kSpz = [0x4e, 0x47, 0x53]; // "NGS"
 
 export async function kindOf(file: Blob): Promise<FileKind> {
   const head = new Uint8Array(await readBytes(file.slice(0, kPly.length)));
   const begins = (bytes: readonly number[]) => bytes.every((byte, i) => head[i] === byte);
-  return begins(kPly) ? "ply" : begins(kGzip) ? "spz" : "case";
+  return begins(kPly) ? "ply" : begins(kGzip) || begins(kSpz) ? "spz" : "case";
 }
 
 /** All of it. Throws CaseError. */

@@ -126,7 +126,7 @@ export function makeCompressedPly(splats: Splat[]): Buffer {
 /** y and z point the other way there. */
 export function makeSpz(
   splats: Splat[],
-  version: 2 | 3,
+  version: 2 | 3 | 4,
   more: { version?: number; count?: number } = {},
 ): Buffer {
   const kFraction = 12;
@@ -161,17 +161,47 @@ export function makeSpz(
     return [...new Uint8Array(Uint32Array.of(packed).buffer)];
   });
   const shSigns = [-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1];
-  return gzipSync(
-    Buffer.concat([
-      head,
-      Buffer.from(positions),
-      Buffer.from(splats.map(({ opacity }) => byte(255 * opacity))),
-      Buffer.from(splats.flatMap(({ sh0 }) => sh0.map((v) => byte(255 * (0.15 * v + 0.5))))),
-      Buffer.from(splats.flatMap(({ logScale }) => logScale.map((v) => byte(16 * (v + 10))))),
-      Buffer.from(rotations),
-      Buffer.from(
-        splats.flatMap(({ sh }) => sh.flatMap((rgb, j) => rgb.map((v) => byte(128 + 128 * shSigns[j]! * v)))),
-      ),
-    ]),
-  );
+  const streams = [
+    Buffer.from(positions),
+    Buffer.from(splats.map(({ opacity }) => byte(255 * opacity))),
+    Buffer.from(splats.flatMap(({ sh0 }) => sh0.map((v) => byte(255 * (0.15 * v + 0.5))))),
+    Buffer.from(splats.flatMap(({ logScale }) => logScale.map((v) => byte(16 * (v + 10))))),
+    Buffer.from(rotations),
+    Buffer.from(
+      splats.flatMap(({ sh }) => sh.flatMap((rgb, j) => rgb.map((v) => byte(128 + 128 * shSigns[j]! * v)))),
+    ),
+  ];
+  return version === 4 ? packStreams(head, streams) : gzipSync(Buffer.concat([head, ...streams]));
+}
+
+/** As version 4 has them: a table, and each stream by itself. */
+function packStreams(head: Buffer, streams: Buffer[]): Buffer {
+  const whole = Buffer.concat([head, Buffer.alloc(16)]);
+  whole.writeUInt8(streams.length, 15);
+  whole.writeUInt32LE(whole.length, 16);
+  const packed = streams.map(storeZstd);
+  const table = packed.map((bytes, i) => {
+    const entry = Buffer.alloc(16);
+    entry.writeBigUInt64LE(BigInt(bytes.length), 0);
+    entry.writeBigUInt64LE(BigInt(streams[i]!.length), 8);
+    return entry;
+  });
+  return Buffer.concat([whole, ...table, ...packed]);
+}
+
+/** A Zstandard frame (RFC 8878) of raw blocks: Node packs none before version 22. */
+function storeZstd(bytes: Buffer): Buffer {
+  const kBlock = 1 << 17;
+  const head = Buffer.alloc(9);
+  head.writeUInt32LE(0xfd2fb528, 0);
+  head.writeUInt8(0xa0, 4); // one segment, whose size has four bytes
+  head.writeUInt32LE(bytes.length, 5);
+  const parts: Buffer[] = [head];
+  for (let at = 0; at === 0 || at < bytes.length; at += kBlock) {
+    const part = bytes.subarray(at, at + kBlock);
+    const block = Buffer.alloc(3);
+    block.writeUIntLE((part.length << 3) | (at + kBlock >= bytes.length ? 1 : 0), 0, 3);
+    parts.push(block, part);
+  }
+  return Buffer.concat(parts);
 }

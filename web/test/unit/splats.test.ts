@@ -90,7 +90,7 @@ describe("splats of other programs", () => {
     expectNear(scene, splats, { mean: 0.009, logScale: 0.03, sh0: 0.15, sh: 0.017 });
   });
 
-  it.each([2, 3] as const)(
+  it.each([2, 3, 4] as const)(
     "come from SPZ of version %d, whose y and z point the other way",
     async (version) => {
       const cloud = await readSpz(file(makeSpz(splats, version), "a.spz"));
@@ -132,11 +132,11 @@ describe("files that hold no splats", () => {
 
   it("are known by how they begin", async () => {
     const kinds = await Promise.all(
-      [ply, makeSpz(splats, 3), Buffer.from("PK"), Buffer.alloc(0)].map((bytes) =>
+      [ply, makeSpz(splats, 3), makeSpz(splats, 4), Buffer.from("PK"), Buffer.alloc(0)].map((bytes) =>
         kindOf(new Blob([Uint8Array.from(bytes)])),
       ),
     );
-    expect(kinds).toEqual(["ply", "spz", "case", "case"]);
+    expect(kinds).toEqual(["ply", "spz", "spz", "case", "case"]);
   });
 
   it.each<[Buffer, RegExp]>([
@@ -188,7 +188,11 @@ describe("files that hold no splats", () => {
 
   it.each<[Buffer, RegExp]>([
     [makeSpz(splats, 3, { version: 1 }), /version 1/],
-    [makeSpz(splats, 3, { version: 4 }), /version 4/],
+    [makeSpz(splats, 3, { version: 5 }), /version 5/],
+    [makeSpz(splats, 4, { version: 5 }), /version 5/],
+    [makeSpz(splats, 4, { count: 301 }), /damaged/],
+    [makeSpz(splats, 4).subarray(0, 900), /damaged/],
+    [makeSpz(splats, 4).subarray(0, 40), /damaged/],
     [makeSpz(splats, 3, { count: 0 }), /has no splats/],
     [makeSpz(splats, 3, { count: 301 }), /ends too early/],
     [makeSpz(splats, 3, { count: 4e9 }), /has 4000000000 splats/],
