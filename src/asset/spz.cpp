@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::uint32_t kMagic = 0x5053474e;
 constexpr std::uint32_t kFirstVersion = 2;
-constexpr std::uint32_t kPackedVersion = 4;  // from here on streams by zstd, before one by gzip
+constexpr std::uint32_t kPackedVersion =
+    kSpzVersion;  // from here on streams by zstd, before one by gzip
 constexpr size_t kHeader = 32;
 constexpr size_t kOldHeader = 16;
 constexpr int kStreams = 6;
@@ -315,16 +316,46 @@ Gaussians unpack(const Head& head, Streams& streams) {
 
 }  // namespace
 
-Bytes encode_spz(const Gaussians& scene) {
+namespace {
+
+Bytes gzipped(Bytes& bytes) {
+  z_stream stream{};
+  constexpr int kGzip = 16 + MAX_WBITS;
+  constexpr int kMemory = 9;
+  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) !=
+      Z_OK) {
+    throw Error("an SPZ cannot be packed: there is not enough memory");
+  }
+  Bytes packed(deflateBound(&stream, bytes.size()));
+  stream.next_in = bytes.data();
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = packed.data();
+  stream.avail_out = static_cast<uInt>(packed.size());
+  deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+}  // namespace
+
+Bytes encode_spz(const Gaussians& scene, int version) {
   const Gaussians gaussians = transform(scene.reshaped(scene.sh_degree(), false), kHalfTurn);
   const int fraction = fraction_bits(gaussians);
   Streams streams = pack(gaussians, fraction);
   Bytes file;
   append(file, kMagic);
-  append(file, kPackedVersion);
+  append(file, static_cast<std::uint32_t>(version));
   append(file, static_cast<std::uint32_t>(gaussians.size()));
-  for (const int byte : {gaussians.sh_degree(), fraction, 0, kStreams}) {
+  const bool by_gzip = version == kOldSpzVersion;
+  for (const int byte : {gaussians.sh_degree(), fraction, 0, by_gzip ? 0 : kStreams}) {
     file.push_back(static_cast<std::uint8_t>(byte));
+  }
+  if (by_gzip) {
+    for (const Bytes* const stream : streams.all()) {
+      append(file, stream->data(), stream->size());
+    }
+    return gzipped(file);
   }
   append(file, static_cast<std::uint32_t>(kHeader));
   file.resize(kHeader);

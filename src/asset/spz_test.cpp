@@ -45,6 +45,7 @@ INSTANTIATE_TEST_SUITE_P(Degrees, Spz, testing::Values(0, 1, 2, 3));
 TEST_P(Spz, ComesBackAsFineAsItsCodes) {
   const Gaussians splats = random_splats(300, GetParam());
   const Gaussians back = decode_spz(encode_spz(splats), "test");
+  EXPECT_EQ(decode_spz(encode_spz(splats, kOldSpzVersion), "test").data(), back.data());
   ASSERT_EQ(back.size(), splats.size());
   ASSERT_EQ(back.sh_degree(), splats.sh_degree());
   for (size_t i = 0; i < splats.size(); ++i) {

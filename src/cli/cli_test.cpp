@@ -15,6 +15,7 @@
 #include "cli/cli_fixture.h"
 #include "core/geometry.h"
 #include "core/image.h"
+#include "splat/ply.h"
 #include "volume/dicom_fixture.h"
 
 namespace clipgs {
@@ -631,6 +632,28 @@ TEST_F(CliTest, BuildMakesACaseThatRendersAndEvaluates) {
   EXPECT_TRUE(section_of({"--no-section"}).is_null());
   expect_failure({"render", at("again.sog"), "-o", at("none.png"), "--section", "volume"},
                  "no section", at("none.png"));
+
+  // Other programs have it as splats alone, whole or cut, and what they have is read back.
+  const auto exported = [&](const char* name, const std::vector<std::string>& options) {
+    std::vector<std::string> command = {"export", at("case.sog"), "-o", at(name), "--fill", "2000"};
+    command.insert(command.end(), options.begin(), options.end());
+    EXPECT_EQ(run_clipgs(command).status, 0) << name;
+    return std::filesystem::file_size(at(name));
+  };
+  EXPECT_GT(exported("whole.ply", {}), exported("whole.spz", {}));
+  EXPECT_GT(exported("whole.glb", {}), exported("whole.sog", {}));
+  exported("cut.spz", {"--plane", "0,0,-1,0", "--spz-version", "3"});
+  exported("cut.ply", {"--plane", "0,0,-1,0"});
+  for (const char* name : {"whole.ply", "whole.spz", "whole.sog", "cut.spz"}) {
+    const Finished drawn =
+        run_clipgs({"render", at(name), "-o", at("other.png"), "--size", "64x64"});
+    EXPECT_EQ(drawn.status, 0);
+    EXPECT_THAT(drawn.err, HasSubstr("taken as metres"));
+    EXPECT_GT(std::ranges::max(read_png(at("other.png")).data), 0.5f) << name;
+  }
+  const Gaussians kept = read_ply(at("cut.ply"));  // what is below, y being down
+  EXPECT_GE(*std::min_element(kept.plane(1), kept.plane(1) + kept.size()), -1e-5f);
+  EXPECT_EQ(run_clipgs({"export", at("case.sog"), "-o", at("x.spz"), "--format", "glb"}).status, 1);
 
   // A case cut short is refused.
   const std::string bytes = read_text(at("case.sog"));

@@ -1,6 +1,4 @@
 #include <fmt/format.h>
-#include <functional>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -29,6 +27,7 @@ struct ExportArguments {
   std::string format;  // "": as the output ends
   CutArguments cut;
   size_t fill = 60000;
+  int spz_version = kSpzVersion;
 };
 
 /// SOG without what is clipgs's own.
@@ -41,14 +40,19 @@ Bytes encode_plain_sog(const Gaussians& gaussians) {
   return write_zip(files);
 }
 
-/// The file of Gaussians (scene space) in each format but PLY, which has a writer of its own.
-const std::map<std::string, std::function<Bytes(const Gaussians&)>>& encoders() {
-  static const std::map<std::string, std::function<Bytes(const Gaussians&)>> kEncoders = {
-      {"spz", encode_spz}, {"glb", encode_glb}, {"sog", encode_plain_sog}};
-  return kEncoders;
+void write_splats(const ExportArguments& arguments, const std::string& format,
+                  const Gaussians& gaussians) {
+  if (format == "ply") {
+    write_ply(arguments.output, gaussians);
+    return;
+  }
+  const Bytes bytes = format == "spz"   ? encode_spz(gaussians, arguments.spz_version)
+                      : format == "glb" ? encode_glb(gaussians)
+                                        : encode_plain_sog(gaussians);
+  write_file(arguments.output, bytes.data(), bytes.size());
 }
 
-/// What the arguments ask for: "ply", or one of encoders().
+/// ply, spz, glb or sog.
 std::string format_of(const ExportArguments& arguments) {
   const std::string ending = std::filesystem::path(arguments.output).extension().string();
   const std::string format = ending.empty() ? "" : ending.substr(1);
@@ -70,12 +74,7 @@ void run_export(const ExportArguments& arguments) {
   if (gaussians.size() == 0) {
     throw Error("the cut leaves nothing to export; move its plane");
   }
-  if (format == "ply") {
-    write_ply(arguments.output, gaussians);
-  } else {
-    const Bytes bytes = encoders().at(format)(gaussians);
-    write_file(arguments.output, bytes.data(), bytes.size());
-  }
+  write_splats(arguments, format, gaussians);
   fmt::print("{}: {} splats, {:.2f} MB\n", arguments.output, gaussians.size(),
              1e-6 * static_cast<double>(std::filesystem::file_size(arguments.output)));
 }
@@ -102,6 +101,11 @@ void add_export_command(CLI::App& app) {
           "Splats, about, that fill faces: those of a cut and where the volume ends, which "
           "clipgs draws from the volume")
       ->check(CLI::Range(100, 2'000'000))
+      ->capture_default_str();
+  command
+      ->add_option("--spz-version", arguments->spz_version,
+                   "Of .spz: 4, or 3 for programs that do not read that yet")
+      ->check(CLI::Range(kOldSpzVersion, kSpzVersion))
       ->capture_default_str();
   command->footer(
       "Example: clipgs export case.sog -o case.spz\n"
