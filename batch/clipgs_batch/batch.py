@@ -1,0 +1,124 @@
+"""One batch: its cases, its folder and the command lines of its steps."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import shlex
+import shutil
+import sys
+from pathlib import Path
+from typing import IO, Any
+
+from clipgs_batch import records
+from clipgs_batch.needs import Request, request_of
+from clipgs_batch.options import command_of, work_of
+from clipgs_batch.table import Case, TableError, read_table
+
+STEP = Path(__file__).resolve().parent.parent / "step.py"
+LOCK = ".clipgs-batch.lock"
+
+
+class Batch:
+    """What the configuration (batch/config.yaml) says. Raises TableError, in one line."""
+
+    def __init__(self, config: dict[str, Any]) -> None:
+        if not config.get("cases"):
+            raise TableError("config: name the CSV of cases: --config cases=cases.csv out=cases")
+        if config["steps"] not in ("whole", "apart"):
+            raise TableError(f'config: steps is whole or apart, not "{config["steps"]}"')
+        self.apart: bool = config["steps"] == "apart"
+        self.threads = int(config["threads"])
+        self.out = Path(config["out"]).resolve()
+        self._config = config
+        self.program = _program(str(config["clipgs"]))
+        table = read_table(Path(config["cases"]).resolve(), config.get("options"))
+        self.cases: dict[str, Case] = table.cases
+        self.refused = table.refused
+        self._lock: IO[str] | None = None
+
+    def begin(self) -> None:
+        """Once, before anything is built: nobody else builds here, and what was taken away since is made again."""
+        self.out.mkdir(parents=True, exist_ok=True)
+        self._lock = (self.out / LOCK).open("w", encoding="utf-8")
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise TableError(f"{self.out}: another batch works there; wait for it") from None
+        for name, case in self.cases.items():
+            last = "build" if case.is_instant or not self.apart else "pack"
+            self._unless(self.out / f"{name}.sog", name, last)
+            self._unless(self.out / f"{name}.figures", name, "eval")
+        for folder in self.out.glob(work_of("line-*")):  # rows that have been put right since
+            if folder.name not in map(work_of, self.refused):
+                shutil.rmtree(folder)
+        listed = [{"name": name} for name in [*self.cases, *self.refused]]
+        records.write_json(self.out / "batch.json", {"cases": listed})
+
+    def end(self) -> None:
+        """When nothing runs any more."""
+        records.end_running(self.out, list(self.cases))
+
+    def _unless(self, product: Path, name: str, step: str) -> None:
+        if not product.exists():
+            (records.folder_of(self.out, name) / f"{step}.done").unlink(missing_ok=True)
+
+    def targets(self) -> list[str]:
+        """All that is to be there in the end."""
+        ends = [(case.name, "build" if case.is_instant else "eval") for case in self.cases.values()]
+        ends += [(name, "check") for name in self.refused]
+        return [self.done(name, step) for name, step in ends]
+
+    def done(self, name: str, step: str) -> str:
+        """The file that says that a step of a case is done, in the folder of the cases."""
+        ending = "needs.json.out" if step == "needs" else f"{step}.done"
+        return f"{work_of(name)}/batch/{ending}"
+
+    def scene(self, name: str) -> str:
+        """What is packed: of the papers' way the refined scene."""
+        return self.done(name, "refine" if self.cases[name].is_neural else "train")
+
+    def case_file(self, name: str) -> str:
+        whole = not self.apart or self.cases[name].is_instant
+        return self.done(name, "build" if whole else "pack")
+
+    def command(self, name: str, step: str) -> str:
+        """The words of a step's command, for the shell, but for the number of threads, which changes no byte."""
+        return shlex.join(command_of(step, self.cases[name], self.apart))
+
+    def shell_line(self) -> str:
+        """What runs a step, for Snakemake to fill in."""
+        return (
+            f"{self.step_line()} {shlex.quote(self.program)} --quiet --threads {{threads}} "
+            "{params.command}"
+        )
+
+    def step_line(self) -> str:
+        """The same of any other command, which follows it."""
+        run = shlex.join([sys.executable, str(STEP)])
+        return f"exec {run} {{wildcards.case}} {{rule}} {{output}} --"
+
+    def overview_line(self) -> str:
+        return shlex.join([self.program, "overview", str(self.out)])
+
+    def why_refused(self, name: str) -> str:
+        return shlex.quote(self.refused[name].why)
+
+    def request(
+        self, step: str, needs: str, threads: int, attempt: int, most: object = None
+    ) -> Request:
+        """`most`: the memory, MB, that there is for all jobs together, if there is a limit: the largest job
+        asks for no more, is alone then, and says itself if that is not enough."""
+        config = self._config
+        factors = float(config["memory_factor"]), float(config["time_factor"])
+        request = request_of(step, needs, threads, attempt, *factors)
+        if isinstance(most, int):
+            return Request(min(request.mem_mb, most), request.minutes)
+        return request
+
+
+def _program(name: str) -> str:
+    found = shutil.which(os.path.expanduser(name))
+    if found is None:
+        raise TableError(f"{name}: there is no such program; say where: --config clipgs=PATH")
+    return str(Path(found).absolute())
