@@ -52,7 +52,7 @@ class Batch:
         for folder in self.out.glob(work_of("line-*")):  # rows that have been put right since
             if folder.name not in map(work_of, self.refused):
                 shutil.rmtree(folder)
-        listed = [{"name": name} for name in [*self.cases, *self.refused]]
+        listed = [{"name": name, "last": step} for name, step in self._last_steps()]
         records.write_json(self.out / "batch.json", {"cases": listed})
 
     def end(self) -> None:
@@ -65,9 +65,12 @@ class Batch:
 
     def targets(self) -> list[str]:
         """All that is to be there in the end."""
+        return [self.done(name, step) for name, step in self._last_steps()]
+
+    def _last_steps(self) -> list[tuple[str, str]]:
+        """Of an instant case nothing is traced that it could be measured by."""
         ends = [(case.name, "build" if case.is_instant else "eval") for case in self.cases.values()]
-        ends += [(name, "check") for name in self.refused]
-        return [self.done(name, step) for name, step in ends]
+        return ends + [(name, "check") for name in self.refused]
 
     def done(self, name: str, step: str) -> str:
         """The file that says that a step of a case is done, in the folder of the cases."""

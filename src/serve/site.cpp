@@ -169,6 +169,7 @@ Site::Site(SiteOptions options)
     : options_(std::move(options)),
       index_(options_.folder, options_.only),
       companions_(options_.folder, options_.keeps),
+      overview_(options_.only.empty() ? options_.folder : std::filesystem::path()),
       study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)) {}
 
 bool Site::wants_body(const HttpRequest& request) const {
@@ -221,6 +222,8 @@ void Site::route(const HttpRequest& request, const std::string& path, std::strin
   } else if (path.starts_with(kCasePrefix)) {
     give_of_case(request, std::string_view(path).substr(kCasePrefix.size()),
                  query.starts_with("?v="), answer);
+  } else if (OverviewDesk::is_asked(path)) {
+    overview_.answer(request, path, answer);
   } else if (path == "/api/cases") {
     give_cases(query, answer);
   } else if (!StudyDesk::is_asked(path)) {

@@ -12,6 +12,7 @@
 #include "serve/case_index.h"
 #include "serve/companion_desk.h"
 #include "serve/live_work.h"
+#include "serve/overview_desk.h"
 #include "serve/study_desk.h"
 #include "serve/throttle.h"
 
@@ -79,6 +80,7 @@ class Site {
   CaseIndex index_;
   Throttle throttle_;
   CompanionDesk companions_;
+  OverviewDesk overview_;
   std::unique_ptr<StudyDesk> study_;
 };
 
