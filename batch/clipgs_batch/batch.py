@@ -45,10 +45,11 @@ class Batch:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise TableError(f"{self.out}: another batch works there; wait for it") from None
-        for name, case in self.cases.items():
-            last = "build" if case.is_instant or not self.apart else "pack"
-            self._unless(self.out / f"{name}.sog", name, last)
-            self._unless(self.out / f"{name}.figures", name, "eval")
+        for name in self.cases:
+            if not (self.out / f"{name}.sog").exists():
+                self._forget(name, "build", "pack", "eval")
+            if not (self.out / f"{name}.figures").exists():
+                self._forget(name, "eval")
         for folder in self.out.glob(work_of("line-*")):  # rows that have been put right since
             if folder.name not in map(work_of, self.refused):
                 shutil.rmtree(folder)
@@ -59,8 +60,9 @@ class Batch:
         """When nothing runs any more."""
         records.end_running(self.out, list(self.cases))
 
-    def _unless(self, product: Path, name: str, step: str) -> None:
-        if not product.exists():
+    def _forget(self, name: str, *steps: str) -> None:
+        """Snakemake sees marks alone, and of what is missing only what leads to what is missing, too."""
+        for step in steps:
             (records.folder_of(self.out, name) / f"{step}.done").unlink(missing_ok=True)
 
     def targets(self) -> list[str]:
@@ -74,7 +76,7 @@ class Batch:
 
     def done(self, name: str, step: str) -> str:
         """The file that says that a step of a case is done, in the folder of the cases."""
-        ending = "needs.json.out" if step == "needs" else f"{step}.done"
+        ending = "needs.out" if step == "needs" else f"{step}.done"
         return f"{work_of(name)}/batch/{ending}"
 
     def scene(self, name: str) -> str:
