@@ -107,7 +107,8 @@ std::string row_html(const OverviewEntry& entry, size_t rank) {
     const std::optional<double>& value = entry.figures[which];
     const std::string text =
         value ? fmt::format("{:.{}f}", *value * kind.scale, kind.decimals) : "–";
-    cells += fmt::format("<td data-label=\"{}\">{}</td>", kind.title, text);
+    cells += fmt::format("<td{} data-label=\"{}\">{}</td>", value ? "" : " class=\"none\"",
+                         kind.title, text);
     if (value) {
       data += fmt::format(" data-{}=\"{:.6g}\"", key_of(which), *value);
     }

@@ -28,7 +28,7 @@ input { min-width: 16rem; }
   border-radius: 10px; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { padding: .55rem .7rem; text-align: right; vertical-align: top; }
-thead th { padding: 0; border-bottom: 1px solid var(--line); vertical-align: bottom; }
+thead > tr > * { padding: 0; border-bottom: 1px solid var(--line); vertical-align: bottom; }
 th button { width: 100%; border: 0; border-radius: 0; background: none; font-weight: 600;
   font-size: .85rem; color: var(--quiet); text-align: inherit; cursor: pointer; }
 th button:hover { color: var(--ink); }
@@ -36,7 +36,7 @@ th[aria-sort=ascending] button::after { content: " ▲"; }
 th[aria-sort=descending] button::after { content: " ▼"; }
 tbody tr + tr > * { border-top: 1px solid var(--line); }
 th.case, tbody th, td.why { text-align: left; }
-tbody th { font-weight: 400; min-width: 13rem; } td.why { min-width: 16rem; }
+tbody th { font-weight: 400; min-width: 9rem; } td.why { min-width: 12rem; }
 tbody th b { display: block; font-weight: 600; overflow-wrap: anywhere; }
 tbody th small, td.why small { display: block; color: var(--quiet); overflow-wrap: anywhere; }
 td.why p { margin: 0; overflow-wrap: anywhere; }
@@ -45,6 +45,9 @@ td.picture img, td.picture span { width: 128px; height: 96px; display: block; ob
   background: #000; border-radius: 8px; }
 td.picture span { background: var(--line); }
 dt { font-weight: 600; margin-top: .6rem; } dd { margin: 0; max-width: 72ch; }
+@media (max-width: 1100px) {
+  td.picture { width: 112px; } td.picture img, td.picture span { width: 96px; height: 72px; }
+}
 @media (max-width: 900px) {
   main { padding: 1.25rem .75rem 3rem; }
   label, input, select { width: 100%; }
@@ -57,7 +60,7 @@ dt { font-weight: 600; margin-top: .6rem; } dd { margin: 0; max-width: 72ch; }
   tbody tr + tr > * { border: 0; }
   tbody th, td.why { grid-column: 1 / -1; min-width: 0; }
   td.picture { grid-column: 1 / -1; width: auto; padding: .2rem .4rem; }
-  td.picture img, td.picture span { width: 100%; height: 180px; }
+  td.picture img { width: 100%; height: 180px; } td.picture span, td.none { display: none; }
   td { padding: .2rem .4rem; text-align: left; } tbody th { padding: .2rem .4rem; }
   td[data-label]::before { content: attr(data-label); display: block; font-size: .8rem;
     color: var(--quiet); }
