@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Runs one step of one case and writes down what became of it: `step.py NAME STEP DONE -- COMMAND...`.
+"""Runs one step of one case and writes down what became of it: `step.py NAME STEP DONE -- COMMAND`.
 
-Standard error and output go to NAME.clipgs-work/batch/STEP.log; of `needs`, output goes to its file. Ends with the
-command's status, and with one line on standard error if that is not 0. DONE is made if it is.
+Standard error and output go to NAME.clipgs-work/batch/STEP.log; of `needs`, output goes to DONE.
+Ends with the command's status, and with one line on standard error if that is not 0. DONE is made
+if it is.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ def end_of(status: int, log: Path, begin: int) -> str:
 
 
 def run(command: list[str], log: Path, out: Path | None) -> int:
-    """The command's status; −N if signal N ended it. Signals that end this program are passed on."""
-    with log.open("ab") as errors, (out.open("wb") if out else open(os.devnull, "wb")) as output:
+    """The command's status; −N if signal N ended it. Signals to end are passed on."""
+    with log.open("ab") as errors, out.open("wb") if out else open(os.devnull, "wb") as output:
         child = subprocess.Popen(
             command,
             stdout=output if out else errors,
@@ -90,7 +91,10 @@ def main(arguments: list[str]) -> int:
     record["seconds"] += round(time.monotonic() - start, 2)
     record["peak_mb"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss // 1000
     if status == 0:
-        os.replace(partial, done) if partial else Path(done).touch()
+        if partial:
+            os.replace(partial, done)
+        else:  # of another text each time: Snakemake takes files of the same bytes for unchanged
+            Path(done).write_text(f"{time.time_ns()}\n")
         records.write_record(folder, step, {**record, "status": records.DONE})
         return 0
     why = end_of(status, log, begin)

@@ -98,4 +98,20 @@ before="$(stat -c %Y.%i "$work/whole/one.sog")"
 cmp "$work/alone/two.sog" "$work/whole/two.sog" || fail "a case that was taken away was not made again"
 [ "$before" = "$(stat -c %Y.%i "$work/whole/one.sog")" ] || fail "a case was made again for nothing"
 grep -q '3 cases: 3 finished, 0 failed' "$page" || fail "the overview after it was put right"
+
+# Another title is packed again, not trained again.
+sed -i 's/One, first/First/' "$work/cases.csv"
+trained="$(stat -c %Y.%i "$work/apart/one.clipgs-work/scene.ply")"
+(batch apart steps=apart) || fail "a batch with another title"
+"$clipgs" info "$work/apart/one.sog" >"$work/info"
+grep -q 'title *First$' "$work/info" || fail "another title did not reach the case"
+[ "$trained" = "$(stat -c %Y.%i "$work/apart/one.clipgs-work/scene.ply")" ] || fail "another title trained again"
+
+# What is wrong with the whole table is one line.
+echo "name,volum" >"$work/cases.csv"
+if (batch apart); then
+  fail "a table without volumes"
+fi
+[ "$(tail -n 1 "$work/log")" = "batch: $work/cases.csv: there is no column \"volum\"; did you mean \"volume\"?" ] ||
+  fail "what is wrong with the whole table is not said in one line"
 echo "test_batch: passed in $SECONDS s"

@@ -12,7 +12,7 @@ from typing import IO, Any
 
 from clipgs_batch import records
 from clipgs_batch.needs import Request, request_of
-from clipgs_batch.options import command_of, work_of
+from clipgs_batch.options import PATHS, command_of, work_of
 from clipgs_batch.table import Case, TableError, read_table
 
 STEP = Path(__file__).resolve().parent.parent / "step.py"
@@ -38,7 +38,8 @@ class Batch:
         self._lock: IO[str] | None = None
 
     def begin(self) -> None:
-        """Once, before anything is built: nobody else builds here, and what was taken away since is made again."""
+        """Once, before anything is built: nobody else builds here, and what was taken away since is
+        made again. Raises TableError."""
         self.out.mkdir(parents=True, exist_ok=True)
         self._lock = (self.out / LOCK).open("w", encoding="utf-8")
         try:
@@ -61,7 +62,7 @@ class Batch:
         records.end_running(self.out, list(self.cases))
 
     def _forget(self, name: str, *steps: str) -> None:
-        """Snakemake sees marks alone, and of what is missing only what leads to what is missing, too."""
+        """Of what is missing Snakemake makes only what something else that is missing needs."""
         for step in steps:
             (records.folder_of(self.out, name) / f"{step}.done").unlink(missing_ok=True)
 
@@ -73,6 +74,11 @@ class Batch:
         """Of an instant case nothing is traced that it could be measured by."""
         ends = [(case.name, "build" if case.is_instant else "eval") for case in self.cases.values()]
         return ends + [(name, "check") for name in self.refused]
+
+    def files(self, name: str) -> list[str]:
+        """What a case is made of."""
+        case = self.cases[name]
+        return [case.volume, *(case.options[o] for o in sorted(PATHS) if _is_file(case, o))]
 
     def done(self, name: str, step: str) -> str:
         """The file that says that a step of a case is done, in the folder of the cases."""
@@ -88,7 +94,7 @@ class Batch:
         return self.done(name, "build" if whole else "pack")
 
     def command(self, name: str, step: str) -> str:
-        """The words of a step's command, for the shell, but for the number of threads, which changes no byte."""
+        """What a step runs, for the shell, without the number of threads, which changes no byte."""
         return shlex.join(command_of(step, self.cases[name], self.apart))
 
     def shell_line(self) -> str:
@@ -109,17 +115,15 @@ class Batch:
     def why_refused(self, name: str) -> str:
         return shlex.quote(self.refused[name].why)
 
-    def request(
-        self, step: str, needs: str, threads: int, attempt: int, most: object = None
-    ) -> Request:
-        """`most`: the memory, MB, that there is for all jobs together, if there is a limit: the largest job
-        asks for no more, is alone then, and says itself if that is not enough."""
+    def request(self, step: str, name: str, threads: int, attempt: int) -> Request:
+        """Raises FileNotFoundError as long as needs are not known."""
         config = self._config
         factors = float(config["memory_factor"]), float(config["time_factor"])
-        request = request_of(step, needs, threads, attempt, *factors)
-        if isinstance(most, int):
-            return Request(min(request.mem_mb, most), request.minutes)
-        return request
+        return request_of(step, self.done(name, "needs"), threads, attempt, *factors)
+
+
+def _is_file(case: Case, option: str) -> bool:
+    return os.path.isabs(case.options.get(option, ""))
 
 
 def _program(name: str) -> str:

@@ -21,8 +21,7 @@ class Request:
 def request_of(
     step: str, needs_file: str, threads: int, attempt: int, memory_factor: float, time_factor: float
 ) -> Request:
-    """Raises FileNotFoundError, with the file's name, as long as needs are not known: Snakemake asks again.
-    A second attempt gets twice as much."""
+    """A second attempt gets twice as much. Raises FileNotFoundError."""
     with open(needs_file, encoding="utf-8") as file:
         steps: dict[str, dict[str, float]] = json.load(file)["steps"]
     parts = [step] if step in steps else [part for part in PARTS.get(step, ()) if part in steps]

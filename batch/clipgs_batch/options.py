@@ -1,7 +1,8 @@
-"""What a row may say, which step of a build each option belongs to, and the commands of the steps."""
+"""What a row may say, and the commands of a build's steps."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
@@ -53,14 +54,21 @@ def command_of(step: str, case: Case, apart: bool) -> list[str]:
     dataset, scene = str(work / "dataset"), str(work / "scene.ply")
     layered, model = str(work / "layered.ply"), str(work / "model.ply")
     output = f"{case.name}.sog"
-    if step in ("needs", "build"):
-        needs = ["--needs"] if step == "needs" else []
-        return ["build", case.volume, "-o", output, *_of_build(case), *needs]
+    if step == "needs":
+        return ["build", case.volume, "-o", output, *_of_build(_unpacked(case)), "--needs"]
+    if step == "build":
+        return ["build", case.volume, "-o", output, *_of_build(case)]
     if step == "dataset":
         return ["dataset", case.volume, "-o", dataset, *_given(step, case), *_of_dataset(case)]
     if step == "train":
         learnt = ["-o", model, "--model", "clipgs", "--no-section"] if case.is_neural else []
-        return ["train", dataset, *(learnt or ["-o", scene]), *_given(step, case), *_steps(step, case)]
+        return [
+            "train",
+            dataset,
+            *(learnt or ["-o", scene]),
+            *_given(step, case),
+            *_steps(step, case),
+        ]
     if step == "bake":
         return ["bake", model, "-o", layered, "--slab-depth", SLAB_DEPTH]
     if step == "refine":
@@ -82,6 +90,12 @@ def _words(option: str, value: str) -> list[str]:
         return [f"--{option}"] if value == "yes" else []
     # As one word: a title may begin with a dash.
     return [f"--{option}={value}"]
+
+
+def _unpacked(case: Case) -> Case:
+    """Without what changes the last step alone: with other needs all is looked at again."""
+    options = {o: value for o, value in case.options.items() if OPTIONS[o] != ("pack",)}
+    return replace(case, options=options)
 
 
 def _of_build(case: Case) -> list[str]:

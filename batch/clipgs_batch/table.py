@@ -141,7 +141,7 @@ def _problem_of_row(row: dict[str, str], folder: Path) -> str:
         return "has no volume"
     if not (folder / row["volume"]).exists():
         return f"{row['volume']}: there is no such volume"
-    for option in PATHS & row.keys():
+    for option in sorted(PATHS & row.keys()):
         if _is_path(option, row[option]) and not (folder / row[option]).is_file():
             return f"{option} {row[option]}: there is no such file"
     return _problem_of_options(row)
@@ -167,7 +167,9 @@ def _checked_defaults(defaults: dict[str, object]) -> dict[str, str]:
         if option not in OPTIONS:
             raise TableError(f'config: "{option}" of options is none of clipgs build')
         is_flag = isinstance(value, bool)
-        usual[option] = ("yes" if value else "no") if is_flag else "" if value is None else str(value)
+        usual[option] = (
+            ("yes" if value else "no") if is_flag else "" if value is None else str(value)
+        )
     why = _problem_of_options(usual)
     if why:
         raise TableError(f"config: options: {why}")

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Says what Snakemake wants to know of a job of Slurm's, running, success or failed: `status.py NUMBER`.
+"""Says of a job of Slurm's whether it is running, success or failed: `status.py NUMBER`.
 
-Asks slurmctld, which forgets jobs some minutes after their end, and then the accounts, where there are any. What Slurm
-ended is written down for the case: the step had no time to.
+Asks slurmctld, which forgets jobs some minutes after their end, and then the accounts, where there
+are any. What Slurm ended is written down for the case: the step had no time to.
 """
 
 from __future__ import annotations

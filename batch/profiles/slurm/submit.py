@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Gives a job of Snakemake's to Slurm, and says its number: `submit.py JOBSCRIPT`, in the folder of the cases.
+"""Gives a job of Snakemake's to Slurm, and says its number: `submit.py JOBSCRIPT`.
 
-The job is called CASE.STEP, so that what became of it can be written down if it cannot do that itself. One that the
-cluster refuses, for more memory than any node has, fails in one line, and the rest goes on.
+The job is called CASE.STEP, so that what became of it can be written down if it cannot do that
+itself. One that the cluster refuses, for more memory than any node has, fails in one line, and the
+rest goes on.
 """
 
 from __future__ import annotations
