@@ -3,8 +3,8 @@
 #
 #   bench/batch.sh [CLIPGS]          needs snakemake; some twenty minutes on two cores
 #
-# A hundred phantoms, too small to look at, by the workflow, two at a time and killed once, and one by one; then eight of
-# a usual length, one after the other: what is counted is the time in which no step ran.
+# A hundred phantoms, too small to look at, by the workflow, two at a time and killed once, and one by one; then eight
+# drafts, one after the other, and two of them step by step: what is counted is the time in which no step ran.
 set -euo pipefail
 here="$(cd "$(dirname "$0")/.." && pwd)"
 clipgs="$(realpath "${1:-$here/build/release/src/cli/clipgs}")"
@@ -73,13 +73,15 @@ overview="$(since "$overview_begin")"
 make_table 8 64 >"$work/eight.csv"
 echo "{clipgs: $clipgs, threads: 2, options: {quality: draft, train-frames: 400, steps: 1200, uncut-frames: 2}}" >"$work/eight.yaml"
 rows=
-for steps in whole apart; do
+head -n 3 "$work/eight.csv" >"$work/two.csv"
+for run in eight:whole two:apart; do
+  steps="${run#*:}"
   begin="$(now)"
-  (batch "$work/eight.csv" "$work/eight.yaml" "$work/$steps" 2 steps=$steps)
+  (batch "$work/${run%:*}.csv" "$work/eight.yaml" "$work/$steps" 2 "steps=$steps")
   wall="$(since "$begin")"
   own="$(seconds_in "$work/$steps")"
   share="$(echo "$wall $own" | awk '{printf "%.1f", 100 * ($1 - $2) / $2}')"
-  rows+="| eight, $steps | $own | $wall | $share % |"$'\n'
+  rows+="| ${run%:*} drafts, $steps | $own | $wall | $share % |"$'\n'
 done
 
 cat <<END

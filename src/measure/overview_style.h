@@ -80,7 +80,7 @@ form.hidden = false;
 if (location.protocol.startsWith("http")) {
   for (const name of document.querySelectorAll("b[data-case]")) {
     const link = document.createElement("a");
-    link.href = "../?case=" + encodeURIComponent(name.dataset.case);
+    link.href = "../#case=" + encodeURIComponent(name.dataset.case);
     link.append(...name.childNodes);
     name.append(link);
   }
