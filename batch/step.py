@@ -15,7 +15,6 @@ import signal
 import subprocess
 import sys
 import time
-from datetime import datetime, timezone
 from pathlib import Path
 from types import FrameType
 
@@ -79,7 +78,7 @@ def main(arguments: list[str]) -> int:
         "status": records.RUNNING,
         "attempts": 1 + (before.get("attempts", 0) if unfinished else 0),
         "seconds": before.get("seconds", 0) if unfinished else 0,
-        "began": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "began": records.now(),
     }
     records.write_record(folder, step, record)
     if record["attempts"] == 1:

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # What the batch workflow costs over the builds themselves, and that it changes no byte. Prints Markdown.
 #
-#   bench/batch.sh [CLIPGS]          needs snakemake; some twenty minutes on two cores
+#   bench/batch.sh [CLIPGS [PART...]]      needs snakemake; half an hour on two cores. Parts: hundred, drafts
 #
-# A hundred phantoms, too small to look at, by the workflow, two at a time and killed once, and one by one; then eight
-# drafts, one after the other, and two of them step by step: what is counted is the time in which no step ran.
+# A hundred phantoms, too small to look at, by the workflow, two at a time and killed once, and as plain builds, two at a
+# time; then DRAFTS (8) drafts, one after the other, and two of them step by step: what is counted is the time in which
+# no step ran.
 set -euo pipefail
 here="$(cd "$(dirname "$0")/.." && pwd)"
 clipgs="$(realpath "${1:-$here/build/release/src/cli/clipgs}")"
 export SOURCE_DATE_EPOCH=1700000000
+[ $# -lt 2 ] && parts="hundred drafts" || parts="${*:2}"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 
@@ -41,58 +43,64 @@ make_table() {
   done
 }
 
-# --- a hundred, the same bytes ---
-make_table 100 24 >"$work/hundred.csv"
-tiny=(--quality draft --size 32 --train-frames 4 --test-frames 1 --uncut-frames 1 --budget 500 --steps 20)
-echo "{clipgs: $clipgs, threads: 1, options: {quality: draft, size: 32, train-frames: 4, test-frames: 1," \
-  "uncut-frames: 1, budget: 500, steps: 20}}" >"$work/tiny.yaml"
-begin="$(now)"
-(batch "$work/hundred.csv" "$work/tiny.yaml" "$work/hundred" 2) &
-main=$!
-until [ -e "$work/hundred/phantom-40.sog" ] || [ "$(ls "$work/hundred" 2>/dev/null | grep -c sog)" -ge 40 ]; do
-  sleep 0.2
-done
-kill -9 "$main"
-wait "$main" 2>/dev/null || true
-(batch "$work/hundred.csv" "$work/tiny.yaml" "$work/hundred" 2)
-by_batch="$(since "$begin")"
-begin="$(now)"
-mkdir "$work/alone"
-same=0
-for seed in $(seq 100); do
-  "$clipgs" --quiet --threads 1 build "$work/24-$seed.nrrd" -o "$work/alone/phantom-$seed.sog" \
-    --title "Phantom $seed" "${tiny[@]}" >/dev/null 2>&1
-  cmp -s "$work/alone/phantom-$seed.sog" "$work/hundred/phantom-$seed.sog" && same=$((same + 1))
-done
-one_by_one="$(since "$begin")"
-overview_begin="$(now)"
-"$clipgs" overview "$work/hundred" >/dev/null
-overview="$(since "$overview_begin")"
-
-# --- eight of a usual length, what the workflow adds ---
-make_table 8 64 >"$work/eight.csv"
-echo "{clipgs: $clipgs, threads: 2, options: {quality: draft, train-frames: 400, steps: 1200, uncut-frames: 2}}" >"$work/eight.yaml"
-rows=
-head -n 3 "$work/eight.csv" >"$work/two.csv"
-for run in eight:whole two:apart; do
-  steps="${run#*:}"
+part_hundred() {
+  local begin main by_batch plain overview seed same=0
+  make_table 100 24 >"$work/hundred.csv"
+  echo "{clipgs: $clipgs, threads: 1, options: {quality: draft, size: 32, train-frames: 4, test-frames: 1," \
+    "uncut-frames: 1, budget: 500, steps: 20}}" >"$work/tiny.yaml"
   begin="$(now)"
-  (batch "$work/${run%:*}.csv" "$work/eight.yaml" "$work/$steps" 2 "steps=$steps")
-  wall="$(since "$begin")"
-  own="$(seconds_in "$work/$steps")"
-  share="$(echo "$wall $own" | awk '{printf "%.1f", 100 * ($1 - $2) / $2}')"
-  rows+="| ${run%:*} drafts, $steps | $own | $wall | $share % |"$'\n'
-done
-
-cat <<END
-| | s |
+  (batch "$work/hundred.csv" "$work/tiny.yaml" "$work/hundred" 2) &
+  main=$!
+  until [ "$(find "$work/hundred" -name build.done 2>/dev/null | wc -l)" -ge 40 ]; do
+    sleep 0.2
+  done
+  kill -9 "$main"
+  wait "$main" 2>/dev/null || true
+  (batch "$work/hundred.csv" "$work/tiny.yaml" "$work/hundred" 2)
+  by_batch="$(since "$begin")"
+  begin="$(now)"
+  mkdir "$work/alone"
+  seq 100 | xargs -P 2 -I SEED "$clipgs" --quiet --threads 1 build "$work/24-SEED.nrrd" -o "$work/alone/phantom-SEED.sog" \
+    --title "Phantom SEED" --quality draft --size 32 --train-frames 4 --test-frames 1 --uncut-frames 1 --budget 500 \
+    --steps 20 >/dev/null 2>&1
+  plain="$(since "$begin")"
+  for seed in $(seq 100); do
+    cmp -s "$work/alone/phantom-$seed.sog" "$work/hundred/phantom-$seed.sog" && same=$((same + 1))
+  done
+  begin="$(now)"
+  "$clipgs" overview "$work/hundred" >/dev/null
+  overview="$(since "$begin")"
+  cat <<END
+| 100 phantoms, two at a time | |
 |---|---|
-| 100 phantoms by the workflow, two at a time, killed once | $by_batch |
-| one by one | $one_by_one |
+| by the workflow, killed once and run again, measured as well | $by_batch s |
+| plain builds | $plain s |
 | of the same bytes | $same of 100 |
-| their overview | $overview |
+| their overview | $overview s |
 
-| | steps themselves, s | by the workflow, s | over them |
-|---|---|---|---|
-$rows
 END
+}
+
+part_drafts() {
+  local count="${DRAFTS:-8}" run steps begin wall own
+  make_table "$count" 64 >"$work/all.csv"
+  head -n 3 "$work/all.csv" >"$work/two.csv"
+  echo "{clipgs: $clipgs, threads: 2, options: {quality: draft, train-frames: 300, steps: 1000, uncut-frames: 2}}" \
+    >"$work/drafts.yaml"
+  echo "| drafts | steps themselves | by the workflow | over them |"
+  echo "|---|---|---|---|"
+  for run in all:whole two:apart; do
+    steps="${run#*:}"
+    begin="$(now)"
+    (batch "$work/${run%:*}.csv" "$work/drafts.yaml" "$work/$steps" 2 "steps=$steps")
+    wall="$(since "$begin")"
+    own="$(seconds_in "$work/$steps")"
+    echo "$run $own $wall $count" | awk '{
+      n = $1 ~ /^all/ ? $4 : 2; sub(/.*:/, "", $1)
+      printf "| %d, %s | %.1f s | %.1f s | %.1f %% |\n", n, $1, $2, $3, 100 * ($3 - $2) / $2 }'
+  done
+}
+
+for part in $parts; do
+  "part_$part"
+done

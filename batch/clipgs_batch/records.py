@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,10 @@ DONE, FAILED, RUNNING = "done", "failed", "running"
 
 def folder_of(out: Path, name: str) -> Path:
     return out / work_of(name) / "batch"
+
+
+def now() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec="seconds")
 
 
 def read_record(folder: Path, step: str) -> Record:
@@ -42,7 +47,7 @@ def write_record(folder: Path, step: str, record: Record) -> None:
 
 def record_failure(folder: Path, step: str, why: str) -> None:
     """For steps that ended without a word of their own, or never began."""
-    known = read_record(folder, step)
+    known = {"began": now(), **read_record(folder, step)}
     write_record(folder, step, {**known, "status": FAILED, "last_line": why})
 
 

@@ -10,6 +10,7 @@ namespace {
 
 std::vector<double> present(std::span<const std::optional<double>> values) {
   std::vector<double> list;
+  list.reserve(values.size());
   for (const std::optional<double>& value : values) {
     if (value) {
       list.push_back(*value);
@@ -29,6 +30,7 @@ double robust_deviation(const std::vector<double>& values, double middle) {
   constexpr double kOfMedian = 1.4826;
   constexpr double kOfMean = 1.2533;
   std::vector<double> deviations;
+  deviations.reserve(values.size());
   for (const double value : values) {
     deviations.push_back(std::abs(value - middle));
   }

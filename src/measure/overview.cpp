@@ -81,31 +81,39 @@ void add_case(const fs::path& path, OverviewEntry& entry) {
   }
 }
 
-/// What the steps of a batch noted; `last`: the one that all is done with.
+void add_notes(const fs::path& log, OverviewEntry& entry) {
+  constexpr std::uintmax_t kMost = 16 << 20;
+  std::error_code error;
+  if (fs::file_size(log, error) > kMost || error) {
+    return;
+  }
+  for (const std::string& note : notes_of_log(read_text(log))) {
+    if (std::ranges::find(entry.notes, note) == entry.notes.end()) {
+      entry.notes.push_back(note);
+    }
+  }
+}
+
+/// What the steps of a batch noted; `last`: the one that all is done with, "" if nothing is known.
 void add_records(const fs::path& folder, const std::string& last, OverviewEntry& entry) {
+  const auto record_of = [&](const std::string& step) {
+    return read_json(folder / fmt::format("{}.json", step));
+  };
+  const Json end = last.empty() ? Json() : record_of(last);
+  const bool done = last.empty() || value_of<std::string>(end, "status") == "done";
   double seconds = 0;
-  bool done = last.empty();
   std::string failure;
   for (const char* const step : kSteps) {
-    const Json record = read_json(folder / fmt::format("{}.json", step));
-    const std::string status = value_of<std::string>(record, "status");
+    const Json record = record_of(step);
     seconds += value_of<double>(record, "seconds");
-    entry.peak_mb = std::max(entry.peak_mb, value_of<double>(record, "peak_mb"));
-    done = done || (status == "done" && step == last);
-    if (status == "failed" && failure.empty()) {
+    // What failed before the end was reached is forgotten: steps whole once, and apart now.
+    const bool counts =
+        !done || value_of<std::string>(record, "began") >= value_of<std::string>(end, "began");
+    if (counts && failure.empty() && value_of<std::string>(record, "status") == "failed") {
       failure =
           fmt::format("{}: {}", step, without_names(value_of<std::string>(record, "last_line")));
     }
-    const fs::path log = folder / fmt::format("{}.log", step);
-    std::error_code error;
-    constexpr std::uintmax_t kMostLog = 16 << 20;
-    if (fs::file_size(log, error) <= kMostLog && !error) {
-      for (const std::string& note : notes_of_log(read_text(log))) {
-        if (std::ranges::find(entry.notes, note) == entry.notes.end()) {
-          entry.notes.push_back(note);
-        }
-      }
-    }
+    add_notes(folder / fmt::format("{}.log", step), entry);
   }
   if (seconds > 0) {
     figure(entry, Figure::kMinutes) = seconds / 60;
@@ -125,7 +133,7 @@ std::map<std::string, std::string> planned_cases(const fs::path& folder) {
   const auto cases = batch.is_object() ? batch.find("cases") : batch.end();
   if (cases != batch.end() && cases->is_array()) {
     for (const Json& one : *cases) {
-      const std::string name = value_of<std::string>(one, "name");
+      const auto name = value_of<std::string>(one, "name");
       if (!name.empty() && name.find('/') == std::string::npos) {
         planned[name] = value_of<std::string>(one, "last");
       }

@@ -23,7 +23,6 @@ struct OverviewEntry {
   State state = State::kDone;
   std::string title, region, preset, created;  ///< as the case says; empty of one that failed
   std::optional<double> figures[kFigures];
-  double peak_mb = 0;              ///< of memory, of any step; 0: not known
   std::string failure;             ///< the step and its last line, without names
   std::vector<std::string> notes;  ///< of its warnings
   bool has_report = false;         ///< overview/NAME.html

@@ -47,7 +47,7 @@ std::string key_of(size_t which) { return fmt::format("f{}", which); }
 
 std::string picture_cell(const OverviewEntry& entry) {
   if (entry.thumbnail.empty()) {
-    return "<td class=\"picture\"><span></span></td>";
+    return R"(<td class="picture"><span></span></td>)";
   }
   return fmt::format(
       "<td class=\"picture\"><img loading=\"lazy\" decoding=\"async\" width=\"128\" height=\"96\" "
@@ -63,10 +63,10 @@ std::string name_cell(const OverviewEntry& entry) {
     about += (about.empty() || fact.empty() ? "" : " · ") + fact;
   }
   std::string html =
-      fmt::format("<th scope=\"row\"><b{}>{}</b><small>{}</small>",
-                  opens ? fmt::format(" data-case=\"{}\"", name) : "", name, escape_html(about));
+      fmt::format(R"(<th scope="row"><b{}>{}</b><small>{}</small>)",
+                  opens ? fmt::format(R"( data-case="{}")", name) : "", name, escape_html(about));
   if (entry.has_report) {
-    html += fmt::format("<a href=\"{}.html\" aria-label=\"Report of {}\">Report</a>",
+    html += fmt::format(R"(<a href="{}.html" aria-label="Report of {}">Report</a>)",
                         percent_encoded(entry.name), name);
   }
   return html + "</th>";
@@ -107,25 +107,24 @@ std::string row_html(const OverviewEntry& entry, size_t rank) {
     const std::optional<double>& value = entry.figures[which];
     const std::string text =
         value ? fmt::format("{:.{}f}", *value * kind.scale, kind.decimals) : "–";
-    cells += fmt::format("<td{} data-label=\"{}\">{}</td>", value ? "" : " class=\"none\"",
+    cells += fmt::format(R"(<td{} data-label="{}">{}</td>)", value ? "" : R"( class="none")",
                          kind.title, text);
     if (value) {
-      data += fmt::format(" data-{}=\"{:.6g}\"", key_of(which), *value);
+      data += fmt::format(R"( data-{}="{:.6g}")", key_of(which), *value);
     }
   }
   return fmt::format("<tr {}>{}</tr>\n", data, cells);
 }
 
 std::string head_cell(const std::string& key, const char* title, const char* style = "") {
-  return fmt::format("<th scope=\"col\"{} data-key=\"{}\"><button type=\"button\">{}</button></th>",
+  return fmt::format(R"(<th scope="col"{} data-key="{}"><button type="button">{}</button></th>)",
                      style, key, title);
 }
 
 std::string table_html(const std::vector<OverviewEntry>& entries) {
-  std::string html =
-      "<div class=\"scroll\"><table><thead><tr><td class=\"picture\"></td>" +
-      head_cell("name", "Case", " class=\"case\"") +
-      head_cell("rank", "What stands out", " class=\"case\" aria-sort=\"ascending\"");
+  std::string html = R"(<div class="scroll"><table><thead><tr><td class="picture"></td>)" +
+                     head_cell("name", "Case", R"( class="case")") +
+                     head_cell("rank", "What stands out", R"( class="case" aria-sort="ascending")");
   for (size_t which = 0; which < kFigures; ++which) {
     html += head_cell(key_of(which), figure_kind(which).title);
   }
@@ -171,6 +170,7 @@ std::string summary_html(const std::vector<OverviewEntry>& entries) {
   std::string medians;
   for (size_t which = 0; which < kFigures; ++which) {
     std::vector<std::optional<double>> values;
+    values.reserve(entries.size());
     for (const OverviewEntry& entry : entries) {
       values.push_back(entry.state == State::kDone ? entry.figures[which] : std::nullopt);
     }

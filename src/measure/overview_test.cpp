@@ -101,7 +101,6 @@ TEST_F(OverviewTest, WhatFailedStandsFirstThenWhatStandsOut) {
   EXPECT_TRUE(entries[3].reasons.empty());
   EXPECT_EQ(entries[3].figures[static_cast<size_t>(Figure::kMinutes)], 2.0);
   EXPECT_EQ(entries[3].figures[static_cast<size_t>(Figure::kNoiseFloor)], 40.0);
-  EXPECT_EQ(entries[3].peak_mb, 700);
 
   const std::string page = overview_page(entries);
   EXPECT_THAT(page, HasSubstr("12 cases: 10 finished, 1 failed, 1 not finished; 1 stand out."));
@@ -117,6 +116,15 @@ TEST_F(OverviewTest, ACaseThatIsMadeAgainIsNotFinishedUntilItIsMeasured) {
   EXPECT_EQ(gather()[0].state, State::kUnfinished);
   add_record("a", "eval", {{"status", "failed"}, {"last_line", "was ended by SIGKILL"}});
   EXPECT_EQ(gather()[0].failure, "eval: was ended by SIGKILL");
+}
+
+TEST_F(OverviewTest, WhatFailedBeforeTheEndWasReachedIsForgotten) {
+  add_case("a", "A");
+  add_record("a", "dataset", {{"status", "failed"}, {"began", "2026-01-01T10:00:00+00:00"}});
+  add_record("a", "eval", {{"status", "done"}, {"began", "2026-01-01T11:00:00+00:00"}});
+  EXPECT_EQ(gather()[0].state, State::kDone);
+  add_record("a", "dataset", {{"status", "failed"}, {"began", "2026-01-01T12:00:00+00:00"}});
+  EXPECT_EQ(gather()[0].state, State::kFailed);
 }
 
 TEST_F(OverviewTest, CasesAloneAreEnough) {
