@@ -61,7 +61,7 @@ run_tests_in_place() {
 
 check_scripts() {
   local script
-  for script in scripts/*.sh bench/*.sh packaging/*.sh .ci/run; do
+  for script in scripts/*.sh bench/*.sh batch/*.sh packaging/*.sh .ci/run; do
     bash -n "$script"
   done
 }

@@ -1,10 +1,10 @@
 #include "cli/build_arguments.h"
 
-#include <array>
 #include <fmt/format.h>
 #include <set>
 
 #include "cli/label_options.h"
+#include "cli/quality.h"
 #include "cli/section_options.h"
 #include "cli/volume_options.h"
 #include "core/error.h"
@@ -15,37 +15,6 @@ namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// How much work a build puts in.
-struct Quality {
-  const char* name;
-  int size;  // px, training and test pictures
-  int train_frames;
-  int test_frames;  // per test split; half as many per validation split
-  int train_spp;
-  size_t budget;
-  size_t steps;
-  int sh_degree;
-};
-
-// Many pictures of few samples teach more than few clean ones: every picture shows other planes,
-// and noise averages out over them. What limits their number is the memory that training holds them
-// in. Test pictures are few: they cost as much as ten others, and nothing is made of them.
-constexpr std::array kQualities = {
-    Quality{"draft", 192, 600, 2, 4, 40000, 2000, 1},
-    Quality{"standard", 256, 1000, 4, 4, 40000, 2500, 1},
-    Quality{"high", 512, 3000, 8, 12, 150000, 24000, 2},
-};
-
-const Quality& find_quality(const std::string& name) {
-  for (const Quality& quality : kQualities) {
-    if (name == quality.name) {
-      return quality;
-    }
-  }
-  throw CLI::ValidationError("--quality",
-                             fmt::format("\"{}\" is not instant, draft, standard or high", name));
-}
 
 Quality chosen_quality(const BuildArguments& arguments) {
   Quality quality = find_quality(arguments.quality);

@@ -1,7 +1,10 @@
+#include <cmath>
 #include <fmt/format.h>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/build_case.h"
+#include "pipeline/build_needs.h"
 #include "pipeline/instant_case.h"
 
 #include "cli/build_arguments.h"
@@ -40,6 +43,22 @@ void run_build(const BuildArguments& arguments) {
   Volume volume = load_volume(arguments.volume, arguments.loading);
   const Preset preset = load_look(arguments.look, volume);
   build_case(std::move(volume), preset, options, work, arguments.output);
+}
+
+/// What the steps of a build need, as JSON: whole megabytes and seconds, for schedulers.
+void print_needs(const BuildArguments& arguments) {
+  require_volume(arguments);
+  const VolumeSize size = volume_size(arguments.volume, arguments.loading);
+  require_supported(size, arguments.volume);
+  nlohmann::ordered_json json = {{"dims", {size.dims.x, size.dims.y, size.dims.z}}};
+  const std::vector<StepNeeds> steps =
+      arguments.instant() ? instant_needs(size, arguments.section, !arguments.look.as_scanned)
+                          : build_needs(size, build_options(arguments));
+  for (const StepNeeds& needs : steps) {
+    json["steps"][needs.step] = {{"memory_mb", (needs.memory + 999'999) / 1'000'000},
+                                 {"seconds", static_cast<int>(std::ceil(needs.seconds))}};
+  }
+  fmt::print("{}\n", json.dump(2));
 }
 
 /// Of a case that is there at once nothing is traced and nothing trained.
@@ -82,6 +101,10 @@ void add_build_command(CLI::App& app) {
       ->required()
       ->check(ends_in({".sog"}));
   add_build_options(*command, *arguments);
+  const auto needs = std::make_shared<bool>(false);
+  command->add_flag("--needs", *needs,
+                    "Build nothing: print what each step will need of memory, and of time on two "
+                    "cores, as JSON, from the volume's header alone");
   command
       ->add_option("--model", arguments->model,
                    "explicit: Gaussians trained under cuts of any angle; clipgs: a neural model, "
@@ -122,13 +145,18 @@ void add_build_command(CLI::App& app) {
       "It keeps the pictures for clipgs eval; delete it when you do not need them.\n"
       "Example: clipgs build dicom/ -o case.sog\n"
       "         clipgs build dicom/ -o case.sog --quality instant\n"
-      "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery");
-  command->callback([command, arguments] {
+      "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery\n"
+      "         clipgs build dicom/ -o case.sog --needs");
+  command->callback([command, arguments, needs] {
     if (arguments->instant()) {
       require_no_training(*command);
     }
     leave_section_to_splats(arguments->loading, arguments->section);
-    run_builds(*arguments);
+    if (*needs) {
+      print_needs(*arguments);
+    } else {
+      run_builds(*arguments);
+    }
   });
 }
 

@@ -380,5 +380,44 @@ TEST_F(BuildTest, InstantCasesNeedNoWork) {
   EXPECT_TRUE(read_text(at("now.sog")) == first);  // it is still there
 }
 
+TEST_F(BuildTest, StepsOfAQualityMakeTheBuildsCase) {
+  ASSERT_EQ(run_clipgs(tiny_build("whole.sog", {"--title", "x"})).status, 0);
+  const std::vector<std::vector<std::string>> steps = {
+      {"dataset", phantom(), "-o", at("dataset"), "--quality", "draft", "--size", "32",
+       "--train-frames", "4", "--test-frames", "1"},
+      {"train", at("dataset"), "-o", at("scene.ply"), "--quality", "draft", "--steps", "20",
+       "--budget", "300"},
+      {"pack", at("scene.ply"), "-o", at("apart.sog"), "--title", "x"}};
+  for (const std::vector<std::string>& step : steps) {
+    const Finished finished = run_clipgs(step);
+    ASSERT_EQ(finished.status, 0) << finished.err;
+  }
+  EXPECT_TRUE(read_text(at("apart.sog")) == read_text(at("whole.sog")));
+  EXPECT_EQ(run_clipgs({"train", at("dataset"), "-o", at("s.ply"), "--quality", "instant"}).status,
+            2);
+}
+
+TEST_F(BuildTest, NeedsAreToldFromTheHeaderAndNothingIsBuilt) {
+  // A header of 256 MB of voxels, and not one of them.
+  write_text(at("large.mhd"),
+             "ObjectType = Image\nNDims = 3\nDimSize = 512 512 512\nElementSpacing = 1 1 1\n"
+             "ElementType = MET_SHORT\nElementDataFile = none.raw\n");
+  const auto steps = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> build = {"build", at("large.mhd"), "-o", at("c.sog"), "--needs"};
+    build.insert(build.end(), more.begin(), more.end());
+    const Finished finished = run_clipgs(build);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return nlohmann::json::parse(finished.out).at("steps");
+  };
+  const nlohmann::json draft = steps({"--quality", "draft"});
+  EXPECT_GT(draft.at("dataset").at("memory_mb").get<int>(), 256 * 2);
+  EXPECT_GT(steps({"--quality", "high"}).at("train").at("seconds").get<int>(),
+            draft.at("train").at("seconds").get<int>());
+  EXPECT_TRUE(steps({"--model", "clipgs"}).contains("refine"));
+  EXPECT_TRUE(steps({"--quality", "instant"}).contains("build"));
+  EXPECT_FALSE(fs::exists(at("c.sog")) || fs::exists(at("c.clipgs-work")));
+  expect_failure({"build", at("absent.nii"), "-o", at("c.sog"), "--needs"}, "does not exist");
+}
+
 }  // namespace
 }  // namespace clipgs

@@ -17,6 +17,7 @@ void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_looks_command(CLI::App& app);
 void add_man_command(CLI::App& app);
+void add_overview_command(CLI::App& app);
 void add_pack_command(CLI::App& app);
 void add_phantom_command(CLI::App& app);
 void add_refine_command(CLI::App& app);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/look_options.h"
+#include "cli/quality.h"
 #include "cli/section_options.h"
 #include "cli/test_picture_options.h"
 #include "cli/volume_options.h"
@@ -91,6 +93,14 @@ void add_dataset_command(CLI::App& app) {
           "Folder to fill; an interrupted run goes on where it stopped, and what depends on "
           "a change is made again")
       ->required();
+  add_step_quality(*command, "Size, number and samples of pictures, and seed points",
+                   [&options](const Quality& quality) {
+                     options.size = quality.size;
+                     options.train_frames = quality.train_frames;
+                     options.test_frames = quality.test_frames;
+                     options.train_spp = quality.train_spp;
+                     options.seed_points = std::max(options.seed_points, quality.budget);
+                   });
   add_look_options(*command, arguments->look);
   add_label_options(*command, arguments->look.labels, arguments->load);
   command->add_option("--size", options.size, "Pixels a side")

@@ -42,6 +42,7 @@ int run(int argc, char** argv) {
   clipgs::add_info_command(app);
   clipgs::add_looks_command(app);
   clipgs::add_man_command(app);
+  clipgs::add_overview_command(app);
   clipgs::add_pack_command(app);
   clipgs::add_phantom_command(app);
   clipgs::add_refine_command(app);

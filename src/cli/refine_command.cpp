@@ -5,6 +5,7 @@
 
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/quality.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/lock.h"
@@ -64,13 +65,16 @@ void add_refine_command(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Scene to write (.ply)")
       ->required()
       ->check(ends_in({".ply"}));
+  add_step_quality(*command, "Steps, half of the build's", [&options](const Quality& quality) {
+    options.steps = quality.steps - quality.steps / 2;
+  });
   command->add_option("--steps", options.steps, "Training steps")
-      ->check(CLI::Range(1, 1000000))
+      ->check(CLI::Range(1, 10000000))
       ->capture_default_str();
   command
       ->add_option("--budget", options.budget,
                    "Gaussians at most (default: as many as the scene has)")
-      ->check(CLI::Range(1000, 2000000));
+      ->check(CLI::Range(100, 5000000));
   command
       ->add_option("--sh-degree", arguments->sh_degree,
                    "Degree of the colours' view dependence (default: the scene's)")

@@ -4,6 +4,7 @@
 
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/quality.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/lock.h"
@@ -69,11 +70,18 @@ void add_train_command(CLI::App& app) {
                    "Scene to write (.ply; .json and .section.zip beside it)")
       ->required()
       ->check(ends_in({".ply"}));
+  add_step_quality(*command,
+                   "Gaussians, steps (with --model clipgs half of them) and degree of colours",
+                   [&arguments = *arguments](const Quality& quality) {
+                     arguments.options.budget = quality.budget;
+                     arguments.options.steps = quality.steps;
+                     arguments.options.sh_degree = quality.sh_degree;
+                   });
   command->add_option("--budget", options.budget, "Gaussians at most")
-      ->check(CLI::Range(1000, 2000000))
+      ->check(CLI::Range(100, 5000000))
       ->capture_default_str();
   command->add_option("--steps", options.steps, "Training steps")
-      ->check(CLI::Range(1, 1000000))
+      ->check(CLI::Range(1, 10000000))
       ->capture_default_str();
   command->add_option("--sh-degree", options.sh_degree, "Degree of the colours' view dependence")
       ->check(CLI::Range(0, kMaxShDegree))
@@ -130,6 +138,10 @@ void add_train_command(CLI::App& app) {
       throw CLI::ValidationError(
           "--model",
           "--truncation, --no-lt, --no-aam, --aam-sees and --window belong to --model clipgs");
+    }
+    if (arguments->model == "clipgs" && command->count("--quality") > 0 &&
+        command->count("--steps") == 0) {
+      arguments->options.steps /= 2;  // the other half refines what is baked
     }
     run_train(*arguments);
   });

@@ -16,20 +16,26 @@ constexpr double kEnough = 3;
 
 }  // namespace
 
-BuildClock::BuildClock(const BuildOptions& options) {
+ExpectedSeconds expected_seconds(const BuildOptions& options) {
   const DatasetOptions& pictures = options.pictures;
   const double pixels = static_cast<double>(pictures.size) * pictures.size;
   const double frames = pictures.train_frames;
-  const auto steps = static_cast<double>(options.training.steps);
-  pieces_ = {
-      {"dataset", frames * (kPerPicture + kPerSample * pixels * pictures.train_spp)},
-      {"loading", frames * kPerPixelLoaded * pixels},
-  };
+  const double learning = static_cast<double>(options.training.steps) * kPerPixelLearnt * pixels;
+  ExpectedSeconds expected;
+  expected.dataset = frames * (kPerPicture + kPerSample * pixels * pictures.train_spp);
+  expected.loading = frames * kPerPixelLoaded * pixels;
+  expected.training = options.papers_way ? 0.5 * learning : learning;
+  expected.refining = learning - expected.training;
+  return expected;
+}
+
+BuildClock::BuildClock(const BuildOptions& options) {
+  const ExpectedSeconds expected = expected_seconds(options);
+  pieces_ = {{"dataset", expected.dataset},
+             {"loading", expected.loading},
+             {"training", expected.training}};
   if (options.papers_way) {
-    pieces_.push_back({"training", 0.5 * steps * kPerPixelLearnt * pixels});
-    pieces_.push_back({"refining", 0.5 * steps * kPerPixelLearnt * pixels});
-  } else {
-    pieces_.push_back({"training", steps * kPerPixelLearnt * pixels});
+    pieces_.push_back({"refining", expected.refining});
   }
 }
 

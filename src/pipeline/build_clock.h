@@ -9,6 +9,16 @@
 
 namespace clipgs {
 
+/// Seconds that a build takes on two cores to trace its pictures, and to train and refine, as they
+/// were measured.
+struct ExpectedSeconds {
+  double dataset = 0;
+  double loading = 0;   ///< of the pictures, before training
+  double training = 0;  ///< of the papers' way the neural model
+  double refining = 0;  ///< of the papers' way alone
+};
+ExpectedSeconds expected_seconds(const BuildOptions& options);
+
 /// How long a build will still take. What its pieces took up to now tells how fast this machine is;
 /// how long they take beside each other was measured. Safe to use from several threads.
 class BuildClock {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "serve/companion_desk.h"
+#include "serve/overview_desk.h"
 #include "serve/study_desk.h"
 #include "serve/viewer_bundle.h"
 
@@ -39,6 +40,9 @@ RequestKind request_kind(std::string_view path) {
   if (StudyDesk::is_asked(path)) {
     return RequestKind::kStudy;
   }
+  if (OverviewDesk::is_asked(path)) {
+    return RequestKind::kOverview;
+  }
   if (!path.starts_with('/')) {
     return RequestKind::kOther;
   }
@@ -68,6 +72,8 @@ const char* kind_name(RequestKind kind) {
       return "health";
     case RequestKind::kMetrics:
       return "metrics";
+    case RequestKind::kOverview:
+      return "overview";
     case RequestKind::kOther:
       break;
   }

@@ -15,6 +15,7 @@ enum class RequestKind {
   kStudy,
   kHealth,
   kMetrics,
+  kOverview,
   kOther  ///< nothing that there is; perhaps a token with a letter wrong
 };
 

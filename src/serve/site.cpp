@@ -93,6 +93,7 @@ Site::Site(SiteOptions options)
     : options_(std::move(options)),
       cases_({options_.folder, options_.subfolders, options_.only, options_.live, options_.keeps,
               options_.audit}),
+      overview_(options_.only.empty() ? options_.folder : std::filesystem::path()),
       entrance_(options_.token, options_.tokens),
       study_(options_.study.empty() ? nullptr : std::make_unique<StudyDesk>(options_.study)),
       log_(options_.access_log.empty() ? nullptr
@@ -148,6 +149,8 @@ void Site::route(const Asked& asked, Answer& answer) {
   } else if (path.starts_with(kCasePrefix)) {
     cases_.give_of_case(request, std::string_view(path).substr(kCasePrefix.size()),
                         asked.query.starts_with("?v="), asked.client, asked.grant, answer);
+  } else if (OverviewDesk::is_asked(path)) {
+    give_overview(asked, answer);
   } else if (path == "/api/cases") {
     cases_.give_list(asked.query, asked.grant, answer);
   } else if (path == "/metrics") {
@@ -157,6 +160,15 @@ void Site::route(const Asked& asked, Answer& answer) {
   } else {
     give_viewer(request, answer, path);
   }
+}
+
+void Site::give_overview(const Asked& asked, Answer& answer) {
+  if (!asked.grant.sees_all()) {
+    fail(answer, status::forbidden,
+         "your address sees some folders alone, and the overview tells of all of them");
+    return;
+  }
+  overview_.answer(asked.request, asked.path, answer);
 }
 
 void Site::give_study(const Asked& asked, Answer& answer) {

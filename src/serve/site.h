@@ -16,6 +16,7 @@
 #include "serve/entrance.h"
 #include "serve/live_work.h"
 #include "serve/metrics.h"
+#include "serve/overview_desk.h"
 #include "serve/study_desk.h"
 
 namespace clipgs {
@@ -87,6 +88,8 @@ class Site {
 
   void route(const Asked& asked, Answer& answer);
   bool is_called_rightly(const HttpRequest& request) const;
+  /// To who sees all cases.
+  void give_overview(const Asked& asked, Answer& answer);
   void give_study(const Asked& asked, Answer& answer);
   /// Says to anybody whether cases can be given, and nothing else.
   void give_health(Answer& answer);
@@ -94,6 +97,7 @@ class Site {
 
   SiteOptions options_;
   CaseDesk cases_;
+  OverviewDesk overview_;
   Entrance entrance_;
   Metrics metrics_;
   std::unique_ptr<StudyDesk> study_;

@@ -233,6 +233,41 @@ void require_whole(const DicomStack& stack, const std::string& where) {
   }
 }
 
+/// A stack on the grid of its volume, all but the voxels.
+struct LaidOutStack {
+  DicomStack whole;  ///< without repeats
+  StackPlan plan;
+  ResampleGrid grid;
+  StoredImage image;
+
+  VolumeSize size() const {
+    return {.dims = image.dims,
+            .stored_bytes = bytes_of_a_value(whole.slices, plan),
+            .spacing = Vec3(image.spacing)};
+  }
+};
+
+LaidOutStack lay_out(DicomStack stack, Gaps gaps, const std::string& where) {
+  drop_repeats(stack.slices, where);
+  require_whole(stack, where);
+  StackPlan plan = plan_stack(stack.slices, gaps, where);
+  ResampleGrid grid = resample_grid(stack.slices, plan, where);
+
+  StoredImage image;
+  const DicomHeader& first = stack.slices.front();
+  image.direction = glm::dmat3(first.row, first.column, grid.normal);
+  image.dims = plan.resampled()
+                   ? grid.dims
+                   : IVec3(first.columns, first.rows, static_cast<int>(stack.slices.size()));
+  image.spacing = grid.spacing;
+  image.origin = plan.resampled() ? grid.origin : first.position;
+  image.hints = first.hints;
+  if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
+    throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
+  }
+  return {std::move(stack), std::move(plan), std::move(grid), std::move(image)};
+}
+
 }  // namespace
 
 std::uint64_t DicomStack::voxels() const {
@@ -276,41 +311,27 @@ std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& header
   return sorted;
 }
 
+VolumeSize stack_size(const DicomStack& stack, Gaps gaps, const std::string& where) {
+  return lay_out(stack, gaps, where).size();
+}
+
 StoredImage read_stack(const DicomStack& stack, float fill, Gaps gaps, const std::string& where,
                        const SizeCheck& check) {
-  DicomStack whole = stack;
-  drop_repeats(whole.slices, where);
-  require_whole(whole, where);
-  const StackPlan plan = plan_stack(whole.slices, gaps, where);
-  const ResampleGrid grid = resample_grid(whole.slices, plan, where);
-
-  StoredImage image;
-  const DicomHeader& first = whole.slices.front();
-  image.direction = glm::dmat3(first.row, first.column, grid.normal);
-  image.dims = plan.resampled()
-                   ? grid.dims
-                   : IVec3(first.columns, first.rows, static_cast<int>(whole.slices.size()));
-  image.spacing = grid.spacing;
-  image.origin = plan.resampled() ? grid.origin : first.position;
-  image.hints = first.hints;
-  if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
-    throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
-  }
+  LaidOutStack laid = lay_out(stack, gaps, where);
   if (check) {
-    check({.dims = image.dims,
-           .stored_bytes = bytes_of_a_value(whole.slices, plan),
-           .spacing = Vec3(image.spacing)});
+    check(laid.size());
   }
+  StoredImage& image = laid.image;
   const auto voxels = static_cast<size_t>(image.dims.x) * image.dims.y * image.dims.z;
-  if (plan.resampled()) {
-    warn_of_resampling(plan, grid, whole.slices, where);
+  if (laid.plan.resampled()) {
+    warn_of_resampling(laid.plan, laid.grid, laid.whole.slices, where);
     std::vector<float> values(voxels);
-    resample_stack(whole, grid, fill, values);
+    resample_stack(laid.whole, laid.grid, fill, values);
     image.values = std::move(values);
   } else {
-    image.values = read_regular(whole, fill, voxels);
+    image.values = read_regular(laid.whole, fill, voxels);
   }
-  return image;
+  return std::move(laid.image);
 }
 
 }  // namespace clipgs

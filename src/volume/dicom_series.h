@@ -30,6 +30,9 @@ struct DicomStack {
 /// left out.
 std::vector<DicomStack> group_into_stacks(const std::vector<DicomHeader>& headers);
 
+/// The size of what read_stack() makes of it, without reading pixels. Throws Error.
+VolumeSize stack_size(const DicomStack& stack, Gaps gaps, const std::string& where);
+
 /// Reads the stack's pixels onto a regular grid. Tilted and uneven stacks and those that lack a few
 /// slices (plan_stack()) are resampled linearly, `fill` outside every slice, with a warning that
 /// says what was done. `fill` is also what pixels become that their files call padding. `check`

@@ -121,10 +121,9 @@ VolumeSize volume_size(const ImageHeader& header) {
           .spacing = Vec3(header.spacing)};
 }
 
-}  // namespace
-
-StoredImage read_image_file(const fs::path& path, int frame, const SizeCheck& check) {
-  const Opened opened = open_image(path);
+/// The header of a file that holds such a frame. Throws Error.
+Opened open_frame(const fs::path& path, int frame) {
+  Opened opened = open_image(path);
   const int frames = opened.header.frames;
   if (frame == 0 && frames > 1) {
     throw Error(
@@ -134,6 +133,17 @@ StoredImage read_image_file(const fs::path& path, int frame, const SizeCheck& ch
   if (frame > frames) {
     throw Error("{}: no frame {}: it holds {}", path.string(), frame, frames);
   }
+  return opened;
+}
+
+}  // namespace
+
+VolumeSize image_file_size(const fs::path& path, int frame) {
+  return volume_size(open_frame(path, frame).header);
+}
+
+StoredImage read_image_file(const fs::path& path, int frame, const SizeCheck& check) {
+  const Opened opened = open_frame(path, frame);
   for (const std::string& warning : opened.header.warnings) {
     warn(warning);
   }

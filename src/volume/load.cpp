@@ -259,16 +259,31 @@ LoadedVolume load_dicom(const DicomStudy& study, const LoadOptions& options) {
   return loaded;
 }
 
-LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
-  const std::string where = path.string();
+/// Whether the path is one of DICOM; throws Error if there is nothing, or nothing that `options`
+/// fit.
+bool is_given_as_dicom(const fs::path& path, const LoadOptions& options) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) {
-    throw Error("{}: no such file or folder", where);
+    throw Error("{}: no such file or folder", path.string());
   }
-  if (is_dicom(path)) {
-    if (options.frame != 0) {
-      throw Error("{}: --frame picks a volume of a 4D file; for DICOM give --series", where);
-    }
+  const bool dicom = is_dicom(path);
+  if (dicom && options.frame != 0) {
+    throw Error("{}: --frame picks a volume of a 4D file; for DICOM give --series", path.string());
+  }
+  return dicom;
+}
+
+VolumeSize stored_size(const fs::path& path, const LoadOptions& options) {
+  if (!is_given_as_dicom(path, options)) {
+    return image_file_size(path, options.frame);
+  }
+  const DicomStudy study = open_study(path);
+  return stack_size(study.stacks[choose_stack(study, options.series)], options.gaps, study.where);
+}
+
+LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
+  const std::string where = path.string();
+  if (is_given_as_dicom(path, options)) {
     return load_dicom(open_study(path), options);
   }
   return make_volume(read_image_file(path, options.frame, size_check(options, where)), options,
@@ -276,6 +291,13 @@ LoadedVolume load_values(const fs::path& path, const LoadOptions& options) {
 }
 
 }  // namespace
+
+VolumeSize volume_size(const fs::path& path, const LoadOptions& options) {
+  VolumeSize size = stored_size(path, options);
+  size.labels = !options.labels.empty();
+  size.scanned = options.prepare.keeps_scanned();
+  return size;
+}
 
 LoadedVolume load_with_series(const fs::path& path, const LoadOptions& options) {
   LoadedVolume loaded = load_values(path, options);

@@ -63,6 +63,10 @@ struct LoadedVolume {
 /// (isolate_body()), with a warning that says how much.
 Volume load_volume(const std::filesystem::path& path, const LoadOptions& options = {});
 
+/// What headers say of the volume's size, labels and kept values included, without reading voxels;
+/// of a crop they know nothing. Throws Error.
+VolumeSize volume_size(const std::filesystem::path& path, const LoadOptions& options = {});
+
 /// load_volume() that tells what was done, and what there was to choose from, as well.
 LoadedVolume load_with_series(const std::filesystem::path& path, const LoadOptions& options = {});
 
