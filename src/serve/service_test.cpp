@@ -244,6 +244,16 @@ TEST_F(ServiceTest, GivesEachWhatItMaySee) {
   EXPECT_EQ(change.at("case"), "cardiology/heart");
 }
 
+TEST_F(ServiceTest, GivesTheOverviewToWhoSeesAllCases) {
+  use_tokens();
+  fs::create_directories(options_.folder / "overview");
+  write_text(options_.folder / "overview" / "index.html", "<!doctype html><title>All</title>");
+  start();
+  EXPECT_EQ(status("/overview/", kChief), 200);
+  EXPECT_EQ(status("/overview/", kWard), 403);
+  EXPECT_EQ(status("/overview/index.html", kWard), 403);
+}
+
 TEST_F(ServiceTest, LetsInByAddressCookieOrHeaderUntilATokenIsOver) {
   use_tokens();
   start();
