@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "asset/privacy.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/histogram_picture.h"
@@ -30,6 +31,7 @@ struct InfoOptions {
   fs::path path;
   LoadOptions load;
   bool json = false;
+  bool privacy = false;
   std::string histogram;  ///< file to draw it to; empty: none
   std::string preset;     ///< whose colours it has
 };
@@ -157,7 +159,36 @@ std::string as_text(const Json& value) {
   return value.dump();
 }
 
+/// All that a case says of its origin.
+void run_privacy(const InfoOptions& options) {
+  if (!is_case(options.path)) {
+    throw Error("{}: is no case (.sog), and --privacy tells what one says of its origin",
+                options.path.string());
+  }
+  const std::vector<PrivacyNote> notes = privacy_notes(options.path);
+  if (options.json) {
+    Json list = Json::array();
+    for (const PrivacyNote& note : notes) {
+      list.push_back({{"where", note.where},
+                      {"value", note.value},
+                      {"what", note.what},
+                      {"foreign", note.foreign}});
+    }
+    fmt::print("{}\n", Json{{"kind", "privacy"}, {"notes", list}}.dump(2));
+    return;
+  }
+  fmt::print("{} says of its origin\n", options.path.string());
+  for (const PrivacyNote& note : notes) {
+    fmt::print("{} {:<22} {}\n", note.foreign ? "!" : " ", note.where,
+               note.value.empty() ? note.what : fmt::format("{} ({})", note.value, note.what));
+  }
+}
+
 void run_info(const InfoOptions& options) {
+  if (options.privacy) {
+    run_privacy(options);
+    return;
+  }
   const auto* const kind =
       std::ranges::find_if(kKinds, [&](const InfoKind& k) { return k.matches(options.path); });
   if (!options.histogram.empty()) {
@@ -190,6 +221,7 @@ void add_info_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Say what a file or folder is");
   command->footer(
       "Example: clipgs info ct-folder/ --json\n"
+      "         clipgs info case.sog --privacy\n"
       "         clipgs info signal.nrrd --modality mr\n"
       "         clipgs info ct.nii.gz --histogram values.png --preset anatomy");
   command
@@ -199,6 +231,8 @@ void add_info_command(CLI::App& app) {
                    "scene or model (.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
+  command->add_flag("--privacy", options->privacy,
+                    "Say all that a case tells of its origin, and what in it no clipgs writes");
   CLI::Option* const histogram =
       command
           ->add_option("--histogram", options->histogram,
