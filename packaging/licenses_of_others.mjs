@@ -9,12 +9,16 @@ const [web, output] = process.argv.slice(2);
 
 const list = execFileSync("npm", ["ls", "--omit=dev", "--all", "--parseable"], { cwd: web, encoding: "utf8" });
 const [, ...folders] = list.trim().split("\n");
-const held = { "@cwasm/webp": `${web}/package/LICENSE-libwebp` }; // beside their own
+const held = {
+  // beside their own
+  "@cwasm/webp": `${web}/package/LICENSE-libwebp`,
+  ogv: `${web}/node_modules/ogv/dist/COPYING-dav1d.txt`,
+};
 
 /** What a package says of itself, whole. */
 function licenceOf(folder) {
   const { name, version, license = "" } = JSON.parse(readFileSync(`${folder}/package.json`, "utf8"));
-  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "license"].find((one) => existsSync(`${folder}/${one}`));
+  const file = ["LICENSE", "LICENSE.md", "LICENSE.txt", "license", "COPYING"].find((one) => existsSync(`${folder}/${one}`));
   const text = file ? readFileSync(`${folder}/${file}`, "utf8").trim() : license;
   const more = held[name] ? `\n\n${readFileSync(held[name], "utf8").trim()}` : "";
   return `${name} ${version}\n\n${text}${more}\n`;
