@@ -52,8 +52,8 @@ function sentKb(without: RegExp): string {
   return `${(sizes.reduce((sum, size) => sum + size, 0) / 1000).toFixed(0)} KB`;
 }
 
-/** The study's code, models of hands and controllers, and the languages that are fetched by whom they are for. */
-const kApart = /\/begin-[^/]*$|\.glb$|\/(study_)?de-[^/]*\.js$/;
+/** The study's code, models of hands and controllers, the languages that are fetched by whom they are for, and what decodes videos, which is fetched beside the first. */
+const kApart = /\/begin-[^/]*$|\.glb$|\/(study_)?de-[^/]*\.js$|-av1-wasm-[^/]*\.wasm$/;
 
 function bundles(): string[][] {
   const peers = "bench/peers/node_modules";
