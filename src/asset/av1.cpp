@@ -20,7 +20,11 @@ constexpr int kSpeed = 6;
 constexpr std::uint8_t kGrey = 128;  // of both chroma planes
 // Always as many: by one alone libaom chooses otherwise, and the bytes would be other ones.
 constexpr int kEncoderThreads = 4;
+#ifdef __SANITIZE_THREAD__
+constexpr int kMostDecoderThreads = 1;  // the thread sanitizer cannot see how dav1d synchronises
+#else
 constexpr int kMostDecoderThreads = 16;  // more bring nothing at such sizes
+#endif
 
 /// Ends what libaom holds.
 struct EncoderEnd {
