@@ -131,7 +131,7 @@ class Squares {
         if (least < kSolid && most > 0) {
           return false;
         }
-        if (alpha > 0) {
+        if (p != nullptr && alpha > 0) {
           const Vec3 color = Vec3(p[0], p[1], p[2]) / alpha;
           low = glm::min(low, color);
           high = glm::max(high, color);
@@ -181,11 +181,13 @@ void add_discs(const FacePicture& face, const std::vector<Square>& squares, size
 }  // namespace
 
 Gaussians face_splats(const Section& section, const Sphere& sphere, const Cut& cut, size_t most) {
-  constexpr float kAnyColor = 0.2f;  // beyond, coarser pixels show more
+  // Of the tolerance, each half as much again; beyond, coarser pixels show more.
+  constexpr int kSteps = 6;
   constexpr int kCoarsest = 64;
   for (int coarser = 1;; coarser *= 2) {
     const std::vector<FacePicture> faces = pictures_of(section, sphere, cut, coarser);
-    for (float tolerance = kFineColors; tolerance < kAnyColor; tolerance *= 1.5f) {
+    float tolerance = kFineColors;
+    for (int step = 0; step < kSteps; ++step, tolerance *= 1.5f) {
       std::vector<std::vector<Square>> squares;
       size_t count = 0;
       for (const FacePicture& face : faces) {
