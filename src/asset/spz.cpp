@@ -42,6 +42,9 @@ std::uint8_t to_byte(float value) {
 }
 
 void append(Bytes& bytes, const void* data, size_t size) {
+  if (size == 0) {
+    return;  // of no harmonics, and from nowhere
+  }
   const size_t at = bytes.size();
   bytes.resize(at + size);
   std::memcpy(bytes.data() + at, data, size);
