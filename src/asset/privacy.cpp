@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::uintmax_t kMaxCase = std::uintmax_t{1} << 30;
+constexpr std::uintmax_t kMostCaseBytes = std::uintmax_t{1} << 30;
 constexpr size_t kMostShown = 80;  // bytes of a value
 
 /// What a key tells; "": nothing of the origin.
@@ -174,7 +174,7 @@ void note_companions(const std::filesystem::path& path, std::vector<PrivacyNote>
 }  // namespace
 
 std::vector<PrivacyNote> privacy_notes(const std::filesystem::path& path) {
-  const Bytes bytes = read_file(path, kMaxCase);
+  const Bytes bytes = read_file(path, kMostCaseBytes);
   const CaseInfo info = read_case_info(bytes, path.string());  // it is a case
   const std::map<std::string, Bytes> files = read_zip(bytes, path.string());
   const Bytes& text = files.at("meta.json");
