@@ -74,8 +74,7 @@ Gaussians filled_splats(const Case& contents, const Cut& cut, size_t most) {
     const Openings openings(section, scan);
     if (openings.drawn()) {
       const Gaussians walls = wall_splats(section, scan, openings, cut, most / 2);
-      constexpr float kCells = 1;  // of the light's grid
-      parts[0] = without_dark(parts[0], walls, kCells * openings.light().patches().grid().spacing);
+      parts[0] = without_dark(parts[0], walls, openings.light().patches().grid().spacing);
       parts.push_back(walls);
     }
   }

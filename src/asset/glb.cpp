@@ -12,6 +12,7 @@
 #include "core/json_reader.h"
 #include "core/version.h"
 #include "splat/similarity.h"
+#include "splat/y_up.h"
 
 namespace clipgs {
 
@@ -28,9 +29,6 @@ constexpr int kVertices = 34962;  // what a buffer view is for
 constexpr size_t kAligned = 4;
 constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
 constexpr const char* kExtension = "KHR_gaussian_splatting";
-
-/// Scene space to glTF's axes.
-const Similarity kHalfTurn{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), 1, {}};
 
 /// The binary part, and what says where its attributes are.
 class Attributes {
@@ -145,7 +143,7 @@ void append_chunk(Bytes& file, std::uint32_t type, Bytes content, std::uint8_t p
 }  // namespace
 
 Bytes encode_glb(const Gaussians& scene) {
-  Attributes attributes = attributes_of(transform(scene, kHalfTurn));
+  Attributes attributes = attributes_of(transform(scene, y_up()));
   if (attributes.bytes.size() > std::numeric_limits<std::uint32_t>::max() / 2) {
     throw Error("a glTF of {} splats would be too large; export as .ply", scene.size());
   }

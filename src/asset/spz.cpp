@@ -10,6 +10,7 @@
 #include "asset/sog.h"
 #include "core/error.h"
 #include "splat/similarity.h"
+#include "splat/y_up.h"
 
 namespace clipgs {
 
@@ -33,9 +34,6 @@ constexpr std::uint32_t kRotationMost = 511;  // of nine bits
 /// Bits that are kept of SH bytes, of degree 1 and above: as Niantic's own writer has them, finer
 /// where it costs little.
 constexpr std::array kShBits = {0, 6, 5, 5};
-
-/// x right, y down, z forward, to and from x right, y up, z back.
-const Similarity kHalfTurn{glm::dmat3(1, 0, 0, 0, -1, 0, 0, 0, -1), 1, {}};
 
 std::uint8_t to_byte(float value) {
   return static_cast<std::uint8_t>(std::clamp(std::round(value), 0.0f, 255.0f));
@@ -343,7 +341,7 @@ Bytes gzipped(Bytes& bytes) {
 }  // namespace
 
 Bytes encode_spz(const Gaussians& scene, int version) {
-  const Gaussians gaussians = transform(scene.reshaped(scene.sh_degree(), false), kHalfTurn);
+  const Gaussians gaussians = transform(scene.reshaped(scene.sh_degree(), false), y_up());
   const int fraction = fraction_bits(gaussians);
   Streams streams = pack(gaussians, fraction);
   Bytes file;
@@ -396,7 +394,7 @@ Gaussians decode_spz(std::span<const std::uint8_t> bytes, const std::string& nam
     size_streams(head, streams);
     read_packed(bytes, name, streams);
   }
-  return transform(unpack(head, streams), kHalfTurn);
+  return transform(unpack(head, streams), y_up());
 }
 
 }  // namespace clipgs
