@@ -41,7 +41,7 @@ count_tests() {
 configure_and_build() {
   local preset="$1"
   shift
-  cmake --preset "$preset" -DCLIPGS_TESTS=ON -DCLIPGS_UNITY_QUICK=ON
+  cmake --preset "$preset" -DCLIPGS_TESTS=ON -DCLIPGS_UNITY=ON
   cmake --build --preset "$preset" "${@/#/--target=}"
 }
 
@@ -88,6 +88,7 @@ done
 checks_beside() {
   renice -n 19 "$BASHPID" >/dev/null
   step "lint viewer" npm --prefix web run lint
+  step "reference" bash scripts/reference.sh
   step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
   # The rooms that work on several threads; training goes through those of splats as well.
   step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serve}_test
