@@ -349,8 +349,12 @@ Section make_section(const Volume& volume, const Preset& preset, const SectionOp
 std::uint64_t section_memory(const VolumeSize& scanned, const SectionOptions& options) {
   const std::uint64_t section =
       std::min(most_upsampled(scanned).voxels(), most_voxels(options.size));
-  // Floats are resampled axis by axis; then come the values inside, three masks and the codes.
-  const std::uint64_t resampled = std::max(scanned.voxels(), section) + section;
+  // Floats are resampled axis by axis, of rows that are shortened as they are read; then come the
+  // values inside, three masks and the codes.
+  const IVec3 fitting = fitting_dims(scanned.dims, scanned.spacing, options.size);
+  const std::uint64_t rows = points_of({fitting.x, scanned.dims.y, scanned.dims.z});
+  const std::uint64_t columns = points_of({fitting.x, fitting.y, scanned.dims.z});
+  const std::uint64_t resampled = std::max(rows + columns, 2 * section);
   return std::max(sizeof(float) * resampled, (2 * sizeof(float) + 4) * section);
 }
 
