@@ -61,7 +61,7 @@ Image faded(const Image& faces, const Image& distances, const DepthCue& cue, boo
 
 /// The same Gaussians, all of them white.
 Gaussians whitened(const Gaussians& gaussians) {
-  constexpr float kWhite = 0.5f / 0.28209479f;  // colour = 0.5 + Y₀·c₀
+  constexpr float kWhite = 0.5f / kShBand0;  // colour = 0.5 + Y₀·c₀
   Gaussians white = gaussians.reshaped(0, false);
   std::fill_n(white.plane(Gaussians::kSh), 3 * white.size(), kWhite);
   return white;

@@ -27,7 +27,6 @@ constexpr int kFloat = 5126;
 constexpr int kByte = 5121;
 constexpr int kVertices = 34962;  // what a buffer view is for
 constexpr size_t kAligned = 4;
-constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
 constexpr const char* kExtension = "KHR_gaussian_splatting";
 
 /// The binary part, and what says where its attributes are.

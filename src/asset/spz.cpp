@@ -315,10 +315,6 @@ Gaussians unpack(const Head& head, Streams& streams) {
   return gaussians;
 }
 
-}  // namespace
-
-namespace {
-
 Bytes gzipped(Bytes& bytes) {
   z_stream stream{};
   constexpr int kGzip = 16 + MAX_WBITS;

@@ -22,7 +22,6 @@ namespace {
 
 // As many as a headset draws without a thought.
 constexpr size_t kSplats = 40000;
-constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
 // Finer ones are not seen before a case is trained, and take longer to make and to load.
 constexpr int kSectionSize = 288;
 

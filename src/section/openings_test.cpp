@@ -332,10 +332,9 @@ TEST(Relight, FollowsTheRig) {
   scenery.openings.set_rig(rig);
   for (const ToneCurve tone : {ToneCurve::kSrgb, ToneCurve::kFilmic}) {
     const Gaussians brighter = relit(splats, OpenedLight(scenery.openings, Cut()), tone);
-    const float y0 = 0.28209479f;
     for (size_t i = 0; i < splats.size(); ++i) {
-      const float before = 0.5f + y0 * splats.plane(Gaussians::kSh)[i];
-      const float after = 0.5f + y0 * brighter.plane(Gaussians::kSh)[i];
+      const float before = 0.5f + kShBand0 * splats.plane(Gaussians::kSh)[i];
+      const float after = 0.5f + kShBand0 * brighter.plane(Gaussians::kSh)[i];
       const float expected = display_from_linear(2 * linear_from_display(before, tone), tone);
       EXPECT_NEAR(after, expected, 0.01f) << i;
       EXPECT_NEAR(brighter.plane(Gaussians::kSh + 3)[i] / splats.plane(Gaussians::kSh + 3)[i],

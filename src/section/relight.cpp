@@ -7,8 +7,6 @@
 namespace clipgs {
 namespace {
 
-constexpr float kY0 = 0.28209479f;  // the constant spherical harmonic
-
 Vec3 shortest_axis(const Gaussians& gaussians, size_t i) {
   const Vec3 scale = gaussians.scale(i);
   const int axis = scale.x <= scale.y && scale.x <= scale.z ? 0 : (scale.y <= scale.z ? 1 : 2);
@@ -33,9 +31,9 @@ Gaussians relit(const Gaussians& gaussians, const OpenedLight& light, ToneCurve 
       for (int c = 0; c < 3; ++c) {
         // Colour is ½ + Σ Yₖ·cₖ: half of it is no coefficient.
         float& constant = result.plane(Gaussians::kSh + c)[i];
-        const float color = 0.5f + kY0 * constant;
+        const float color = 0.5f + kShBand0 * constant;
         const float gain = display_gain(light_gain[c], color, tone);
-        constant = (gain * color - 0.5f) / kY0;
+        constant = (gain * color - 0.5f) / kShBand0;
         for (int k = 1; k < coefficients; ++k) {
           result.plane(Gaussians::kSh + 3 * k + c)[i] *= gain;
         }

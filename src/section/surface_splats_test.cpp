@@ -46,7 +46,7 @@ TEST(SurfaceSplats, HaveTheColourOfTheirTissueInItsLight) {
                       light_at(input.openings.light().patches(), input.openings.own_light(),
                                wall->position, normal);
     for (int c = 0; c < 3; ++c) {
-      const float color = 0.5f + 0.28209479f * input.splats.plane(Gaussians::kSh + c)[i];
+      const float color = 0.5f + kShBand0 * input.splats.plane(Gaussians::kSh + c)[i];
       EXPECT_NEAR(color, display(seen[c]), 0.06f);
     }
   }

@@ -7,8 +7,6 @@ namespace clipgs {
 
 namespace {
 
-constexpr float kShBand0 = 0.28209479f;  // the constant spherical harmonic
-
 Quat facing(const Vec3& normal) {
   Vec3 u;
   Vec3 v;

@@ -50,7 +50,7 @@ Gaussians Gaussians::reshaped(int sh_degree, bool face_colors) const {
 }
 
 void sh_basis(int degree, const Vec3& direction, float* values) {
-  values[0] = 0.28209479177387814f;
+  values[0] = kShBand0;
   if (degree < 1) {
     return;
   }

@@ -8,6 +8,7 @@
 namespace clipgs {
 
 constexpr int kMaxShDegree = 3;
+constexpr float kShBand0 = 0.28209479177387814f;  ///< Y₀, the constant spherical harmonic
 /// Coefficients per colour channel at an SH degree: (degree + 1)².
 constexpr int sh_coefficients(int degree) { return (degree + 1) * (degree + 1); }
 

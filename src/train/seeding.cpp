@@ -27,7 +27,6 @@ Gaussians start_from_points(const std::vector<SeedPoint>& points, size_t count, 
   const float gap = std::cbrt(static_cast<float>(points.size()) / static_cast<float>(count));
   constexpr float kDeviationPerSpacing = 0.5f;
   constexpr float kOpacity = 0.6f;
-  constexpr float kShBand0 = 0.28209479f;
 
   Gaussians gaussians(count, sh_degree);
   for (size_t i = 0; i < count; ++i) {
