@@ -7,25 +7,33 @@
 // as people see it, with faces, surfaces and outlines from its volume and the light that a cut lets in. Of a case with
 // layers the plane goes from state to state as well, and clipgs draws those by their layers, too.
 
-import { copyFileSync, createReadStream, existsSync } from "node:fs";
-import { createServer, type Server } from "node:http";
-import type { AddressInfo } from "node:net";
-import { extname, join, resolve } from "node:path";
+import { copyFileSync } from "node:fs";
+import type { Server } from "node:http";
+import { join } from "node:path";
 import { parseArgs } from "node:util";
 import type { Page } from "playwright-core";
-import { Matrix4, PerspectiveCamera, Vector3 } from "three";
+import { Vector3 } from "three";
 
 import type { CaseInfo } from "../src/model/case_info";
 import type { FaceSource } from "../src/model/faces";
-import { kWorldFromPatient, projectBox, type Triple } from "../src/model/geometry";
+import { projectBox, type Triple } from "../src/model/geometry";
 import { stateCut } from "../src/model/states";
-import { applyView, kFieldOfView, viewFrom } from "../src/model/view";
-import { makeSceneCamera, setSceneCamera } from "../src/render/scene_camera";
 import type { ClipOperator } from "../src/worker/protocol";
 import { Session } from "../test/browser/session";
 import { caseHasLayers, exportSplats, readCaseInfo } from "./case_file";
 import { childrenCpuMs } from "./cpu_time";
 import { median, table } from "./measure";
+import {
+  type Cut,
+  kPeers,
+  openPeer,
+  type Peer,
+  type PeerName,
+  sceneCamera,
+  scenePlane,
+  serveFiles,
+  waitUntilShown,
+} from "./peer_pages";
 
 const { positionals, values } = parseArgs({
   allowPositionals: true,
@@ -45,14 +53,6 @@ const kFrames = Number(values.frames);
 const kRounds = Number(values.rounds);
 const kElevation = 24; // degrees
 const kAzimuth = 28;
-const kBlankBytes = 10_000; // of a picture that shows nothing, at most
-const kPeers = { spark: "Spark 2.2.0", playcanvas: "PlayCanvas 2.23.3", gs3d: "GaussianSplats3D 0.4.7" };
-
-/** Keeps dot(normal, x) >= offset. */
-interface Cut {
-  normal: Triple;
-  offset: number;
-}
 
 /** One frame of a movement: where the camera is, and what is cut, RAS mm. */
 interface Moment {
@@ -136,18 +136,15 @@ function clipgs(page: Page, clip: ClipOperator, how: string = clip): Contender {
   return { name: `clipgs, ${how}`, page, time };
 }
 
-/** What the pages in bench/peers resolve to. */
-interface Peer {
-  setCamera(matrix: number[]): void;
-  setPlane(plane: Cut | null): void;
-  draw(): void;
-}
-
 /** A viewer that knows the scene alone: its camera and planes are in scene space. */
-async function peer(session: Session, url: string, name: string, info: CaseInfo): Promise<Contender> {
-  const page = await session.openPage(url, [], kViewport);
-  page.on("pageerror", (error) => console.error(`${name}: ${error.message}`));
-  await page.waitForFunction(() => "peer" in window);
+async function peer(
+  session: Session,
+  server: Server,
+  name: PeerName,
+  scene: string,
+  info: CaseInfo,
+): Promise<Contender> {
+  const page = await openPeer(session, server, name, scene, kSize);
   await page.evaluate(installFrames);
   await page.evaluate(async () => {
     const viewer = await (window as unknown as { peer: Promise<Peer> }).peer;
@@ -160,32 +157,12 @@ async function peer(session: Session, url: string, name: string, info: CaseInfo)
   });
   const time = (movement: Moment[]) => {
     const moments = movement.map(({ azimuth, plane }) => ({
-      camera: sceneCamera(info, azimuth),
+      camera: sceneCamera(info, azimuth, kElevation, kSize).toArray(),
       plane: plane && scenePlane(info, plane),
     }));
     return timeFrames(page, moments);
   };
-  return { name, page, time };
-}
-
-/** The matrix of a camera of three.js in scene space. */
-function sceneCamera(info: CaseInfo, azimuth: number): number[] {
-  const camera = new PerspectiveCamera();
-  applyView(camera, viewFrom(azimuth, kElevation), info.sphere, kSize, kSize);
-  const world = new Matrix4().multiplyMatrices(kWorldFromPatient, info.sceneToPatient);
-  const seen = makeSceneCamera();
-  setSceneCamera(seen, camera, world, kSize, kSize, info.mmPerUnit);
-  const { rotation, position } = seen;
-  const [right, down, forward] = [new Vector3(), new Vector3(), new Vector3()];
-  new Matrix4().setFromMatrix3(rotation).transpose().extractBasis(right, down, forward);
-  return new Matrix4().makeBasis(right, down.negate(), forward.negate()).setPosition(position).toArray();
-}
-
-function scenePlane({ sceneToPatient, mmPerUnit }: CaseInfo, { normal, offset }: Cut): Cut {
-  const n = new Vector3(...normal);
-  const origin = new Vector3().setFromMatrixPosition(sceneToPatient);
-  const inScene = n.clone().transformDirection(sceneToPatient.clone().invert());
-  return { normal: inScene.toArray(), offset: (offset - n.dot(origin)) / mmPerUnit };
+  return { name: kPeers[name], page, time };
 }
 
 /** The offset of the plane of this normal that cuts half of the splats away. */
@@ -236,25 +213,6 @@ async function makeMovements(info: CaseInfo, page: Page): Promise<Record<string,
   };
 }
 
-/** Serves files by their absolute path. */
-function serveFiles(): Promise<Server> {
-  const types: Record<string, string> = {
-    ".html": "text/html",
-    ".js": "text/javascript",
-    ".mjs": "text/javascript",
-  };
-  const server = createServer((request, response) => {
-    const path = decodeURIComponent(new URL(request.url!, "http://localhost").pathname);
-    if (existsSync(path)) {
-      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
-      createReadStream(path).pipe(response);
-    } else {
-      response.writeHead(404).end();
-    }
-  });
-  return new Promise((done) => server.listen(0, "127.0.0.1", () => done(server)));
-}
-
 async function openAll(session: Session, info: CaseInfo, server: Server): Promise<Contender[]> {
   const page = await clipgsPage(session, "splats");
   const contenders = [clipgs(page, "exact"), clipgs(page, "hard")];
@@ -269,30 +227,11 @@ async function openAll(session: Session, info: CaseInfo, server: Server): Promis
   }
   const splats = join(session.folder, "splats.ply");
   exportSplats(file, splats);
-  const { port } = server.address() as AddressInfo;
-  for (const [key, name] of Object.entries(kPeers)) {
-    const wanted = new URLSearchParams({
-      peer: key,
-      scene: key === "gs3d" ? splats : resolve(file), // which reads no SOG
-      size: String(kSize),
-      fov: String((kFieldOfView * 180) / Math.PI),
-    });
-    const url = `http://127.0.0.1:${port}${resolve("bench/peers/index.html")}?${wanted}`;
-    contenders.push(await peer(session, url, name, info));
+  for (const name of Object.keys(kPeers) as PeerName[]) {
+    const scene = name === "gs3d" ? splats : file; // which reads no SOG
+    contenders.push(await peer(session, server, name, scene, info));
   }
   return contenders;
-}
-
-/** Some begin to draw a while after they say that they are ready. */
-async function waitUntilShown({ name, page, time }: Contender, moment: Moment): Promise<void> {
-  for (let i = 0; i < 60; ++i) {
-    await page.bringToFront();
-    await time([moment, moment, moment]);
-    if ((await page.screenshot()).length > kBlankBytes) {
-      return;
-    }
-  }
-  throw new Error(`${name} shows nothing`);
 }
 
 async function main(): Promise<void> {
@@ -304,7 +243,8 @@ async function main(): Promise<void> {
     const contenders = await openAll(session, info, server);
     const movements = await makeMovements(info, contenders[0]!.page);
     for (const contender of contenders) {
-      await waitUntilShown(contender, { azimuth: kAzimuth, plane: null });
+      const first = { azimuth: kAzimuth, plane: null };
+      await waitUntilShown(contender.page, async () => void (await contender.time([first, first, first])));
     }
     const times = contenders.map(() => Object.keys(movements).map((): FrameTime[] => []));
     for (let round = 0; round < kRounds; ++round) {
