@@ -7,5 +7,5 @@ arguments=(-i)
 if [ "${1:-}" = --check ]; then
   arguments=(--dry-run --Werror)
 fi
-find src web/wasm \( -name '*.cpp' -o -name '*.h' \) -print0 |
+find src web/wasm examples \( -name '*.cpp' -o -name '*.h' \) -print0 |
   xargs -0 clang-format-19 "${arguments[@]}"

@@ -16,6 +16,7 @@ enum class FaceSource { kVolume, kSplats };
 FaceSource parse_face_source(const std::string& name);  ///< throws Error listing the names
 const char* face_source_name(FaceSource source);
 
+/// How a case is drawn.
 struct DrawOptions {
   ClipOperator clip = ClipOperator::kExact;
   FaceSource faces = FaceSource::kVolume;  ///< splats where the case has no section

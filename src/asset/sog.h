@@ -12,6 +12,7 @@
 
 namespace clipgs {
 
+/// What a SOG holds, without its images.
 struct SogSummary {
   size_t count = 0;  ///< splats
   int sh_degree = 0;

@@ -12,6 +12,7 @@ namespace clipgs {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// A file of a ZIP.
 struct ZipEntry {
   std::string name;
   Bytes bytes;

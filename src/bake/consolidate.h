@@ -16,6 +16,7 @@ constexpr int kExplicitPlanes = Gaussians::planes(0);
 /// Logit of the opacity 1/255: renderers draw nothing fainter.
 constexpr float kVisibleLogit = -5.5373343f;
 
+/// Where what one plane state shows comes from.
 struct StateStatistics {
   size_t shown = 0;      ///< primitives that the state shows
   size_t in_slab = 0;    ///< of them, those whose centre lies in the state's slab

@@ -20,6 +20,7 @@ class Lights {
   /// LightRig::kMostKeys key lights.
   Lights(const LightRig& rig, const Mat3& frame_from_world, const Vec3& extent);
 
+  /// A disc that lights the scene, from afar or near.
   struct Key {
     Vec3 direction;  ///< unit vector towards the middle of the disc
     Vec3 tangent, bitangent;
@@ -31,6 +32,7 @@ class Lights {
     float radius = 0;   ///< mm
     Vec3 intensity{0};  ///< irradiance · mm² of what faces the lamp on its axis, linear RGB
 
+    /// Light from one point of the disc.
     struct Sample {
       Vec3 towards;     ///< unit vector
       Vec3 irradiance;  ///< of a surface that faces there, linear RGB

@@ -13,6 +13,7 @@
 
 namespace clipgs {
 
+/// How many pictures a dataset holds, and how they are traced.
 struct DatasetOptions {
   int size = 256;                   ///< pictures are size × size px
   int test_size = 0;                ///< … those of test and validation frames this; 0: size

@@ -14,6 +14,7 @@
 
 namespace clipgs {
 
+/// How a picture is traced.
 struct PictureOptions {
   int spp = 64;        ///< most samples a pixel, as a mean over the pixels that show matter
   float noise_db = 0;  ///< stop as soon as the noise floor is this high; 0: spend all samples

@@ -43,6 +43,7 @@ struct Box {
   Vec3 size() const { return max - min; }
 };
 
+/// A ball in world space, mm.
 struct Sphere {
   Vec3 center{0};
   float radius = 0;  ///< mm

@@ -16,6 +16,7 @@ class EmptySpace {
   /// A mark of blocks, for whoever makes them.
   static constexpr std::uint8_t kAround = 128;
 
+  /// What is known of a block of voxels.
   struct Block {
     bool may_have_matter = false;
     bool around = false;

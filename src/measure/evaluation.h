@@ -93,6 +93,7 @@ struct SizeStage {
   std::uintmax_t bytes = 0;
 };
 
+/// What an evaluation measured.
 struct Evaluation {
   std::vector<std::string> subjects;     ///< names; the first is the one that matters
   std::vector<bool> is_model;            ///< of each
@@ -104,6 +105,7 @@ struct Evaluation {
   std::vector<FrameScores> frames;  ///< in the order split, frame, drawing
 };
 
+/// What an evaluation measures.
 struct EvaluationOptions {
   std::span<const Split> splits = kTestSplits;
   std::vector<ClipOperator> clips = {ClipOperator::kHard, ClipOperator::kSoft,

@@ -26,6 +26,7 @@ FaceStyle::Openings parse_grey_openings(const std::string& name);
 
 class OpenedLight;
 
+/// How cut faces are drawn.
 struct FaceOptions {
   static constexpr int kMostRays = 8;
   int taps = 8;  ///< samples along a ray, from the face inwards

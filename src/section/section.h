@@ -135,6 +135,7 @@ Vec3 gradient_at(const Section& section, const Vec3& index);
 /// Linear albedo of a photograph's colour as Section::sample() returns it.
 Vec3 photo_albedo(const Vec3& sampled);
 
+/// How fine a section is.
 struct SectionOptions {
   int size = 384;  ///< as many voxels as a cube of such a side has, at most
 };

@@ -14,6 +14,7 @@
 
 namespace clipgs {
 
+/// What a server serves, where, and to whom.
 struct ServerOptions {
   std::filesystem::path folder;    ///< its *.sog are the cases
   std::string host = "127.0.0.1";  ///< address to listen on

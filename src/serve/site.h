@@ -36,6 +36,7 @@ class RequestParser : public boost::beast::http::request_parser<boost::beast::ht
 /// First line and headers, as they are sent.
 std::string head_text(const HttpHead& head);
 
+/// What a site consists of, and who may see it.
 struct SiteOptions {
   std::filesystem::path folder;  ///< its *.sog are the cases
   std::string token;             ///< see Entrance

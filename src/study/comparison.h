@@ -59,6 +59,7 @@ struct MeasureComparison {
   std::optional<SampleSizes> sizes;  ///< for the observed d_z
 };
 
+/// What a comparison of two modes is asked for.
 struct ComparisonOptions {
   /// Two of the table's modes, the difference being first − second. Empty: the table's two, those
   /// of ClipGS-VR uniaxial first, others by name.
@@ -67,6 +68,7 @@ struct ComparisonOptions {
   std::optional<double> effect;  ///< a d_z to plan for
 };
 
+/// What a comparison of two modes comes to.
 struct StudyComparison {
   std::array<std::string, 2> modes;
   size_t participants = 0;  ///< all that have a row

@@ -14,6 +14,7 @@ struct TextRecord {
   std::vector<std::string> cells;
 };
 
+/// A table as it was read.
 struct DelimitedText {
   char separator = ',';
   TextRecord header;

@@ -29,6 +29,7 @@ struct ShownCut {
   std::optional<double> thickness;
 };
 
+/// Values from black to white of a slice, HU or as stored.
 struct ShownWindow {
   double center = 0;
   double width = 1;

@@ -15,6 +15,7 @@ struct Stop {
   double stay = 5;   ///< … and of the stay
 };
 
+/// Stops that a viewer flies between.
 struct Tour {
   std::string volume;  ///< whose tour it is; "": that is not known
   std::vector<Stop> stops;

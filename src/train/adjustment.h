@@ -8,6 +8,7 @@
 
 namespace clipgs {
 
+/// The shape of the adaptive adjustment model (ClipGS).
 struct AdjustmentOptions {
   int position_octaves = 6;  ///< of the encoding of a centre: wavelengths 2 to 2⁻⁴ of the radius
   int plane_octaves = 8;     ///< … of the plane's position: 2 to 2⁻⁶ of the radius

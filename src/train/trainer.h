@@ -16,6 +16,7 @@
 
 namespace clipgs {
 
+/// How a scene is trained.
 struct TrainOptions {
   size_t budget = 100000;  ///< Gaussians at most
   size_t start = 100000;   ///< Gaussians to start from, at most the budget

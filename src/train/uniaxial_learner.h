@@ -9,6 +9,7 @@
 
 namespace clipgs {
 
+/// Which parts of the neural model are learnt, and how.
 struct UniaxialOptions {
   Truncation truncation = Truncation::kLearned;
   bool adjust = true;  ///< with the adaptive adjustment model

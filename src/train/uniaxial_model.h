@@ -42,6 +42,7 @@ struct UniaxialState {
 void make_state(const Gaussians& gaussians, const UniaxialParameters& parameters,
                 std::optional<float> offset, UniaxialState& state);
 
+/// The loss's gradients of what the neural model learns beside its Gaussians.
 struct UniaxialGradients {
   std::vector<float>
       thresholds;              ///< ∂L/∂m of each Gaussian, 1/mm; 0 of those that were not reached

@@ -79,6 +79,7 @@ struct UnreadableDicom {
   std::string error;       ///< what is wrong, one line
 };
 
+/// What the files of a folder turned out to be.
 struct DicomScan {
   std::vector<DicomHeader> images;
   std::vector<UnreadableDicom> unreadable;

@@ -11,6 +11,7 @@
 
 namespace clipgs {
 
+/// A window to look at slices through first.
 struct SuggestedWindow {
   std::string name;  ///< one of kCtWindows, "auto", or "header": what the file's header suggests
   Window window;

@@ -6,6 +6,7 @@ namespace clipgs {
 
 inline constexpr float kLeastMatter = -300;  ///< HU; foam of cushions is lighter, skin is not
 
+/// What isolate_body() did.
 struct Isolation {
   double removed = 0;   ///< ml of matter (kLeastMatter or more) set to air
   double foreign = 0;   ///< ml of parts that stay and hold no fat: a head holder, no limb

@@ -14,6 +14,7 @@
 
 namespace clipgs {
 
+/// Which volume is read of what a path holds, and what is done to it.
 struct LoadOptions {
   /// DICOM series UID or 1-based number in the list of series and phases; empty: that of the file
   /// given, or the largest (of phases alike in size the first).

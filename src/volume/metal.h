@@ -6,6 +6,7 @@ namespace clipgs {
 
 inline constexpr float kMetal = 2500;  ///< HU; no bone is as dense, enamel seldom
 
+/// What soften_metal() met.
 struct MetalSoftening {
   double metal_ml = 0;  ///< what is at least as dense as was asked for, in the slices below
   int slices = 0;       ///< that hold at least 5 mm² of it

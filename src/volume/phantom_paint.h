@@ -63,6 +63,7 @@ std::vector<Segment> smooth_tube(std::vector<Vec3> points, float radius_a, float
 std::vector<Segment> grown(std::vector<Segment> segments, float growth);
 Box bounds_of(const std::vector<Segment>& segments);
 
+/// Paints bodies into a volume, voxel by voxel.
 class Painter {
  public:
   Painter(Volume& volume, std::uint64_t seed)

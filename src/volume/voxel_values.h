@@ -37,6 +37,7 @@ class ValuePalette {
 /// that it was made from; the codes take half the memory.
 class VoxelValues {
  public:
+  /// The least and the greatest value.
   struct Range {
     float min = 0;
     float max = 0;

@@ -10,6 +10,7 @@ struct Window {
   float width = 400;
 };
 
+/// A window as radiologists call it.
 struct NamedWindow {
   const char* name;
   Window window;

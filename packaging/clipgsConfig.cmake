@@ -1,0 +1,13 @@
+# find_package(clipgs): the rooms as clipgs::core to clipgs::study (docs/reference.md), with what they are made of.
+include(CMakeFindDependencyMacro)
+foreach(needed TBB fmt nlohmann_json glm Eigen3 OpenSSL LibArchive ZLIB PkgConfig)
+  find_dependency(${needed})
+endforeach()
+find_dependency(Boost 1.74)
+pkg_check_modules(SPNG REQUIRED QUIET IMPORTED_TARGET spng)
+pkg_check_modules(HWY REQUIRED QUIET IMPORTED_TARGET libhwy)
+pkg_check_modules(CAIRO REQUIRED QUIET IMPORTED_TARGET cairo cairo-svg)
+pkg_check_modules(WEBP REQUIRED QUIET IMPORTED_TARGET libwebp libwebpmux libwebpdemux)
+pkg_check_modules(AV1 REQUIRED QUIET IMPORTED_TARGET aom dav1d)
+pkg_check_modules(ZSTD REQUIRED QUIET IMPORTED_TARGET libzstd)
+include(${CMAKE_CURRENT_LIST_DIR}/clipgsTargets.cmake)
