@@ -98,7 +98,7 @@ void note_keys(const json& object, const std::string& prefix, std::span<const Kn
     const auto found = std::ranges::find(known, std::string_view(key), &Known::key);
     if (found == known.end()) {
       notes.push_back({prefix + key, shown(value), "no clipgs writes this", true});
-    } else if (!found->what.empty() && shown(value) != "") {
+    } else if (!found->what.empty() && !shown(value).empty()) {
       notes.push_back({prefix + key, shown(value), std::string(found->what)});
     }
   }

@@ -39,7 +39,7 @@ Section sample_of(const Section& section, bool video) {
   std::vector<std::uint8_t> voxels;
   voxels.reserve(sample.dims.z * slice);
   for (int k = 0; k < sample.dims.z; ++k) {
-    const auto z = static_cast<size_t>(first + k * step);
+    const auto z = static_cast<size_t>(first) + static_cast<size_t>(k) * static_cast<size_t>(step);
     const auto begin = section.voxels.begin() + static_cast<std::ptrdiff_t>(z * slice);
     voxels.insert(voxels.end(), begin, begin + static_cast<std::ptrdiff_t>(slice));
   }

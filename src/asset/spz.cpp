@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -97,7 +98,7 @@ std::uint32_t rotation_code(const Quat& q) {
   std::uint32_t code = largest;
   for (std::uint32_t c = 0; c < 4; ++c) {
     if (c != largest) {
-      const float share = std::abs(xyzw[c]) * std::sqrt(2.0f);
+      const float share = std::abs(xyzw[c]) * std::numbers::sqrt2_v<float>;
       const auto size = static_cast<std::uint32_t>(
           std::min(std::lround(share * kRotationMost), static_cast<long>(kRotationMost)));
       code = code << 10 | static_cast<std::uint32_t>((xyzw[c] < 0) != negate) << 9 | size;
@@ -112,7 +113,8 @@ std::array<float, 4> rotation_of(std::uint32_t code) {  // x, y, z, w
   float squares = 0;
   for (std::uint32_t k = 4; k-- > 0;) {
     if (k != largest) {
-      const float size = static_cast<float>(code & kRotationMost) / kRotationMost / std::sqrt(2.0f);
+      const float size =
+          static_cast<float>(code & kRotationMost) / kRotationMost / std::numbers::sqrt2_v<float>;
       xyzw[k] = (code & (kRotationMost + 1)) != 0 ? -size : size;
       squares += size * size;
       code >>= 10;

@@ -118,7 +118,7 @@ void CompanionDesk::answer(const HttpRequest& request, const Wanted& wanted,
 }
 
 void CompanionDesk::give(const HttpRequest& request, const std::filesystem::path& file,
-                         Answer& answer) const {
+                         Answer& answer) {
   std::optional<std::string> text = read_companion(file);
   if (!text) {
     // No failure: most cases have none.

@@ -52,7 +52,7 @@ class CompanionDesk {
 
  private:
   bool keeps(Kind kind) const { return kind == Kind::kMarks ? keeps_.marks : keeps_.tours; }
-  void give(const HttpRequest& request, const std::filesystem::path& file, Answer& answer) const;
+  static void give(const HttpRequest& request, const std::filesystem::path& file, Answer& answer);
   void take(const HttpRequest& request, Kind kind, const std::filesystem::path& file,
             const std::function<void()>& before_change, Answer& answer);
 

@@ -124,7 +124,7 @@ std::string Metrics::text(const std::optional<Cases>& cases, std::uint64_t opene
     out.family("clipgs_http_requests_total", "counter", "Requests by what they asked for.");
     for (const auto& [key, count] : requests_) {
       out.sample(count,
-                 fmt::format("{{kind=\"{}\",code=\"{}\"}}", kind_name(key.first), key.second));
+                 fmt::format(R"({{kind="{}",code="{}"}})", kind_name(key.first), key.second));
     }
     out.family("clipgs_http_sent_bytes_total", "counter", "Bytes sent, with heads, without TLS.");
     for (const auto& [kind, bytes] : bytes_) {

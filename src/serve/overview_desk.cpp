@@ -36,7 +36,8 @@ std::string sha256_of(std::string_view text) {
 }
 
 bool is_given(std::string_view name) {
-  return !name.starts_with('.') && name.find_first_of(std::string_view("/\0", 2)) == name.npos &&
+  return !name.starts_with('.') &&
+         name.find_first_of(std::string_view("/\0", 2)) == std::string_view::npos &&
          (name.ends_with(".html") || name.ends_with(".webp"));
 }
 

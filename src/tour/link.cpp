@@ -82,8 +82,8 @@ size_t planes_of(const std::vector<ShownCut>& cuts) {
 
 /// Of a case that is asked for by a number of up to five digits.
 std::optional<int> parse_state(const std::string& text) {
-  const bool is_number =
-      !text.empty() && text.size() <= 5 && text.find_first_not_of("0123456789") == text.npos;
+  const bool is_number = !text.empty() && text.size() <= 5 &&
+                         text.find_first_not_of("0123456789") == std::string::npos;
   return is_number ? std::optional(std::stoi(text)) : std::nullopt;
 }
 

@@ -50,11 +50,12 @@ std::vector<std::string> measures(const Mark& mark, const Section* section) {
     parts.push_back(decimal(degrees_of(mark), 1) + "°");
   } else if (mark.is_flat()) {
     parts.push_back(area_text(region_area(mark)));
-    if (const auto values = section ? region_values(mark, *section) : std::nullopt) {
+    if (const auto values = section != nullptr ? region_values(mark, *section) : std::nullopt) {
       parts.push_back(fmt::format("mean {}, SD {}{}", decimal(values->mean, 0),
                                   decimal(values->deviation, 0), unit_of(*section)));
     }
-  } else if (const auto reading = section ? section->read(Vec3(mark.points[0])) : std::nullopt) {
+  } else if (const auto reading =
+                 section != nullptr ? section->read(Vec3(mark.points[0])) : std::nullopt) {
     const auto error = static_cast<double>(reading->error);
     parts.push_back(fmt::format("{} ± {}{}", decimal(static_cast<double>(reading->value), 0),
                                 decimal(error, error < 0.95 ? 1 : 0), unit_of(*section)));
