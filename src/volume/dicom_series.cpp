@@ -265,7 +265,7 @@ LaidOutStack lay_out(DicomStack stack, Gaps gaps, const std::string& where) {
   if (static_cast<std::uint64_t>(image.dims.x) * image.dims.y * image.dims.z > kMaxVoxels) {
     throw Error("{}: more than 2^32 voxels; crop or downsample the series", where);
   }
-  return {std::move(stack), std::move(plan), std::move(grid), std::move(image)};
+  return {std::move(stack), std::move(plan), grid, std::move(image)};
 }
 
 }  // namespace

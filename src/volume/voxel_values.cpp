@@ -43,7 +43,7 @@ bool ValuePalette::encode(std::span<const float> values, std::uint16_t* codes) {
     const bool is_whole = std::bit_cast<std::uint32_t>(static_cast<float>(whole)) ==
                           std::bit_cast<std::uint32_t>(value);
     std::uint32_t& slot =
-        is_whole ? whole_[static_cast<size_t>(whole + kWhole)] : hashed_slot(value);
+        is_whole ? whole_[static_cast<size_t>(std::ptrdiff_t{whole} + kWhole)] : hashed_slot(value);
     if (slot == 0) {
       if (values_.size() == kMost) {
         return false;
