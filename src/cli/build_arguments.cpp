@@ -126,6 +126,7 @@ std::vector<BuildArguments> builds_of_looks(const BuildArguments& arguments) {
     return {arguments};
   }
   std::vector<BuildArguments> builds;
+  builds.reserve(presets.size());
   for (const std::string& preset : presets) {
     builds.push_back(build_of_look(arguments, preset));
   }

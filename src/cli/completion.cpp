@@ -62,7 +62,8 @@ std::string zsh_options(const DescribedCommand& command, std::string_view indent
       } else if (!option.value.empty()) {
         value = ":value:_files";
       }
-      lines += fmt::format("{}{} \\\n", indent, shell_word(name + "[" + text + "]" + value));
+      lines +=
+          fmt::format("{}{} \\\n", indent, shell_word(fmt::format("{}[{}]{}", name, text, value)));
     }
   }
   return lines;

@@ -156,6 +156,7 @@ class MarksPainter {
 /// Those whose labels there is room for, in their order.
 std::vector<SeenMark*> with_labels(std::vector<SeenMark>& seen) {
   std::vector<SeenMark*> marks;
+  marks.reserve(seen.size());
   for (SeenMark& mark : seen) {
     marks.push_back(&mark);
   }
@@ -203,7 +204,7 @@ std::vector<SaidMark> said_marks(std::vector<Mark> marks, const Section* section
 void draw_marks(Image& picture, std::span<SaidMark> marks, const Camera& camera, const Cut& cut,
                 const Section* section, bool body) {
   std::vector<Plane> planes(cut.planes().begin(), cut.planes().end());
-  if (section && body) {
+  if (section != nullptr && body) {
     const std::vector<Plane> ends = section->ends();
     planes.insert(planes.end(), ends.begin(), ends.end());
   }
@@ -211,9 +212,10 @@ void draw_marks(Image& picture, std::span<SaidMark> marks, const Camera& camera,
   const MarksPainter painter(overlay, picture, camera);
   std::vector<SeenMark> seen;
   for (SaidMark& said : marks) {
-    const bool on_face = section && std::ranges::any_of(said.mark.points, [&](const dvec3& point) {
-                           return is_on_face(*section, planes, camera, Vec3(point));
-                         });
+    const bool on_face =
+        section != nullptr && std::ranges::any_of(said.mark.points, [&](const dvec3& point) {
+          return is_on_face(*section, planes, camera, Vec3(point));
+        });
     if (auto mark = painter.seen(said, on_face ? 1 : kFaint)) {
       seen.push_back(std::move(*mark));
     }

@@ -66,6 +66,7 @@ class Receiver {
       throw Error("{}: {}", words[0], std::strerror(errno));
     }
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) {
       arguments.push_back(word.data());
     }

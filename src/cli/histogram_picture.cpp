@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numbers>
 
 #include "cli/sheet.h"
 #include "core/draw_text.h"
@@ -42,10 +43,10 @@ float tick_step(float range, float wanted) {
 template <typename Use>
 void for_ticks(float low, float high, float wanted, const Use& use) {
   const float step = tick_step(high - low, wanted);
-  const float first = std::ceil(low / step);
-  const float last = std::floor(high / step);
-  for (float i = first; i <= last; ++i) {
-    use(i * step + 0.0f);  // never −0
+  const auto first = static_cast<int>(std::ceil(low / step));
+  const auto last = static_cast<int>(std::floor(high / step));
+  for (int i = first; i <= last; ++i) {
+    use(static_cast<float>(i) * step);
   }
 }
 
@@ -144,7 +145,7 @@ class HistogramSheet {
               Align::kMiddle, kPlotWidth);
     cairo_save(cairo);
     cairo_translate(cairo, 20, kTop + 0.5 * kPlotHeight);
-    cairo_rotate(cairo, -0.5 * 3.14159265358979);
+    cairo_rotate(cairo, -0.5 * std::numbers::pi);
     draw_text(
         cairo,
         unit_.empty() ? "gradient, value units per mm" : fmt::format("gradient, {} per mm", unit_),

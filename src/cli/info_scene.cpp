@@ -22,8 +22,8 @@ void describe_common(const Scene& scene, bool has_layers, Json& json) {
     json["region"] = body_part_name(scene.look.part);
   }
   json["preset"] = scene.preset;
-  if (nlohmann::json look = volume_look_json(scene.look); !look.is_null()) {
-    json[kLookKey] = std::move(look);
+  if (const nlohmann::json look = volume_look_json(scene.look); !look.is_null()) {
+    json[kLookKey] = look;
   }
   json["created"] = scene.created;
   json["trained"] = json_number(scene.trained);

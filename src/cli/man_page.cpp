@@ -58,6 +58,7 @@ std::string limits_of(const DescribedOption& option) {
 
 std::string option_entry(const DescribedOption& option) {
   std::vector<std::string> names;
+  names.reserve(option.names.size());
   for (const std::string& name : option.names) {
     names.push_back(option.is_argument ? slanted(name) : bold(name));
   }

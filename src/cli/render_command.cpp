@@ -53,8 +53,7 @@ bool needs_section(const RenderArguments& arguments) {
 /// What the case is lit by, if it has a section.
 LightRig lights_of(const RenderArguments& arguments, const Case& contents) {
   const LightRig own = contents.section ? contents.section->rig : LightRig();
-  const LightRig rig =
-      turned(arguments.rig.empty() ? own : load_rig(arguments.rig), arguments.turn);
+  LightRig rig = turned(arguments.rig.empty() ? own : load_rig(arguments.rig), arguments.turn);
   if (arguments.lamp.empty()) {
     return rig;
   }
@@ -124,6 +123,7 @@ void run_render(const RenderArguments& arguments) {
   options.style.openings = parse_grey_openings(arguments.openings);
   options.reference = arguments.reference;
   std::vector<Vec3> pins;
+  pins.reserve(arguments.pins.size());
   for (const std::string& text : arguments.pins) {
     pins.push_back(parse_vector(text, "--pin"));
   }

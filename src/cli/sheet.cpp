@@ -11,7 +11,7 @@
 namespace clipgs {
 namespace {
 
-constexpr int kBytes = 4;  // a pixel of cairo's surfaces: blue, green, red and alpha
+constexpr size_t kBytes = 4;  // a pixel of cairo's surfaces: blue, green, red and alpha
 
 using Cairo = std::unique_ptr<cairo_t, void (*)(cairo_t*)>;
 using CairoSurface = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
