@@ -77,7 +77,10 @@ packages=(
 )
 # The browsers that the viewer is tested in, and what drives them and gives them a screen.
 browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri)
-checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 groff-base zsh fish "${browsers[@]}")
+# A hospital's archive, which the tests fetch from.
+archives=(orthanc orthanc-dicomweb dcmtk)
+checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 groff-base zsh fish "${browsers[@]}"
+  "${archives[@]}")
 if [ "$with_checks" -eq 1 ]; then
   packages+=("${checks[@]}")
 fi

@@ -315,8 +315,7 @@ class HttpClient::Connection {
   }
 
   httplib::Headers headers(const Request& request) const {
-    httplib::Headers all{
-        {"Accept", request.accept}, {"Accept-Encoding", "identity"}, {"User-Agent", "clipgs"}};
+    httplib::Headers all{{"Accept", request.accept}, {"User-Agent", "clipgs"}};
     // Here, not by httplib, which would tell the proxy as well.
     if (!options_.token.empty()) {
       all.emplace("Authorization", "Bearer " + options_.token);
