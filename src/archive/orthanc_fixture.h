@@ -69,6 +69,7 @@ class Orthanc {
   Orthanc(const Orthanc&) = delete;
   Orthanc& operator=(const Orthanc&) = delete;
 
+  int http_port() const { return http_port_; }    ///< without TLS
   int dicom_port() const { return dicom_port_; }  ///< its title: CLIPGSTEST; anybody may ask
   /// "https://127.0.0.1:PORT", without DICOMweb's /dicom-web.
   std::string url() const;

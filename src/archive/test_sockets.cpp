@@ -169,9 +169,10 @@ void SocketServer::end(int socket) {
   ::close(socket);
 }
 
-void tunnel(int one, int other) {
+void tunnel(int one, int other, std::uint64_t most) {
   std::array<char, 1 << 14> buffer{};
-  for (;;) {
+  std::uint64_t answered = 0;
+  while (answered < most) {
     const auto [from_one, from_other] = readable(one, other);
     for (const auto& [ready, from, to] :
          {std::tuple{from_one, one, other}, std::tuple{from_other, other, one}}) {
@@ -180,6 +181,7 @@ void tunnel(int one, int other) {
         if (size <= 0 || !send_all(to, {buffer.data(), static_cast<size_t>(size)})) {
           return;
         }
+        answered += from == other ? static_cast<std::uint64_t>(size) : 0;
       }
     }
   }

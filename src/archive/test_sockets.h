@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -48,8 +49,8 @@ class SocketServer {
   std::thread runner_;
 };
 
-/// Carries bytes both ways until one end closes.
-void tunnel(int one, int other);
+/// Carries bytes both ways until one end closes, or `most` of them came from `other`.
+void tunnel(int one, int other, std::uint64_t most = UINT64_MAX);
 
 /// Stands before a server as hospitals' gateways do: TLS outside, plain HTTP inside.
 /// `certificate`: PEM, with its key. `client_authorities`: only who shows a certificate of one of
