@@ -49,8 +49,23 @@ update_lists() {
   fi
 }
 
+# While packages are installed Debian's scripts ask this before they start a service; only tests start what is a server
+# among ours, each its own.
+readonly policy=/usr/sbin/policy-rc.d
+forbid_services() {
+  if [ ! -e "$policy" ]; then
+    local refusal
+    refusal="$(mktemp)"
+    printf '#!/bin/sh\nexit 101\n' >"$refusal"
+    as_root install -m 755 "$refusal" "$policy"
+    rm -f "$refusal"
+    trap 'as_root rm -f "$policy"' EXIT
+  fi
+}
+
 install_packages() {
   update_lists
+  forbid_services
   echo "setup: installing $*"
   if ! as_root apt-get install -y -qq --no-install-recommends "$@" >"$log" 2>&1; then
     tail -n 20 "$log" >&2
@@ -104,6 +119,13 @@ if [ "${#missing[@]}" -gt 0 ]; then
     install_packages "${wanted[@]}"
   fi
 fi
+
+# Nor does the system start it when it starts.
+for package in "${missing[@]}"; do
+  if [ "$package" = orthanc ] && installed orthanc; then
+    as_root update-rc.d orthanc disable >/dev/null
+  fi
+done
 
 # Node comes with npm or without it, depending on who packaged it.
 command -v node >/dev/null || install_packages nodejs

@@ -218,10 +218,11 @@ std::vector<std::string> DicomWebStudy::instances(const std::string& series) {
 
 void DicomWebStudy::retrieve_from(const std::string& path, const PartReceiver& receiver) {
   std::optional<MultipartReader> reader;
-  client_.get(
-      path, kFiles,
-      {[&](const HttpHead& head) { reader.emplace(head.content_type, client_.place(), receiver); },
-       [&](std::string_view bytes) { reader->read(bytes); }});
+  client_.get(path, kFiles,
+              {[&](const AnswerHead& head) {
+                 reader.emplace(head.content_type, client_.place(), receiver);
+               },
+               [&](std::string_view bytes) { reader->read(bytes); }});
   if (!reader || !reader->is_complete()) {
     throw HttpError(0, fmt::format("{}: its answer was cut; try again", client_.place()));
   }

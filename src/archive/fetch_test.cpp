@@ -1,6 +1,7 @@
 // Series from a real archive, Orthanc, and from ones that do wrong.
 #include "archive/fetch.h"
 
+#include <atomic>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <thread>
@@ -27,6 +28,7 @@ using testing_support::make_tls_gate;
 using testing_support::Orthanc;
 using testing_support::OrthancOptions;
 using testing_support::read_head;
+using testing_support::ScratchFolder;
 using testing_support::send_all;
 using testing_support::SocketServer;
 using testing_support::TestAuthority;
@@ -61,7 +63,7 @@ Orthanc& the_archive() {
     options.user = kUser;
     options.password = kPassword;
     auto archive = std::make_unique<Orthanc>(options);
-    const TestFolder folder;
+    const ScratchFolder folder;
     write_images(folder.path(), 30);
     archive->upload(folder.path());
     return archive;
@@ -147,12 +149,12 @@ TEST_F(FetchTest, ShowsItsCertificateWhereTheGatewayWantsOne) {
 }
 
 TEST_F(FetchTest, TakesATokenWhereTheArchiveWantsOne) {
-  const TestFolder scripts;
-  write_text(scripts / "token.lua",
+  const fs::path script = folder_ / "token.lua";
+  write_text(script,
              "function IncomingHttpRequestFilter(method, uri, ip, username, headers)\n"
              "  return headers['authorization'] == 'Bearer very-secret'\nend\n");
   OrthancOptions options;
-  options.settings = {{"LuaScripts", {(scripts / "token.lua").string()}}};
+  options.settings = {{"LuaScripts", {script.string()}}};
   const Orthanc archive(options);
   HttpClient nobody(archive.url() + "/dicom-web", quick({}));
   EXPECT_THAT(error_of([&] { DicomWebStudy(nobody, kStudy).series(); }), HasSubstr("(40"));
@@ -164,7 +166,6 @@ TEST_F(FetchTest, TakesATokenWhereTheArchiveWantsOne) {
 
 TEST_F(FetchTest, TakesTheLargestSeriesOfPicturesAndListsTheOthers) {
   const Orthanc& archive = the_archive();
-  const TestFolder made;
   const std::vector<std::tuple<const char*, const char*, int>> others = {
       {"1.2.3.1", "CT", 3}, {"1.2.3.2", "SR", 5}, {"1.2.4.1", "SR", 1}, {"1.2.4.2", "PR", 2}};
   for (const auto& [uid, modality, count] : others) {
@@ -174,10 +175,10 @@ TEST_F(FetchTest, TakesTheLargestSeriesOfPicturesAndListsTheOthers) {
     slice.modality = modality;
     for (slice.instance = 1; slice.instance <= count; ++slice.instance) {
       fill(slice);
-      write_dicom(made / fmt::format("{}-{}", uid, slice.instance), slice);
+      write_dicom(folder_ / fmt::format("{}-{}", uid, slice.instance), slice);
     }
   }
-  archive.upload(made.path());
+  archive.upload(folder_.path());
   HttpClient client(archive.url() + "/dicom-web", quick(archive.client_options()));
   const std::vector<ArchiveSeries> list = DicomWebStudy(client, "1.2.3").series();
   ASSERT_EQ(list.size(), 2U);
@@ -229,7 +230,7 @@ TEST_F(FetchTest, AnArchiveThatDiesIsAnErrorAndWhatCameIsKept) {
   write_images(folder_ / "stored", 20, 1, 200);  // 80 kB each
   auto archive = std::make_unique<Orthanc>();
   archive->upload(folder_ / "stored");
-  std::uint64_t most = 700'000;
+  std::atomic<std::uint64_t> most = 700'000;
   const SocketServer gateway([&](int socket) {
     const int inside = connect_to(archive->http_port());
     tunnel(socket, inside, most);

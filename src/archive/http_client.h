@@ -14,6 +14,10 @@
 
 namespace clipgs {
 
+class HttpConnection;
+struct HttpOutcome;
+struct OutgoingRequest;
+
 /// Who asks an archive, and how long it is waited for. Secrets are in no error and no log.
 struct HttpOptions {
   std::string token;                  ///< a bearer's; goes before user and password
@@ -37,14 +41,14 @@ class HttpError : public Error {
 };
 
 /// The head of an answer, which is a success (2xx).
-struct HttpHead {
+struct AnswerHead {
   int status = 200;
   std::string content_type;          ///< as the header says, "" without one
   std::uint64_t content_length = 0;  ///< bytes; 0: not said
 };
 
 struct HttpAnswer {
-  HttpHead head;
+  AnswerHead head;
   std::string body;
 };
 
@@ -56,7 +60,7 @@ struct HttpBody {
 
 /// Takes an answer piece by piece. What is thrown ends the request, and is thrown by it.
 struct HttpReceiver {
-  std::function<void(const HttpHead& head)> begin;  ///< once, before the first piece
+  std::function<void(const AnswerHead& head)> begin;  ///< once, before the first piece
   std::function<void(std::string_view bytes)> receive;
 };
 
@@ -90,15 +94,14 @@ class HttpClient {
   std::string place() const;
 
  private:
-  class Connection;
-  struct Request;
-
-  void send(const Request& request, const HttpReceiver& receiver);
-  HttpAnswer answer_to(const Request& request, std::uint64_t most);
+  HttpOutcome ask(HttpConnection& connection, const OutgoingRequest& request,
+                  const HttpReceiver& receiver) const;
+  void send(OutgoingRequest request, const HttpReceiver& receiver);
+  HttpAnswer answer_to(OutgoingRequest request, std::uint64_t most);
 
   Url base_;
   HttpOptions options_;
-  std::unique_ptr<Connection> connection_;
+  std::unique_ptr<HttpConnection> connection_;
 };
 
 }  // namespace clipgs

@@ -181,7 +181,7 @@ TEST(HttpClient, AReceiverThatThrowsEndsTheRequest) {
   HttpClient client(server.url(), quick());
   EXPECT_EQ(error_of([&] {
               client.get("/x", "*/*",
-                         {[](const HttpHead& head) { EXPECT_EQ(head.content_length, 2U); },
+                         {[](const AnswerHead& head) { EXPECT_EQ(head.content_length, 2U); },
                           [](std::string_view) { throw Error("enough"); }});
             }),
             "enough");
