@@ -64,7 +64,7 @@ class Answers {
 HttpOptions quick() {
   HttpOptions options;
   options.first_wait = milliseconds(5);
-  options.connect_limit = milliseconds(2000);
+  options.connect_limit = milliseconds(500);
   options.idle_limit = milliseconds(300);
   return options;
 }

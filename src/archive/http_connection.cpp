@@ -157,6 +157,9 @@ class HttpConnection::Implementation {
     outcome.failure = failure_of(result.error());
     if (result) {  // of answers without a body, and a proxy's, nothing else tells
       take_head(*result, outcome);
+      if (outcome.is_success() && !outcome.began) {
+        begin(*result, receiver, outcome);
+      }
     }
     outcome.timed_out = Clock::now() - last_ >= options_.idle_limit;
     outcome.alert = alert_;

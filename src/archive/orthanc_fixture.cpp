@@ -36,7 +36,9 @@ bool listens(int port) {
 }  // namespace
 
 ScratchFolder::ScratchFolder() {
-  std::string name = (fs::temp_directory_path() / "clipgs-archive-XXXXXX").string();
+  const fs::path memory = "/dev/shm";  // where an archive's database is quick
+  const fs::path base = fs::is_directory(memory) ? memory : fs::temp_directory_path();
+  std::string name = (base / "clipgs-archive-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw std::runtime_error("no temporary folder");
   }
@@ -76,9 +78,11 @@ TestAuthority::Issued TestAuthority::issue(const std::string& name, const std::s
 TestAuthority::Issued TestAuthority::issue_expired(const std::string& name) {
   const Issued issued = issue(name);
   run(
-      fmt::format("cd {} && openssl x509 -in {}.pem -CA authority.pem -CAkey authority.key "
-                  "-days -1 -out expired.pem && cat expired.pem {}.key > {}.both",
-                  folder_.path().string(), name, name, name));
+      fmt::format("cd {0} && openssl x509 -x509toreq -in {1}.pem -signkey {1}.key "
+                  "-copy_extensions copy -out request && openssl x509 -req -in request "
+                  "-CA authority.pem -CAkey authority.key -copy_extensions copy -days -1 "
+                  "-out {1}.pem && cat {1}.pem {1}.key > {1}.both",
+                  folder_.path().string(), name));
   return issued;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <csignal>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <openssl/ssl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -36,6 +37,12 @@ int bound_socket() {
     throw std::runtime_error("no free port");
   }
   return socket;
+}
+
+/// Else what is passed on in two pieces waits for an acknowledgement in between.
+void send_at_once(int socket) {
+  const int on = 1;
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 }
 
 /// Waits until one of them can be read.
@@ -84,6 +91,14 @@ void serve_tls(SSL* outside, int server) {
   }
 }
 
+/// A socket that is closed while something is unread takes back what was sent, an alert as well.
+void wait_for_end(int socket) {
+  ::shutdown(socket, SHUT_WR);
+  std::array<char, 1 << 10> ignored{};
+  while (::recv(socket, ignored.data(), ignored.size(), 0) > 0) {
+  }
+}
+
 }  // namespace
 
 int free_port() {
@@ -100,6 +115,7 @@ int connect_to(int port) {
     ::close(socket);
     return -1;
   }
+  send_at_once(socket);
   return socket;
 }
 
@@ -154,6 +170,7 @@ void SocketServer::run() {
     if (socket < 0) {
       return;
     }
+    send_at_once(socket);
     const std::scoped_lock lock(mutex_);
     open_.insert(socket);
     threads_.emplace_back([this, socket] {
@@ -193,7 +210,11 @@ std::unique_ptr<SocketServer> make_tls_gate(int server, const std::filesystem::p
       [server, context = gate_context(certificate, client_authorities)](int socket) {
         const Connection outside(SSL_new(context.get()), SSL_free);
         SSL_set_fd(outside.get(), socket);
-        const int inside = SSL_accept(outside.get()) == 1 ? connect_to(server) : -1;
+        if (SSL_accept(outside.get()) != 1) {
+          wait_for_end(socket);
+          return;
+        }
+        const int inside = connect_to(server);
         if (inside >= 0) {
           serve_tls(outside.get(), inside);
           ::close(inside);

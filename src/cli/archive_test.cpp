@@ -31,8 +31,6 @@ class ArchiveCli : public CliTest {
     if (!Orthanc::is_installed()) {
       GTEST_SKIP() << "there is no Orthanc with its DICOMweb plugin here (see scripts/setup.sh)";
     }
-    fs::create_directories(at("tmp"));
-    ::setenv("TMPDIR", at("tmp").c_str(), 1);
     ::setenv("CLIPGS_ARCHIVE_PASSWORD", "very-secret", 1);
   }
   ~ArchiveCli() override {
@@ -40,11 +38,14 @@ class ArchiveCli : public CliTest {
     ::unsetenv("CLIPGS_ARCHIVE_PASSWORD");
   }
 
-  static std::unique_ptr<Orthanc> start() {
+  std::unique_ptr<Orthanc> start() const {
     testing_support::OrthancOptions options;
     options.user = "me";
     options.password = "very-secret";
-    return std::make_unique<Orthanc>(options);
+    auto archive = std::make_unique<Orthanc>(options);  // whose own files lie elsewhere
+    fs::create_directories(at("tmp"));
+    ::setenv("TMPDIR", at("tmp").c_str(), 1);
+    return archive;
   }
 
   void write_scan(const std::string& uid, int slices) const {
