@@ -51,29 +51,16 @@ void sync_disk(const fs::path& folder) {
   ::close(fd);
 }
 
-/// What is to be there, as the archive says now.
-struct Listed {
-  std::vector<std::string> instances;
-  size_t count = 0;
-};
-
-Listed listed(DicomWebStudy& study, const std::string& series) {
-  Listed now{study.instances(series), 0};
-  now.count = std::max(now.instances.size(), static_cast<size_t>(study.count(series)));
-  if (now.count == 0) {
+/// How many images there are, as the archive says now. Throws Error if there is none.
+size_t count_of(DicomWebStudy& study, const std::string& series) {
+  auto count = static_cast<size_t>(study.count(series));
+  if (count == 0) {  // not said, or none: archives take longer for the list
+    count = study.instances(series).size();
+  }
+  if (count == 0) {
     throw Error("{}: has no such series, or nothing in it; check the UID", study.place());
   }
-  return now;
-}
-
-std::vector<std::string> missing(const Listed& listed, const IncomingSeries& incoming) {
-  std::vector<std::string> list;
-  for (const std::string& instance : listed.instances) {
-    if (!incoming.instances().contains(instance)) {
-      list.push_back(instance);
-    }
-  }
-  return list;
+  return count;
 }
 
 /// A receiver that says how far it is.
@@ -87,10 +74,9 @@ PartReceiver with_progress(IncomingSeries& incoming, Progress& progress) {
   return receiver;
 }
 
-/// Everything at once where nothing is there, else each of `instances`. What was cut is left to
-/// another try, unless nothing came.
-void retrieve(DicomWebStudy& study, const std::string& series,
-              const std::vector<std::string>& instances, IncomingSeries& incoming,
+/// Everything at once where nothing is there, else each image that is missing. What was cut is left
+/// to another try, unless nothing came.
+void retrieve(DicomWebStudy& study, const std::string& series, IncomingSeries& incoming,
               Progress& progress) {
   const size_t before = incoming.instances().size();
   const PartReceiver receiver = with_progress(incoming, progress);
@@ -99,8 +85,10 @@ void retrieve(DicomWebStudy& study, const std::string& series,
       study.retrieve(series, receiver);
       return;
     }
-    for (const std::string& instance : instances) {
-      study.retrieve(series, instance, receiver);
+    for (const std::string& instance : study.instances(series)) {
+      if (!incoming.instances().contains(instance)) {
+        study.retrieve(series, instance, receiver);
+      }
     }
   } catch (const HttpError& error) {
     if (error.status != 0 || incoming.instances().size() == before) {
@@ -109,28 +97,25 @@ void retrieve(DicomWebStudy& study, const std::string& series,
   }
 }
 
+/// Until there are as many images as the archive says, which may become more meanwhile.
 void retrieve_all(DicomWebStudy& study, const std::string& series, IncomingSeries& incoming) {
   constexpr int kTries = 4;
-  Listed now = listed(study, series);
-  Progress progress("fetching", now.count);
-  for (int i = 0; i < kTries; ++i) {
-    std::vector<std::string> wanted = missing(now, incoming);
-    if (i > 0 && !wanted.empty()) {
+  size_t count = count_of(study, series);
+  Progress progress("fetching", count);
+  for (int i = 0; incoming.instances().size() != count; ++i) {
+    if (i == kTries) {
+      throw Error(
+          "{}: says that the series has {} images, and {} came; wait until it has all of them, and "
+          "run this again",
+          study.place(), count, incoming.instances().size());
+    }
+    if (i > 0) {
       warn(fmt::format("{}: {} of {} images came; the others are asked for by themselves",
-                       study.place(), incoming.instances().size(), now.count));
+                       study.place(), incoming.instances().size(), count));
     }
-    if (!wanted.empty()) {
-      retrieve(study, series, wanted, incoming, progress);
-    }
-    now = listed(study, series);
-    if (missing(now, incoming).empty() && incoming.instances().size() == now.count) {
-      return;
-    }
+    retrieve(study, series, incoming, progress);
+    count = count_of(study, series);
   }
-  throw Error(
-      "{}: says that the series has {} images, and {} came; wait until it has all of them, and run "
-      "this again",
-      study.place(), now.count, incoming.instances().size());
 }
 
 }  // namespace

@@ -205,9 +205,9 @@ class HttpConnection::Implementation {
     } else if (!options_.user.empty()) {
       all.insert(httplib::make_basic_authentication_header(options_.user, options_.password));
     }
-    if (proxy_ && url_.tls) {
-      all.emplace("Proxy-Authorization",
-                  "");  // else httplib tells the archive the proxy's password
+    // Else httplib tells the archive the proxy's password.
+    if (proxy_ && url_.tls && !proxy_->user.empty()) {
+      all.emplace("Proxy-Authorization", "");
     }
     if (!request.body.content_type.empty()) {
       all.emplace("Content-Type", request.body.content_type);
@@ -281,7 +281,10 @@ class HttpConnection::Implementation {
 HttpConnection::HttpConnection(Url place, const HttpOptions& options)
     : implementation_(std::make_unique<Implementation>(std::move(place), options)) {}
 
-HttpConnection::~HttpConnection() = default;
+HttpConnection::~HttpConnection() {
+  const NoPipeSignal quiet;  // it says goodbye
+  implementation_.reset();
+}
 
 const Url& HttpConnection::url() const { return implementation_->url(); }
 
