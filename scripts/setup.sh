@@ -83,10 +83,10 @@ packages=(
   # libraries
   libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libaom-dev libdav1d-dev libzstd-dev libspng-dev libarchive-dev libeigen3-dev
-  libboost-dev libssl-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
+  libboost-dev libssl-dev libcpp-httplib-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
   # clipgs render --tour writes MP4 and WebM with it
   ffmpeg
-  libgtest-dev libgmock-dev libbenchmark-dev libcpp-httplib-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's WebAssembly
   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32
 )
