@@ -210,6 +210,7 @@ std::vector<std::string> DicomWebStudy::instances(const std::string& series) {
   }
   std::ranges::sort(numbered);
   std::vector<std::string> uids;
+  uids.reserve(numbered.size());
   for (auto& [number, uid] : numbered) {
     uids.push_back(std::move(uid));
   }

@@ -124,8 +124,8 @@ bool HttpOutcome::may_pass(const Url& url) const {
 
 class HttpConnection::Implementation {
  public:
-  Implementation(Url place, const HttpOptions& options)
-      : url_(std::move(place)), options_(options), proxy_(proxy_for(url_)) {
+  Implementation(Url place, HttpOptions options)
+      : url_(std::move(place)), options_(std::move(options)), proxy_(proxy_for(url_)) {
     if (url_.tls) {
       auto tls = std::make_unique<httplib::SSLClient>(url_.host, url_.port);
       tls_ = tls.get();
@@ -236,8 +236,8 @@ class HttpConnection::Implementation {
     return sent;
   }
 
-  bool begin(const httplib::Response& response, const HttpReceiver& receiver,
-             HttpOutcome& outcome) {
+  static bool begin(const httplib::Response& response, const HttpReceiver& receiver,
+                    HttpOutcome& outcome) {
     outcome.began = true;
     AnswerHead head{response.status, response.get_header_value("Content-Type"), 0};
     const std::string length = response.get_header_value("Content-Length");

@@ -56,7 +56,7 @@ std::string alert_line(int alert, bool has_certificate) {
 
 std::string connection_line(const HttpOutcome& outcome, const Url& url,
                             const HttpOptions& options) {
-  const std::string alert = alert_line(outcome.alert, !options.certificate.empty());
+  std::string alert = alert_line(outcome.alert, !options.certificate.empty());
   if (!alert.empty()) {
     return alert;
   }

@@ -33,7 +33,9 @@ namespace {
   constexpr int kLife = STDERR_FILENO + 1;
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    ::dup2(nowhere, stream);
+    if (nowhere >= 0) {
+      ::dup2(nowhere, stream);
+    }
   }
   ::dup2(life, kLife);
   ::close_range(kLife + 1, ~0U, 0);
