@@ -47,6 +47,7 @@ struct AnswerHead {
   std::uint64_t content_length = 0;  ///< bytes; 0: not said
 };
 
+/// An answer that is kept in memory.
 struct HttpAnswer {
   AnswerHead head;
   std::string body;

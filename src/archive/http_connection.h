@@ -13,6 +13,7 @@ namespace clipgs {
 /// Retry-After and growing waits end here.
 inline constexpr std::chrono::milliseconds kLongestWait{60'000};
 
+/// What is asked of a place.
 struct OutgoingRequest {
   const char* method = "GET";
   std::string path;  ///< of the place, all of it
