@@ -49,8 +49,23 @@ update_lists() {
   fi
 }
 
+# While packages are installed Debian's scripts ask this before they start a service; only tests start what is a server
+# among ours, each its own.
+readonly policy=/usr/sbin/policy-rc.d
+forbid_services() {
+  if [ ! -e "$policy" ]; then
+    local refusal
+    refusal="$(mktemp)"
+    printf '#!/bin/sh\nexit 101\n' >"$refusal"
+    as_root install -m 755 "$refusal" "$policy"
+    rm -f "$refusal"
+    trap 'as_root rm -f "$policy"' EXIT
+  fi
+}
+
 install_packages() {
   update_lists
+  forbid_services
   echo "setup: installing $*"
   if ! as_root apt-get install -y -qq --no-install-recommends "$@" >"$log" 2>&1; then
     tail -n 20 "$log" >&2
@@ -68,16 +83,19 @@ packages=(
   # libraries
   libgdcm-dev zlib1g-dev libtbb-dev libhwy-dev libglm-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libwebp-dev libaom-dev libdav1d-dev libzstd-dev libspng-dev libarchive-dev libeigen3-dev
-  libboost-dev libssl-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
+  libboost-dev libssl-dev libcpp-httplib-dev libqrencode-dev libcairo2-dev fonts-dejavu-core
   # clipgs render --tour writes MP4 and WebM with it
   ffmpeg
-  libgtest-dev libgmock-dev libbenchmark-dev libcpp-httplib-dev
+  libgtest-dev libgmock-dev libbenchmark-dev
   # the viewer's WebAssembly
   clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32
 )
 # The browsers that the viewer is tested in, and what drives them and gives them a screen.
 browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri)
-checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 groff-base zsh fish "${browsers[@]}")
+# A hospital's archive, which the tests fetch from.
+archives=(orthanc orthanc-dicomweb dcmtk)
+checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 groff-base zsh fish "${browsers[@]}"
+  "${archives[@]}")
 if [ "$with_checks" -eq 1 ]; then
   packages+=("${checks[@]}")
 fi
@@ -101,6 +119,13 @@ if [ "${#missing[@]}" -gt 0 ]; then
     install_packages "${wanted[@]}"
   fi
 fi
+
+# Nor does the system start it when it starts.
+for package in "${missing[@]}"; do
+  if [ "$package" = orthanc ] && installed orthanc; then
+    as_root update-rc.d orthanc disable >/dev/null
+  fi
+done
 
 # Node comes with npm or without it, depending on who packaged it.
 command -v node >/dev/null || install_packages nodejs

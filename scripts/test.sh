@@ -89,7 +89,7 @@ checks_beside() {
   renice -n 19 "$BASHPID" >/dev/null
   step "lint viewer" npm --prefix web run lint
   step "reference" bash scripts/reference.sh
-  step "build asan ubsan" configure_and_build asan {core,volume,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
+  step "build asan ubsan" configure_and_build asan {core,volume,archive,light,cinema,splat,section,train,bake,asset,measure,study,serve}_test fuzz
   # The rooms that work on several threads; training goes through those of splats as well.
   step "build tsan" configure_and_build tsan {core,light,cinema,section,train,serve}_test
   # All rooms together take too long; scripts/tidy.sh by hand has them.

@@ -8,6 +8,7 @@
 
 #include "pipeline/build_case.h"
 
+#include "cli/archive_options.h"
 #include "cli/look_options.h"
 
 namespace clipgs {
@@ -25,6 +26,7 @@ struct Overrides {
 /// What a command that builds cases is told.
 struct BuildArguments {
   std::string volume;
+  ArchiveArguments archive;  ///< where the volume is an address
   std::string output;
   LookArguments look;
   std::string quality = "standard";

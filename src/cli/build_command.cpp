@@ -1,5 +1,6 @@
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +8,7 @@
 #include "pipeline/build_needs.h"
 #include "pipeline/instant_case.h"
 
+#include "cli/archive_volume.h"
 #include "cli/build_arguments.h"
 #include "cli/commands.h"
 #include "cli/test_picture_options.h"
@@ -20,18 +22,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void run_instant_build(const BuildArguments& arguments) {
+/// Called when a volume has been read.
+using Loaded = std::function<void()>;
+
+void run_instant_build(const BuildArguments& arguments, const Loaded& loaded) {
   require_writable(arguments.output);
   require_volume(arguments);
   const Volume volume = load_volume(arguments.volume, arguments.loading);
+  loaded();
   build_instant_case(volume, load_look(arguments.look, volume),
                      {arguments.section, !arguments.look.as_scanned, arguments.title},
                      arguments.output);
 }
 
-void run_build(const BuildArguments& arguments) {
+void run_build(const BuildArguments& arguments, const Loaded& loaded) {
   if (arguments.instant()) {
-    run_instant_build(arguments);
+    run_instant_build(arguments, loaded);
     return;
   }
   const BuildOptions options = build_options(arguments);
@@ -41,12 +47,15 @@ void run_build(const BuildArguments& arguments) {
   require_volume(arguments);
   const FolderLock work(folder, "give this build its own folder with --work");
   Volume volume = load_volume(arguments.volume, arguments.loading);
+  loaded();
   const Preset preset = load_look(arguments.look, volume);
   build_case(std::move(volume), preset, options, work, arguments.output);
 }
 
 /// What the steps of a build need, as JSON: whole megabytes and seconds, for schedulers.
-void print_needs(const BuildArguments& arguments) {
+void print_needs(BuildArguments arguments) {
+  const GivenVolume given(arguments.volume, arguments.loading, arguments.archive);
+  arguments.volume = given.path();
   require_volume(arguments);
   const VolumeSize size = volume_size(arguments.volume, arguments.loading);
   require_supported(size, arguments.volume);
@@ -74,14 +83,20 @@ void require_no_training(const CLI::App& command) {
   }
 }
 
-/// One case for each preset of --preset.
-void run_builds(const BuildArguments& arguments) {
+/// One case for each preset of --preset. What was fetched stays until the last one has read it.
+void run_builds(BuildArguments arguments) {
+  for (const BuildArguments& build : builds_of_looks(arguments)) {
+    require_writable(build.output);
+  }
+  GivenVolume given(arguments.volume, arguments.loading, arguments.archive);
+  arguments.volume = given.path();
   const std::vector<BuildArguments> builds = builds_of_looks(arguments);
   if (builds.size() > 1) {
     require_looks(builds);
   }
   for (const BuildArguments& build : builds) {
-    run_build(build);
+    const bool is_last = &build == &builds.back();
+    run_build(build, is_last ? Loaded([&given] { given.forget(); }) : [] {});
   }
 }
 
@@ -93,7 +108,8 @@ void add_build_command(CLI::App& app) {
   const auto arguments = std::make_shared<BuildArguments>();
   command
       ->add_option("volume", arguments->volume,
-                   "DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage")
+                   "DICOM (folder, file or .zip), NIfTI, NRRD or MetaImage, or an address in an "
+                   "archive, as clipgs fetch has it")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
@@ -101,6 +117,7 @@ void add_build_command(CLI::App& app) {
       ->required()
       ->check(ends_in({".sog"}));
   add_build_options(*command, *arguments);
+  add_archive_options(*command, arguments->archive);
   const auto needs = std::make_shared<bool>(false);
   command->add_flag("--needs", *needs,
                     "Build nothing: print what each step will need of memory, and of time on two "
@@ -146,7 +163,9 @@ void add_build_command(CLI::App& app) {
       "Example: clipgs build dicom/ -o case.sog\n"
       "         clipgs build dicom/ -o case.sog --quality instant\n"
       "         clipgs build dicom/ -o case.sog --preset skin,skeleton,surgery\n"
-      "         clipgs build dicom/ -o case.sog --needs");
+      "         clipgs build dicom/ -o case.sog --needs\n"
+      "         clipgs build dicomweb+https://pacs.example/dicom-web/studies/1.2.3 -o case.sog "
+      "--token-file token");
   command->callback([command, arguments, needs] {
     if (arguments->instant()) {
       require_no_training(*command);

@@ -14,6 +14,7 @@ void add_completion_command(CLI::App& app);
 void add_dataset_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_export_command(CLI::App& app);
+void add_fetch_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_looks_command(CLI::App& app);
 void add_man_command(CLI::App& app);

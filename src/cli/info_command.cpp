@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "asset/privacy.h"
+#include "cli/archive_volume.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
 #include "cli/histogram_picture.h"
@@ -29,6 +30,7 @@ using Json = nlohmann::ordered_json;
 
 struct InfoOptions {
   fs::path path;
+  ArchiveArguments archive;  ///< where the path is an address
   LoadOptions load;
   bool json = false;
   bool privacy = false;
@@ -184,7 +186,10 @@ void run_privacy(const InfoOptions& options) {
   }
 }
 
-void run_info(const InfoOptions& options) {
+void run_info(InfoOptions options) {
+  const GivenVolume given(options.path.string(), options.load, options.archive);
+  const std::string name = options.path.string();
+  options.path = given.path();
   if (options.privacy) {
     run_privacy(options);
     return;
@@ -202,7 +207,7 @@ void run_info(const InfoOptions& options) {
     fmt::print("{}\n", json.dump(2));
     return;
   }
-  fmt::print("{}\n", options.path.string());
+  fmt::print("{}\n", name);
   for (const auto& [key, value] : json.items()) {
     if (value.is_array() && !value.empty() && value[0].is_object()) {
       for (const Json& item : value) {
@@ -225,10 +230,11 @@ void add_info_command(CLI::App& app) {
       "         clipgs info signal.nrrd --modality mr\n"
       "         clipgs info ct.nii.gz --histogram values.png --preset anatomy");
   command
-      ->add_option("FILE", options->path,
-                   "Volume (DICOM folder, file or .zip, NIfTI, NRRD, MetaImage), dataset folder, "
-                   "case (.sog), "
-                   "scene or model (.ply)")
+      ->add_option(
+          "FILE", options->path,
+          "Volume (DICOM folder, file or .zip, NIfTI, NRRD, MetaImage, or an address in an "
+          "archive, as clipgs fetch has it), dataset folder, case (.sog), scene or model "
+          "(.ply)")
       ->required();
   command->add_flag("--json", options->json, "Print JSON");
   command->add_flag("--privacy", options->privacy,
@@ -246,6 +252,7 @@ void add_info_command(CLI::App& app) {
       ->needs(histogram)
       ->capture_default_str();
   add_volume_options(*command, options->load);
+  add_archive_options(*command, options->archive);
   options->load.warn_of_size = true;
   command->callback([options] { run_info(*options); });
 }

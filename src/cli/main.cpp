@@ -39,6 +39,7 @@ int run(int argc, char** argv) {
   clipgs::add_dataset_command(app);
   clipgs::add_eval_command(app);
   clipgs::add_export_command(app);
+  clipgs::add_fetch_command(app);
   clipgs::add_info_command(app);
   clipgs::add_looks_command(app);
   clipgs::add_man_command(app);

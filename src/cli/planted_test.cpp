@@ -12,6 +12,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "archive/orthanc_fixture.h"
+
 #include "asset/zip.h"
 #include "cli/cli_fixture.h"
 #include "volume/dicom_fixture.h"
@@ -24,6 +26,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing_support::CliTest;
 using testing_support::Finished;
+using testing_support::Orthanc;
 using testing_support::run_clipgs;
 
 constexpr const char* kText = "zQx7Planted";
@@ -123,6 +126,7 @@ void write_ball(const fs::path& folder) {
   fs::create_directories(folder);
   for (int z = 0; z < kWide; ++z) {
     FixtureSlice slice;
+    slice.study_uid = fmt::format("{}.1", kUid);
     slice.series_uid = kUid;
     slice.instance = z + 1;
     slice.columns = slice.rows = kWide;
@@ -187,6 +191,32 @@ TEST_F(CliTest, NothingPlantedInDicomLeavesIt) {
   const Finished told = run_clipgs({"info", at("out/case.sog"), "--privacy", "--json"});
   expect_clean(told.out, "clipgs info --privacy");
   EXPECT_THAT(told.out, Not(HasSubstr("\"foreign\": true")));
+}
+
+TEST_F(CliTest, NothingOfAnArchiveIsInWhatIsBuiltFromIt) {
+  if (!Orthanc::is_installed()) {
+    GTEST_SKIP() << "there is no Orthanc with its DICOMweb plugin here (see scripts/setup.sh)";
+  }
+  const fs::path scan = fs::path(at("in")) / kText;
+  write_ball(scan);
+  testing_support::OrthancOptions options;
+  options.settings = {{"DicomWeb", {{"Enable", true}, {"Root", fmt::format("/{}/", kText)}}}};
+  const Orthanc archive(options);
+  archive.upload(scan);
+  fs::create_directories(at("out"));
+  std::vector<std::string> build = small_build("out/case.sog");
+  build[1] = fmt::format("dicomweb+{}/{}/studies/{}.1", archive.url(), kText, kUid);
+  // Quicker: what files hold is looked for above.
+  build.insert(build.end(), {"--as-scanned", "--no-section"});
+  const Finished built = run_clipgs(build);
+  ASSERT_EQ(built.status, 0) << built.err;
+  expect_clean(built.err, "what clipgs build says");
+  EXPECT_GT(expect_clean_folder(at("out")), 10);
+  for (const auto& entry : fs::recursive_directory_iterator(at("out"))) {
+    if (entry.is_regular_file()) {
+      EXPECT_THAT(read_text(entry.path()), Not(HasSubstr(archive.url().substr(7)))) << entry.path();
+    }
+  }
 }
 
 }  // namespace

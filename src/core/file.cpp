@@ -1,6 +1,7 @@
 #include "core/file.h"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
@@ -237,6 +238,11 @@ void require_free_space(const fs::path& folder, std::uintmax_t bytes) {
                 folder.string(), static_cast<double>(bytes) / 1e9,
                 static_cast<double>(space.available) / 1e9);
   }
+}
+
+fs::path temporary_folder() {
+  const char* folder = std::getenv("TMPDIR");
+  return folder == nullptr || *folder == '\0' ? "/tmp" : folder;
 }
 
 void create_folder(const fs::path& path) {

@@ -32,6 +32,9 @@ void sweep_leftovers(const std::filesystem::path& folder, const std::string& pre
 /// Error.
 void require_free_space(const std::filesystem::path& folder, std::uintmax_t bytes);
 
+/// As std::filesystem::temp_directory_path() (TMPDIR), which hides a folder that is not there.
+std::filesystem::path temporary_folder();
+
 /// Creates the folder and its parents. Throws Error.
 void create_folder(const std::filesystem::path& path);
 

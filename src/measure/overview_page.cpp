@@ -1,13 +1,13 @@
 #include "measure/overview_page.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fmt/format.h>
 #include <system_error>
 #include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/percent.h"
 #include "measure/html.h"
 #include "measure/outliers.h"
 #include "measure/overview_figures.h"
@@ -27,17 +27,6 @@ constexpr const char* kHead = R"html(<!doctype html>
 <title>Overview of cases · clipgs</title>
 )html";
 
-/// Names of cases may have what addresses may not.
-std::string percent_encoded(const std::string& name) {
-  std::string text;
-  for (const char c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool plain = std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.';
-    text += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
-  }
-  return text;
-}
-
 std::string paragraph(const char* style, const std::string& text) {
   return fmt::format("<p class=\"{}\">{}</p>", style, escape_html(text));
 }
@@ -52,7 +41,7 @@ std::string picture_cell(const OverviewEntry& entry) {
   return fmt::format(
       "<td class=\"picture\"><img loading=\"lazy\" decoding=\"async\" width=\"128\" height=\"96\" "
       "alt=\"\" src=\"{}.webp\"></td>",
-      percent_encoded(entry.name));
+      percent_encode(entry.name));
 }
 
 std::string name_cell(const OverviewEntry& entry) {
@@ -67,7 +56,7 @@ std::string name_cell(const OverviewEntry& entry) {
                   opens ? fmt::format(R"( data-case="{}")", name) : "", name, escape_html(about));
   if (entry.has_report) {
     html += fmt::format(R"(<a href="{}.html" aria-label="Report of {}">Report</a>)",
-                        percent_encoded(entry.name), name);
+                        percent_encode(entry.name), name);
   }
   return html + "</th>";
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/percent.h"
 #include "core/utf8.h"
 #include "serve/http.h"
 #include "serve/request_kind.h"

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/percent.h"
 #include "serve/http.h"
 
 namespace clipgs {

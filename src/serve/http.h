@@ -10,11 +10,6 @@
 
 namespace clipgs {
 
-/// All but unreserved characters as %XX (RFC 3986).
-std::string percent_encode(std::string_view text);
-/// The reverse; nothing where a % is not followed by two hexadecimal digits.
-std::optional<std::string> percent_decode(std::string_view text);
-
 /// Whether they differ in capitals at most.
 bool is_alike(std::string_view one, std::string_view other);
 

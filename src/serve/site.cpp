@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/percent.h"
 #include "serve/http.h"
 #include "serve/request_kind.h"
 #include "serve/viewer_bundle.h"

@@ -42,10 +42,12 @@ bool is_wanted(std::uint32_t which) {
   switch (static_cast<DicomTag>(which)) {
     case DicomTag::kTransferSyntax:
     case DicomTag::kImageType:
+    case DicomTag::kInstanceUid:
     case DicomTag::kAcquisitionTime:
     case DicomTag::kModality:
     case DicomTag::kSeriesDescription:
     case DicomTag::kFrameType:
+    case DicomTag::kPatientId:
     case DicomTag::kContrastAgent:
     case DicomTag::kBodyPart:
     case DicomTag::kEchoTime:

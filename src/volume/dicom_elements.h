@@ -15,10 +15,12 @@ namespace clipgs {
 enum class DicomTag : std::uint32_t {
   kTransferSyntax = 0x00020010,
   kImageType = 0x00080008,
+  kInstanceUid = 0x00080018,  ///< only tells whether a file came from an archive, never kept
   kAcquisitionTime = 0x00080032,
   kModality = 0x00080060,
   kSeriesDescription = 0x0008103e,  ///< matched against words (Hints), never kept
   kFrameType = 0x00089007,
+  kPatientId = 0x00100020,      ///< only whether it is one patient's is asked, never kept
   kContrastAgent = 0x00180010,  ///< only whether there is one is kept
   kBodyPart = 0x00180015,       ///< matched against words (Hints), never kept
   kEchoTime = 0x00180081,

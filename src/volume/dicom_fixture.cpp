@@ -70,7 +70,8 @@ gdcm::DataSet& begin_file(gdcm::Writer& writer, const FixtureSlice& slice,
   text(0x0008, 0x0016, gdcm::VR::UI, "1.2.840.10008.5.1.4.1.1.2");  // CT Image Storage
   text(0x0008, 0x0018, gdcm::VR::UI, fmt::format("{}.{}", slice.series_uid, slice.instance));
   text(0x0008, 0x0060, gdcm::VR::CS, slice.modality);
-  text(0x0020, 0x000d, gdcm::VR::UI, "1.2.826.0.1.3680043.2.1125.0");
+  text(0x0010, 0x0020, gdcm::VR::LO, slice.patient);
+  text(0x0020, 0x000d, gdcm::VR::UI, slice.study_uid);
   text(0x0020, 0x000e, gdcm::VR::UI, slice.series_uid);
   text(0x0020, 0x0011, gdcm::VR::IS, "7");
   text(0x0020, 0x0013, gdcm::VR::IS, fmt::format("{}", slice.instance));

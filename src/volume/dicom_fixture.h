@@ -11,6 +11,8 @@ namespace clipgs {
 
 /// One DICOM image for a test to write.
 struct FixtureSlice {
+  std::string patient{};  ///< ID
+  std::string study_uid = "1.2.826.0.1.3680043.2.1125.0";
   std::string series_uid = "1.2.826.0.1.3680043.2.1125.1";
   std::string modality = "CT";
   int instance = 1;

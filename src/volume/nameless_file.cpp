@@ -1,7 +1,6 @@
 #include "volume/nameless_file.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "core/file.h"
 
 namespace clipgs {
 namespace {
@@ -19,12 +19,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void fail(const fs::path& folder, const char* what) {
   throw Error("{}: a temporary file cannot be {} ({}); set TMPDIR to a folder with free space",
               folder.string(), what, std::strerror(errno));
-}
-
-/// As std::filesystem::temp_directory_path(), which hides a folder that is not there.
-fs::path temporary_folder() {
-  const char* folder = std::getenv("TMPDIR");
-  return folder == nullptr || *folder == '\0' ? "/tmp" : folder;
 }
 
 }  // namespace
