@@ -76,9 +76,11 @@ void require_no_training(const CLI::App& command) {
 
 /// One case for each preset of --preset.
 void run_builds(const BuildArguments& arguments) {
-  const std::vector<BuildArguments> builds = builds_of_looks(arguments);
+  std::vector<BuildArguments> builds = builds_of_looks(arguments);
+  builds.front().loading.warn_of_face = true;
   if (builds.size() > 1) {
     require_looks(builds);
+    builds.front().loading.warn_of_face = false;  // it was loaded once
   }
   for (const BuildArguments& build : builds) {
     run_build(build);
