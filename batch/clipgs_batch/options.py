@@ -11,8 +11,8 @@ if TYPE_CHECKING:
 
 # Options of clipgs build, and which of its steps takes each where they are made apart.
 _VOLUME = (
-    "series frame gaps hu modality region keep-table crop soften-metal bias denoise-volume".split()
-)
+    "series frame gaps hu modality region keep-table deface crop soften-metal bias denoise-volume"
+).split()
 _LOOK = "preset rig exposure tone gradient-opacity as-scanned labels label-table".split()
 _PICTURES = (
     "size train-frames test-frames test-size uncut-frames close-frames cut-views test-noise-db "
@@ -32,7 +32,7 @@ OPTIONS: dict[str, tuple[str, ...]] = {
     "section-quality": ("pack",),
     "max-mb": ("pack",),
 }
-FLAGS = {"as-scanned", "keep-table", "bias", "cut-views", "denoise", "no-section"}
+FLAGS = {"as-scanned", "keep-table", "deface", "bias", "cut-views", "denoise", "no-section"}
 PATHS = {"preset", "rig", "labels", "label-table"}
 NOT_OF_INSTANT = {"model", "seed", "steps", *_PICTURES, *_LEARNING}
 

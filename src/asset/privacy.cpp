@@ -65,9 +65,11 @@ constexpr std::array kLookKeys = {
     Known{"volume",
           "digest of the volume: who has the same volume can tell that this was made of "
           "it, nobody else"},
-    Known{"title", "the look's name"}, Known{"description", "the look's description"},
+    Known{"title", "the look's name"},
+    Known{"description", "the look's description"},
     Known{"modality", "kind of the examination"},
-    Known{"region", "part of the body, of a fixed list"}};
+    Known{"region", "part of the body, of a fixed list"},
+    Known{"defaced", "that its face was taken off, how much of it, and how far from the brain"}};
 
 constexpr std::array kSectionKeys = {
     Known{"version", ""},      Known{"file", ""},
@@ -149,8 +151,15 @@ void note_files(const std::map<std::string, Bytes>& files, const json& meta,
   }
 }
 
-/// What cannot be taken out of a body.
+/// What is left in a body.
 void note_body(const CaseInfo& info, std::vector<PrivacyNote>& notes) {
+  if (info.scene.look.defaced) {
+    notes.push_back(
+        {"the body", "",
+         "its face was taken off (--deface); to whoever has other pictures of the person what is "
+         "left may still tell who it is"});
+    return;
+  }
   constexpr std::array kFaces = {BodyPart::kHead, BodyPart::kHeadAndNeck, BodyPart::kJaw,
                                  BodyPart::kWholeBody, BodyPart::kUnknown};
   if (std::ranges::count(kFaces, info.scene.look.part) > 0) {

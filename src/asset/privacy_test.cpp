@@ -55,6 +55,15 @@ TEST_F(Privacy, TellsAllThatACaseSaysOfItsOriginAndNothingForeign) {
   EXPECT_THAT(note_of(notes(a_case()), "a.marks.json")->what, HasSubstr("typed"));
 }
 
+TEST_F(Privacy, SaysThatAFaceWasTakenOff) {
+  Scene scene = layered_scene(40, 1, 2);
+  scene.look = {"0123456789abcdef", "", "", Modality::kMr, BodyPart::kHead, Defaced{272.1f, 5}};
+  const std::vector<PrivacyNote> said = notes(encode_case({std::move(scene)}, nullptr));
+  EXPECT_THAT(note_of(said, "look.defaced")->value, HasSubstr("272.1"));
+  EXPECT_FALSE(note_of(said, "look.defaced")->foreign);
+  EXPECT_THAT(note_of(said, "the body")->what, HasSubstr("was taken off"));
+}
+
 TEST_F(Privacy, FindsWhatNoClipgsWrites) {
   std::vector<ZipEntry> files;
   for (auto& [name, bytes] : read_zip(a_case(), "test")) {

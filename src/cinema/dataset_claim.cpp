@@ -36,7 +36,8 @@ std::string digest_of_values(const VoxelValues& values) {
 
 std::string digest_of_voxels(const Volume& volume) {
   [[maybe_unused]] const auto& [dims, spacing, direction, origin, upsampling, modality, part,
-                                values, scanned, rgb, labels, label_numbers, hints] = volume;
+                                values, scanned, rgb, labels, label_numbers, hints, defaced] =
+      volume;
   Digest digest;
   digest.add(dims).add(spacing).add(origin).add(upsampling).add(modality);
   for (int k = 0; k < 3; ++k) {
@@ -167,6 +168,7 @@ VolumeLook look_of(const DatasetClaims& claims, const Volume& volume, const Pres
                                      preset.title, preset.description);
   look.modality = volume.modality;
   look.part = volume.part;
+  look.defaced = volume.defaced;
   return look;
 }
 

@@ -90,9 +90,11 @@ void run_builds(BuildArguments arguments) {
   }
   GivenVolume given(arguments.volume, arguments.loading, arguments.archive);
   arguments.volume = given.path();
-  const std::vector<BuildArguments> builds = builds_of_looks(arguments);
+  std::vector<BuildArguments> builds = builds_of_looks(arguments);
+  builds.front().loading.warn_of_face = true;
   if (builds.size() > 1) {
     require_looks(builds);
+    builds.front().loading.warn_of_face = false;  // it was loaded once
   }
   for (const BuildArguments& build : builds) {
     const bool is_last = &build == &builds.back();

@@ -17,12 +17,15 @@
 #include "core/image.h"
 #include "splat/ply.h"
 #include "volume/dicom_fixture.h"
+#include "volume/load.h"
+#include "volume/test_head.h"
 
 namespace clipgs {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 using testing_support::CliTest;
 using testing_support::Finished;
 using testing_support::run_clipgs;
@@ -124,6 +127,49 @@ TEST_F(CliTest, InfoListsWhatWasDoneToAVolume) {
   expect_failure({"info", phantom(), "--bias"}, "--bias is for MR");
   EXPECT_EQ(run_clipgs({"info", phantom(), "--crop", "body"}).status, 2);
   EXPECT_EQ(run_clipgs({"info", phantom(), "--denoise-volume", "-3"}).status, 2);
+}
+
+TEST_F(CliTest, InfoDrawsAHeadBeforeAndAfterItsFaceIsTakenOff) {
+  save_volume(at("head.nrrd"), scanned_head(Modality::kCt));
+  const Finished info = run_clipgs(
+      {"info", at("head.nrrd"), "--json", "--deface", "--deface-picture", at("heads.png")});
+  ASSERT_EQ(info.status, 0) << info.err;
+  const nlohmann::json json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json.at("deface_picture"), at("heads.png"));
+  EXPECT_EQ(json.at("prepared").back().at("step"), "deface");
+  const Image picture = read_png(at("heads.png"));
+  const int half = picture.width / 2;
+  double changed = 0;
+  for (int y = 60; y < picture.height - 20; ++y) {
+    for (int x = 20; x < half - 20; ++x) {
+      changed += std::abs(picture.at(x, y)[0] - picture.at(x + half, y)[0]) > 0.05f ? 1 : 0;
+    }
+  }
+  EXPECT_GT(changed, 5000) << "the face differs";
+  EXPECT_LT(changed, 0.5 * half * picture.height) << "and the skull does not";
+  expect_failure({"info", phantom(), "--deface", "--deface-picture", at("none.png")},
+                 "--deface: there is no head in it", at("none.png"));
+  EXPECT_NE(run_clipgs({"info", at("head.nrrd"), "--deface-picture", at("none.png")}).status, 0);
+}
+
+TEST_F(CliTest, ABuiltCaseSaysThatItsFaceWasTakenOff) {
+  save_volume(at("head.nrrd"), scanned_head(Modality::kCt, Mat3(1), 4));
+  const auto build = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"build", at("head.nrrd"), "-o", at("head.sog"), "--quality",
+                               "instant", "--section-size", "64"});
+    return run_clipgs(more);
+  };
+  const Finished with_face = build({});
+  ASSERT_EQ(with_face.status, 0) << with_face.err;
+  EXPECT_THAT(with_face.err, HasSubstr("head with a face"));
+  const Finished without_face = build({"--deface"});
+  ASSERT_EQ(without_face.status, 0) << without_face.err;
+  EXPECT_THAT(without_face.err, Not(HasSubstr("head with a face")));
+  const nlohmann::json look =
+      nlohmann::json::parse(run_clipgs({"info", at("head.sog"), "--json"}).out).at("look");
+  EXPECT_GT(look.at("defaced").at("removed_ml"), 100);
+  EXPECT_GE(look.at("defaced").at("brain_mm"), 5);
+  EXPECT_THAT(run_clipgs({"info", at("head.sog"), "--privacy"}).out, HasSubstr("was taken off"));
 }
 
 TEST_F(CliTest, InfoDrawsTheHistogramOfValueAndGradient) {

@@ -152,6 +152,7 @@ void add_dataset_command(CLI::App& app) {
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_section_options(*command, arguments->section);
   add_volume_options(*command, arguments->load);
+  arguments->load.warn_of_face = true;
   arguments->load.work = [&arguments = *arguments](const VolumeSize& size) {
     return dataset_memory(size, arguments.section, !arguments.look.as_scanned);
   };

@@ -10,6 +10,7 @@
 #include "cli/archive_volume.h"
 #include "cli/arguments.h"
 #include "cli/commands.h"
+#include "cli/head_picture.h"
 #include "cli/histogram_picture.h"
 #include "cli/info_kinds.h"
 #include "cli/sheet.h"
@@ -36,6 +37,7 @@ struct InfoOptions {
   bool privacy = false;
   std::string histogram;  ///< file to draw it to; empty: none
   std::string preset;     ///< whose colours it has
+  std::string heads;      ///< file to draw the head to, before and after --deface; empty: none
 };
 
 Json list_of(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -79,8 +81,25 @@ void write_histogram(const Volume& volume, const InfoOptions& options) {
                              preset, unit));
 }
 
+/// Loads it, and draws its head on the way if that is asked for.
+LoadedVolume load_and_draw(const InfoOptions& options) {
+  if (options.heads.empty()) {
+    return load_with_series(options.path, options.load);
+  }
+  Box box;
+  std::vector<Image> pictures;
+  LoadOptions load = options.load;
+  load.watch_deface = [&](const Volume& volume) {
+    box = pictures.empty() ? box_of_head(volume) : box;
+    pictures.push_back(draw_head(volume, box));
+  };
+  LoadedVolume loaded = load_with_series(options.path, load);
+  write_sheet(options.heads, draw_before_and_after(pictures.front(), pictures.back()));
+  return loaded;
+}
+
 Json describe_volume(const InfoOptions& options) {
-  const LoadedVolume loaded = load_with_series(options.path, options.load);
+  const LoadedVolume loaded = load_and_draw(options);
   const Volume& volume = loaded.volume;
   if (!options.histogram.empty()) {
     write_histogram(volume, options);
@@ -115,6 +134,9 @@ Json describe_volume(const InfoOptions& options) {
   }
   if (!options.histogram.empty()) {
     json["histogram"] = options.histogram;
+  }
+  if (!options.heads.empty()) {
+    json["deface_picture"] = options.heads;
   }
   if (!loaded.series.empty()) {
     json["series"] = describe_series(loaded.series);
@@ -196,11 +218,15 @@ void run_info(InfoOptions options) {
   }
   const auto* const kind =
       std::ranges::find_if(kKinds, [&](const InfoKind& k) { return k.matches(options.path); });
-  if (!options.histogram.empty()) {
-    if (kind != &kKinds.back()) {
-      throw Error("{}: no volume; --histogram draws the values of one", options.path.string());
+  for (const auto& [file, option] : {std::pair(options.histogram, "--histogram"),
+                                     std::pair(options.heads, "--deface-picture")}) {
+    if (file.empty()) {
+      continue;
     }
-    require_writable(options.histogram);
+    if (kind != &kKinds.back()) {
+      throw Error("{}: no volume; {} draws one", options.path.string(), option);
+    }
+    require_writable(file);
   }
   const Json json = kind->describe(options);
   if (options.json) {
@@ -228,7 +254,8 @@ void add_info_command(CLI::App& app) {
       "Example: clipgs info ct-folder/ --json\n"
       "         clipgs info case.sog --privacy\n"
       "         clipgs info signal.nrrd --modality mr\n"
-      "         clipgs info ct.nii.gz --histogram values.png --preset anatomy");
+      "         clipgs info ct.nii.gz --histogram values.png --preset anatomy\n"
+      "         clipgs info head.nii.gz --deface --deface-picture heads.png");
   command
       ->add_option(
           "FILE", options->path,
@@ -253,6 +280,12 @@ void add_info_command(CLI::App& app) {
       ->capture_default_str();
   add_volume_options(*command, options->load);
   add_archive_options(*command, options->archive);
+  command
+      ->add_option("--deface-picture", options->heads,
+                   "Draw the head from the front and from its right, before and after --deface "
+                   "(.png or .webp)")
+      ->check(ends_in({".png", ".webp"}))
+      ->needs("--deface");
   options->load.warn_of_size = true;
   command->callback([options] { run_info(*options); });
 }

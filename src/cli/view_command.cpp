@@ -59,14 +59,18 @@ fs::path view_folder(const ViewArguments& arguments) {
 }
 
 /// What tells one volume in one look from all others, and nothing else of it.
-std::string digest_of_view(const fs::path& volume, const LookArguments& look) {
-  const Claim what = {{"volume", volume.string()},
-                      {"preset", look.preset},
-                      {"rig", look.rig},
-                      {"exposure", look.exposure},
-                      {"tone", look.tone},
-                      {"gradient_opacity", look.gradient_opacity},
-                      {"as_scanned", look.as_scanned}};
+std::string digest_of_view(const fs::path& volume, const BuildArguments& build) {
+  const LookArguments& look = build.look;
+  Claim what = {{"volume", volume.string()},
+                {"preset", look.preset},
+                {"rig", look.rig},
+                {"exposure", look.exposure},
+                {"tone", look.tone},
+                {"gradient_opacity", look.gradient_opacity},
+                {"as_scanned", look.as_scanned}};
+  if (build.loading.deface) {  // a case with the face is not shown meanwhile
+    what["deface"] = true;
+  }
   return digest_of(what).substr(0, 8);
 }
 
@@ -89,14 +93,13 @@ void rename_work(const fs::path& folder, const std::string& from, const std::str
 
 /// volume-DIGEST: the same of one volume in one look, and of no other. Pages show it, so that it
 /// says nothing of the file's name.
-std::string case_name(const std::string& volume, const LookArguments& look,
-                      const fs::path& folder) {
-  const fs::path path = fs::canonical(volume);
+std::string case_name(const BuildArguments& build, const fs::path& folder) {
+  const fs::path path = fs::canonical(build.volume);
   fs::path stem = path.filename();
   while (stem.has_extension()) {
     stem = stem.stem();  // .nii.gz
   }
-  const std::string digest = digest_of_view(path, look);
+  const std::string digest = digest_of_view(path, build);
   std::string name = "volume-" + digest;
   rename_work(folder, fmt::format("{}-{}", stem.string(), digest), name);
   return name;
@@ -110,7 +113,7 @@ std::vector<std::vector<BuildArguments>> builds_of(const ViewArguments& argument
     BuildArguments build = arguments.build;
     build.volume = volume;
     require_volume(build);
-    build.output = folder / (case_name(volume, build.look, folder) + ".sog");
+    build.output = folder / (case_name(build, folder) + ".sog");
     volumes.push_back(builds_of_looks(build));
   }
   return volumes;
@@ -189,7 +192,9 @@ class Making {
   }
 
   void make_instant(const std::vector<BuildArguments>& looks) {
-    Volume volume = load_volume(looks.front().volume, looks.front().loading);
+    LoadOptions loading = looks.front().loading;
+    loading.warn_of_face = true;  // the first time that it is loaded
+    Volume volume = load_volume(looks.front().volume, loading);
     for (const BuildArguments& build : looks) {
       const FolderLock work(work_folder(build), kAtWork);
       build_instant_first(volume, load_look(build.look, volume), options_of(build), work,

@@ -79,8 +79,8 @@ inline void add_region_option(CLI::App& command, BodyPart& part) {
 }
 
 inline constexpr const char* kVolumeOptions[] = {
-    "--series",     "--frame", "--gaps",         "--hu",   "--modality",      "--region",
-    "--keep-table", "--crop",  "--soften-metal", "--bias", "--denoise-volume"};
+    "--series",     "--frame",  "--gaps", "--hu",           "--modality", "--region",
+    "--keep-table", "--deface", "--crop", "--soften-metal", "--bias",     "--denoise-volume"};
 
 /// Adds VOLUME, the path of what is read.
 inline void add_volume_argument(CLI::App& command, std::filesystem::path& volume) {
@@ -130,6 +130,8 @@ inline void add_volume_options(CLI::App& command, LoadOptions& options) {
   add_region_option(command, options.part);
   command.add_flag("--keep-table", options.keep_table,
                    "Leave the scanner's table and cushions in a CT's pictures");
+  command.add_flag("--deface", options.deface,
+                   "Take face and ears off a head, in CT and MR, and nothing near the brain");
   add_prepare_options(command, options.prepare);
 }
 

@@ -38,6 +38,18 @@ Modality modality_of_name(const std::string& name) {
 
 constexpr const char* kModalityKey = "modality";
 constexpr const char* kPartKey = "region";
+constexpr const char* kDefacedKey = "defaced";
+
+Defaced read_defaced(const JsonReader& object) {
+  const auto amount = [&](const char* key) {
+    const float value = object.number(key);
+    if (value < 0) {
+      object.fail(key, "a number from 0");
+    }
+    return value;
+  };
+  return {amount("removed_ml"), amount("brain_mm")};
+}
 
 }  // namespace
 
@@ -74,6 +86,10 @@ nlohmann::json volume_look_json(const VolumeLook& look) {
   if (look.part != BodyPart::kUnknown) {
     json[kPartKey] = body_part_name(look.part);
   }
+  if (look.defaced) {
+    json[kDefacedKey] = {{"removed_ml", json_number(look.defaced->removed_ml)},
+                         {"brain_mm", json_number(look.defaced->brain_mm)}};
+  }
   return json;
 }
 
@@ -83,9 +99,13 @@ VolumeLook read_volume_look(const JsonReader& object) {
   }
   const JsonReader look = object.child(kLookKey);
   const auto word = [&](const char* key) { return look.has(key) ? look.text(key) : ""; };
-  return {look.text("volume"), look.text("title"), look.text("description"),
-          modality_of_name(word(kModalityKey)),
-          body_part_of_term(word(kPartKey)).value_or(BodyPart::kUnknown)};
+  return {
+      look.text("volume"),
+      look.text("title"),
+      look.text("description"),
+      modality_of_name(word(kModalityKey)),
+      body_part_of_term(word(kPartKey)).value_or(BodyPart::kUnknown),
+      look.has(kDefacedKey) ? std::optional(read_defaced(look.child(kDefacedKey))) : std::nullopt};
 }
 
 }  // namespace clipgs

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "core/body_part.h"
+#include "core/defaced.h"
 #include "core/json_reader.h"
 #include "core/modality.h"
 
@@ -17,6 +19,7 @@ struct VolumeLook {
   std::string description;  ///< the preset's, a sentence
   Modality modality = Modality::kUnknown;
   BodyPart part = BodyPart::kUnknown;
+  std::optional<Defaced> defaced = std::nullopt;  ///< what went with the face; none: nothing
 
   bool operator==(const VolumeLook&) const = default;
 };

@@ -12,9 +12,21 @@ TEST(VolumeLook, IsReadAsItWasWritten) {
   VolumeLook look = make_volume_look(std::string(64, 'a'), "Haut", "Haut über Knochen.");
   look.modality = Modality::kMr;
   look.part = BodyPart::kWholeBody;
+  look.defaced = Defaced{272.1f, 5};
   EXPECT_EQ(look.volume, std::string(16, 'a'));
   const nlohmann::json object = {{kLookKey, volume_look_json(look)}};
   EXPECT_EQ(read_volume_look(JsonReader(object, "x")), look);
+}
+
+TEST(VolumeLook, WhatWentWithTheFaceIsChecked) {
+  for (const nlohmann::json& defaced : {nlohmann::json(true), nlohmann::json{{"removed_ml", 3}},
+                                        nlohmann::json{{"removed_ml", -3}, {"brain_mm", 5}},
+                                        nlohmann::json{{"removed_ml", 3}, {"brain_mm", "far"}}}) {
+    const nlohmann::json look = {
+        {"volume", "aa"}, {"title", ""}, {"description", ""}, {"defaced", defaced}};
+    const nlohmann::json object = {{kLookKey, look}};
+    EXPECT_THROW(read_volume_look(JsonReader(object, "x")), Error) << defaced;
+  }
 }
 
 TEST(VolumeLook, IsEmptyWhereNoneIsSaid) {

@@ -124,4 +124,23 @@ void BitMask::combine(const BitMask& other, const Combine& combine) {
   }
 }
 
+/// A mask of the i where decide(i), which may run on many threads.
+template <typename Decide>
+BitMask mask_where(size_t size, const Decide& decide) {
+  BitMask mask(size);
+  parallel_for(size, size_t{1} << 18,
+               [&](size_t begin, size_t end) { mask.fill(begin, end, decide); });
+  return mask;
+}
+
+inline BitMask both(BitMask a, const BitMask& b) {
+  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
+  return a;
+}
+
+inline BitMask without(BitMask a, const BitMask& b) {
+  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
+  return a;
+}
+
 }  // namespace clipgs

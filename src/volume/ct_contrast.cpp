@@ -32,8 +32,8 @@ constexpr float kLeastInBrain = 2;   // ml; calcified plexus and pineal gland ha
 constexpr std::array kBesides = {IVec3(1, 0, 0), IVec3(0, 1, 0), IVec3(0, 0, 1)};
 
 /// Of these values, and no edge.
-bool is_even(const CoarseCt& coarse, size_t at) {
-  const float hu = coarse.hu[at];
+bool is_even(const CoarseVolume& coarse, size_t at) {
+  const float hu = coarse.values[at];
   if (hu < kLeastBlood || hu > kMostBlood) {
     return false;
   }
@@ -41,13 +41,13 @@ bool is_even(const CoarseCt& coarse, size_t at) {
   const IVec3 place = coarse.place(at);
   return std::ranges::all_of(kBesides, [&](const IVec3& step) {
     return coarse.holds(place - step) && coarse.holds(place + step) &&
-           std::abs(coarse.hu[coarse.offset(place - step)] - hu) < edge &&
-           std::abs(coarse.hu[coarse.offset(place + step)] - hu) < edge;
+           std::abs(coarse.values[coarse.offset(place - step)] - hu) < edge &&
+           std::abs(coarse.values[coarse.offset(place + step)] - hu) < edge;
   });
 }
 
 /// Where the mask is 1 and the blocks within `reach` along each axis are; beyond the grid all is.
-bool is_deep(const CoarseCt& coarse, const std::vector<std::uint8_t>& mask, const IVec3& place,
+bool is_deep(const CoarseVolume& coarse, const std::vector<std::uint8_t>& mask, const IVec3& place,
              float reach) {
   for (int axis = 0; axis < 3; ++axis) {
     const float blocks = std::max(1.0f, reach / coarse.spacing[axis]);
@@ -65,7 +65,7 @@ bool is_deep(const CoarseCt& coarse, const std::vector<std::uint8_t>& mask, cons
 
 /// Calls use(offset) for each block of the box around a place.
 template <typename Use>
-void for_each_around(const CoarseCt& coarse, const IVec3& place, float reach, const Use& use) {
+void for_each_around(const CoarseVolume& coarse, const IVec3& place, float reach, const Use& use) {
   const IVec3 steps = glm::max(IVec3(Vec3(reach) / coarse.spacing), IVec3(1));
   const IVec3 low = glm::max(place - steps, IVec3(0));
   const IVec3 high = glm::min(place + steps, coarse.dims - 1);
@@ -79,7 +79,7 @@ void for_each_around(const CoarseCt& coarse, const IVec3& place, float reach, co
 }
 
 /// The blocks of the mask that hang together with a first one, which are taken off it.
-std::vector<size_t> take_part(const CoarseCt& coarse, size_t seed,
+std::vector<size_t> take_part(const CoarseVolume& coarse, size_t seed,
                               std::vector<std::uint8_t>& left) {
   std::vector<size_t> part{seed};
   left[seed] = 0;
@@ -98,8 +98,8 @@ std::vector<size_t> take_part(const CoarseCt& coarse, size_t seed,
 }
 
 /// Share of what lies around the part that is brighter than its mean.
-float lined_share(const CoarseCt& coarse, const std::vector<size_t>& part, float mean) {
-  std::vector<std::uint8_t> seen(coarse.hu.size());
+float lined_share(const CoarseVolume& coarse, const std::vector<size_t>& part, float mean) {
+  std::vector<std::uint8_t> seen(coarse.values.size());
   for (const size_t at : part) {
     seen[at] = 1;
   }
@@ -109,7 +109,7 @@ float lined_share(const CoarseCt& coarse, const std::vector<size_t>& part, float
     for_each_around(coarse, coarse.place(at), kLining, [&](size_t there) {
       if (std::exchange(seen[there], std::uint8_t{1}) == 0) {
         ++around;
-        brighter += coarse.hu[there] > mean + kBrighter ? 1 : 0;
+        brighter += coarse.values[there] > mean + kBrighter ? 1 : 0;
       }
     });
   }
@@ -117,11 +117,11 @@ float lined_share(const CoarseCt& coarse, const std::vector<size_t>& part, float
 }
 
 /// Middle of the body from right to left, blocks.
-float body_middle(const CoarseCt& coarse) {
+float body_middle(const CoarseVolume& coarse) {
   double sum = 0;
   double count = 0;
-  for (size_t i = 0; i < coarse.hu.size(); ++i) {
-    if (coarse.hu[i] > kLeastMatter) {
+  for (size_t i = 0; i < coarse.values.size(); ++i) {
+    if (coarse.values[i] > kLeastMatter) {
       sum += coarse.place(i).x;
       count += 1;
     }
@@ -129,16 +129,16 @@ float body_middle(const CoarseCt& coarse) {
   return static_cast<float>(sum / std::max(count, 1.0));
 }
 
-float mean_hu(const CoarseCt& coarse, const std::vector<size_t>& part) {
+float mean_hu(const CoarseVolume& coarse, const std::vector<size_t>& part) {
   double sum = 0;
   for (const size_t at : part) {
-    sum += coarse.hu[at];
+    sum += coarse.values[at];
   }
   return static_cast<float>(sum / static_cast<double>(part.size()));
 }
 
 /// Whether a part of the mask is a vessel's or the heart's.
-bool is_blood(const CoarseCt& coarse, const std::vector<std::uint8_t>& even,
+bool is_blood(const CoarseVolume& coarse, const std::vector<std::uint8_t>& even,
               const std::vector<size_t>& part, float middle) {
   const float ml = static_cast<float>(part.size()) * coarse.ml();
   if (ml < kLeastVessel) {
@@ -163,12 +163,12 @@ bool is_blood(const CoarseCt& coarse, const std::vector<std::uint8_t>& even,
          lined_share(coarse, part, mean_hu(coarse, part)) < kMostLined;
 }
 
-bool lies_in_brain(const CoarseCt& coarse, size_t at) {
+bool lies_in_brain(const CoarseVolume& coarse, size_t at) {
   size_t all = 0;
   size_t bright = 0;
   bool foreign = false;
   for_each_around(coarse, coarse.place(at), kFromBone, [&](size_t there) {
-    const float hu = coarse.hu[there];
+    const float hu = coarse.values[there];
     ++all;
     bright += hu > kLeastBlood ? 1 : 0;
     foreign = foreign || hu > kMostBlood || hu < kAirCell;
@@ -178,8 +178,8 @@ bool lies_in_brain(const CoarseCt& coarse, size_t at) {
 
 }  // namespace
 
-Contrast find_contrast(const CoarseCt& coarse) {
-  std::vector<std::uint8_t> even(coarse.hu.size());
+Contrast find_contrast(const CoarseVolume& coarse) {
+  std::vector<std::uint8_t> even(coarse.values.size());
   for (size_t i = 0; i < even.size(); ++i) {
     even[i] = is_even(coarse, i) ? 1 : 0;
   }
@@ -201,14 +201,15 @@ Contrast find_contrast(const CoarseCt& coarse) {
           static_cast<float>(sum / std::max(blocks, 1.0))};
 }
 
-Contrast find_brain_contrast(const CoarseCt& coarse, const std::vector<std::uint8_t>& in_skull) {
+Contrast find_brain_contrast(const CoarseVolume& coarse,
+                             const std::vector<std::uint8_t>& in_skull) {
   std::vector<float> bright;
   for (size_t i = 0; i < in_skull.size(); ++i) {
-    if (in_skull[i] == 0 || coarse.hu[i] < kLeastBlood || coarse.hu[i] > kMostBlood) {
+    if (in_skull[i] == 0 || coarse.values[i] < kLeastBlood || coarse.values[i] > kMostBlood) {
       continue;
     }
     if (lies_in_brain(coarse, i)) {
-      bright.push_back(coarse.hu[i]);
+      bright.push_back(coarse.values[i]);
     }
   }
   const float ml = static_cast<float>(bright.size()) * coarse.ml();

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "volume/coarse_ct.h"
+#include "volume/coarse_volume.h"
 
 namespace clipgs {
 
@@ -19,11 +19,11 @@ struct Contrast {
 
 /// Heart, aorta and other large vessels: matter of 130 to 600 HU that is even and thick, tall, near
 /// the middle, and not lined by what is brighter, as the marrow of bones is.
-Contrast find_contrast(const CoarseCt& coarse);
+Contrast find_contrast(const CoarseVolume& coarse);
 
 /// Vessels of the brain: such values within the skull (1 in `in_skull`, one byte a block), where
 /// neither bone, nor air, nor much else so bright is near. The mean is that of the brightest tenth:
 /// thin vessels fill few blocks.
-Contrast find_brain_contrast(const CoarseCt& coarse, const std::vector<std::uint8_t>& in_skull);
+Contrast find_brain_contrast(const CoarseVolume& coarse, const std::vector<std::uint8_t>& in_skull);
 
 }  // namespace clipgs

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "volume/coarse_ct.h"
+#include "volume/coarse_volume.h"
 #include "volume/ct_contrast.h"
 #include "volume/isolate_body.h"
 #include "volume/slice_flood.h"
@@ -45,10 +45,10 @@ struct SliceFacts {
 };
 
 /// 1 where a slice's flood from its border through what is below `least` does not come.
-std::vector<std::uint8_t> enclosed_by(const CoarseCt& coarse, size_t slice, float least) {
+std::vector<std::uint8_t> enclosed_by(const CoarseVolume& coarse, size_t slice, float least) {
   std::vector<std::uint8_t> mask(coarse.slice());
   for (size_t i = 0; i < mask.size(); ++i) {
-    mask[i] = coarse.hu[slice * mask.size() + i] > least ? 1 : 0;
+    mask[i] = coarse.values[slice * mask.size() + i] > least ? 1 : 0;
   }
   std::vector<std::uint8_t> inside = flood_slices({coarse.dims.x, coarse.dims.y, 1}, mask);
   std::ranges::for_each(inside, [](std::uint8_t& one) { one = one == 0 ? 1 : 0; });
@@ -56,7 +56,8 @@ std::vector<std::uint8_t> enclosed_by(const CoarseCt& coarse, size_t slice, floa
 }
 
 /// Marks in `in_skull` what the slice's skull encloses, if it shows one.
-SliceFacts slice_facts(const CoarseCt& coarse, size_t slice, std::vector<std::uint8_t>& in_skull) {
+SliceFacts slice_facts(const CoarseVolume& coarse, size_t slice,
+                       std::vector<std::uint8_t>& in_skull) {
   const std::vector<std::uint8_t> body = enclosed_by(coarse, slice, kLeastMatter);
   const std::vector<std::uint8_t> in_bone = enclosed_by(coarse, slice, kBoneHu);
   double all = 0;
@@ -66,7 +67,7 @@ SliceFacts slice_facts(const CoarseCt& coarse, size_t slice, std::vector<std::ui
   double body_y = 0;
   double bone_y = 0;
   for (size_t i = 0; i < body.size(); ++i) {
-    const float hu = coarse.hu[slice * body.size() + i];
+    const float hu = coarse.values[slice * body.size() + i];
     const size_t row = i / static_cast<size_t>(coarse.dims.x);
     const auto y = static_cast<double>(row);
     all += body[i];
@@ -176,9 +177,9 @@ std::string doubt_of(const std::vector<SliceFacts>& slices, float thickness, Bod
 }  // namespace
 
 CtFacts ct_facts(const Volume& volume) {
-  const CoarseCt coarse = coarse_ct(volume);
+  const CoarseVolume coarse = coarse_volume(volume);
   std::vector<SliceFacts> slices(static_cast<size_t>(coarse.dims.z));
-  std::vector<std::uint8_t> in_skull(coarse.hu.size());
+  std::vector<std::uint8_t> in_skull(coarse.values.size());
   parallel_for(slices.size(), 1,
                [&](size_t z, size_t) { slices[z] = slice_facts(coarse, z, in_skull); });
   CtFacts facts;

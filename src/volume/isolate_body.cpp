@@ -1,7 +1,6 @@
 #include "volume/isolate_body.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "volume/bit_mask.h"
+#include "volume/components.h"
 #include "volume/dilate.h"
 #include "volume/slice_flood.h"
 #include "volume/smooth_within.h"
@@ -39,25 +39,6 @@ constexpr double kLeastDense = 0.1;     // ml; noise has less
 constexpr float kSkin = 2;              // voxels around the body that keep their values
 constexpr double kMostRemoved = 0.35;   // of all matter; more is no table
 
-/// A mask of the voxels i where decide(i).
-template <typename Decide>
-BitMask mask_where(const Volume& volume, const Decide& decide) {
-  BitMask mask(volume.voxels());
-  parallel_for(mask.size(), size_t{1} << 18,
-               [&](size_t begin, size_t end) { mask.fill(begin, end, decide); });
-  return mask;
-}
-
-BitMask both(BitMask a, const BitMask& b) {
-  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
-  return a;
-}
-
-BitMask without(BitMask a, const BitMask& b) {
-  a.combine(b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
-  return a;
-}
-
 /// Matter, and all that it encloses in an axial slice: lungs belong to the chest.
 BitMask with_holes_filled(const Volume& volume, const BitMask& matter) {
   return flood_slices(volume.dims, matter).inverted();
@@ -71,47 +52,6 @@ BitMask eroded(const Volume& volume, const BitMask& mask, float radius) {
   return eroded(volume.dims, volume.spacing, mask, radius);
 }
 
-IVec3 place_of(const Volume& volume, size_t offset) {
-  const auto width = static_cast<size_t>(volume.dims.x);
-  const auto height = static_cast<size_t>(volume.dims.y);
-  return IVec3(offset % width, offset / width % height, offset / (width * height));
-}
-
-/// Takes the component (connected by faces) of voxel `seed` off the mask, and calls visit(offset)
-/// for each of its voxels. Only the front of the flood is held in memory.
-template <typename Visit>
-void take_component(const Volume& volume, size_t seed, BitMask& mask, const Visit& visit) {
-  const IVec3 dims = volume.dims;
-  const std::array<std::ptrdiff_t, 3> strides = {1, dims.x, std::ptrdiff_t{dims.x} * dims.y};
-  std::vector<size_t> front{seed};
-  std::vector<size_t> next;
-  mask.clear(seed);
-  for (; !front.empty(); front.swap(next), next.clear()) {
-    for (const size_t at : front) {
-      visit(at);
-      const IVec3 place = place_of(volume, at);
-      for (int axis = 0; axis < 3; ++axis) {
-        for (const int step : {-1, 1}) {
-          const int there = place[axis] + step;
-          const size_t neighbour = at + static_cast<size_t>(step * strides[axis]);
-          if (there >= 0 && there < dims[axis] && mask[neighbour]) {
-            mask.clear(neighbour);
-            next.push_back(neighbour);
-          }
-        }
-      }
-    }
-  }
-}
-
-/// Calls use(seed) for a voxel of each component of the mask; use takes the component off it.
-template <typename Use>
-void for_each_component(BitMask& mask, const Use& use) {
-  for (size_t seed = mask.next(0); seed < mask.size(); seed = mask.next(seed)) {
-    use(seed);
-  }
-}
-
 BitMask opened(const Volume& volume, const BitMask& mask, float radius) {
   return dilated(volume, eroded(volume, mask, radius), radius);
 }
@@ -120,10 +60,12 @@ BitMask opened(const Volume& volume, const BitMask& mask, float radius) {
 /// steps of whole voxels.
 void heal(Volume& volume, const BitMask& bare, const BitMask& filled, float blur) {
   const BitMask seam = dilated(volume, bare, blur + kSeam);
-  const BitMask near_air = dilated(
-      volume, mask_where(volume, [&](size_t i) { return bare[i] || !filled[i]; }), kDeepRest);
-  const BitMask rests = mask_where(
-      volume, [&](size_t i) { return seam[i] && near_air[i] && volume.values[i] > kRest; });
+  const BitMask near_air =
+      dilated(volume, mask_where(volume.voxels(), [&](size_t i) { return bare[i] || !filled[i]; }),
+              kDeepRest);
+  const BitMask rests = mask_where(volume.voxels(), [&](size_t i) {
+    return seam[i] && near_air[i] && volume.values[i] > kRest;
+  });
   volume.values.set_where(kSkinValue, [&](size_t i) { return rests[i]; });
   smooth_within(volume, seam, kSmooth);
 }
@@ -135,7 +77,7 @@ double voxel_ml(const Volume& volume) {
 
 /// Whether a voxel of the mask has a neighbour that is not, in its slice.
 bool is_rim(const Volume& volume, const BitMask& mask, size_t at) {
-  const IVec3 place = place_of(volume, at);
+  const IVec3 place = place_of(volume.dims, at);
   const auto width = static_cast<size_t>(volume.dims.x);
   return (place.x > 0 && !mask[at - 1]) || (place.x < volume.dims.x - 1 && !mask[at + 1]) ||
          (place.y > 0 && !mask[at - width]) || (place.y < volume.dims.y - 1 && !mask[at + width]);
@@ -151,7 +93,7 @@ BitMask bare_things(const Volume& volume, const BitMask& filled) {
     bool bare = false;
   };
   const BitMask dense =
-      mask_where(volume, [&](size_t i) { return filled[i] && volume.values[i] > kDense; });
+      mask_where(volume.voxels(), [&](size_t i) { return filled[i] && volume.values[i] > kDense; });
   const BitMask near_air = dilated(volume, filled.inverted(), kSkinOverBone);
   std::vector<Thing> things;
   BitMask left = dense;
@@ -159,7 +101,7 @@ BitMask bare_things(const Volume& volume, const BitMask& filled) {
     Thing thing{seed};
     size_t rim = 0;
     size_t in_air = 0;
-    take_component(volume, seed, left, [&](size_t at) {
+    take_component(volume.dims, seed, left, [&](size_t at) {
       const bool outer = is_rim(volume, dense, at);
       rim += outer ? 1 : 0;
       in_air += outer && near_air[at] ? 1 : 0;
@@ -178,7 +120,7 @@ BitMask bare_things(const Volume& volume, const BitMask& filled) {
   left = dense;
   for (const Thing& thing : things) {
     if (thing.bare) {
-      take_component(volume, thing.seed, left, [&](size_t at) { bare.set(at); });
+      take_component(volume.dims, thing.seed, left, [&](size_t at) { bare.set(at); });
     }
   }
   return bare;
@@ -205,7 +147,7 @@ Cores body_cores(const Volume& volume, const BitMask& cores) {
   BitMask left = cores;
   for_each_component(left, [&](size_t seed) {
     Part part{seed};
-    take_component(volume, seed, left, [&](size_t at) {
+    take_component(volume.dims, seed, left, [&](size_t at) {
       const float hu = volume.values[at];
       part.sum += hu;
       part.fat += hu > kLeanest && hu < kFattest ? 1 : 0;
@@ -220,7 +162,7 @@ Cores body_cores(const Volume& volume, const BitMask& cores) {
   left = cores;
   for (const Part& part : parts) {
     if (is_large(part) && part.sum / static_cast<double>(part.size) > kLeastMean) {
-      take_component(volume, part.seed, left, [&](size_t at) { kept.body.set(at); });
+      take_component(volume.dims, part.seed, left, [&](size_t at) { kept.body.set(at); });
       const bool lean = static_cast<double>(part.fat) < kLeastFat * static_cast<double>(part.size);
       kept.foreign += part.size < largest && lean ? part.size : 0;
     }
@@ -241,8 +183,8 @@ void add_trifles(const Volume& volume, const BitMask& matter, BitMask& body) {
     bool attached = false;
     double sum = 0;
     size_t solid = 0;
-    take_component(volume, seed, left, [&](size_t at) {
-      const IVec3 place = place_of(volume, at);
+    take_component(volume.dims, seed, left, [&](size_t at) {
+      const IVec3 place = place_of(volume.dims, at);
       low = glm::min(low, place);
       high = glm::max(high, place);
       attached = attached || near[at];
@@ -254,7 +196,7 @@ void add_trifles(const Volume& volume, const BitMask& matter, BitMask& body) {
     const Vec3 size = Vec3(high - low + 1) * spacing;
     const bool small = std::max({size.x, size.y, size.z}) <= kLongestTrifle;
     if (attached && (small || sum > kBone * static_cast<double>(solid))) {
-      take_component(volume, seed, to_add, [&](size_t at) { body.set(at); });
+      take_component(volume.dims, seed, to_add, [&](size_t at) { body.set(at); });
     }
   });
 }
@@ -267,12 +209,12 @@ void drop_ends_of_others(const Volume& volume, const BitMask& beside, BitMask& k
   for_each_component(left, [&](size_t seed) {
     size_t size = 0;
     size_t near = 0;
-    take_component(volume, seed, left, [&](size_t at) {
+    take_component(volume.dims, seed, left, [&](size_t at) {
       ++size;
       near += kept[at] ? 1 : 0;
     });
     if (near > 0 && 2 * near < size) {
-      take_component(volume, seed, to_drop, [&](size_t at) { kept.clear(at); });
+      take_component(volume.dims, seed, to_drop, [&](size_t at) { kept.clear(at); });
     }
   });
 }
@@ -284,7 +226,7 @@ Isolation isolate_body(Volume& volume) {
     return {};
   }
   const BitMask matter =
-      mask_where(volume, [&](size_t i) { return volume.values[i] > kLeastMatter; });
+      mask_where(volume.voxels(), [&](size_t i) { return volume.values[i] > kLeastMatter; });
   const BitMask scanned = with_holes_filled(volume, matter);
   const BitMask bare = bare_things(volume, scanned);
   const bool any_bare = bare.next(0) < bare.size();

@@ -89,6 +89,32 @@ void take_table_off(Volume& volume, const std::string& where, std::vector<Prepar
   }
 }
 
+void take_face_off(LoadedVolume& loaded, const LoadOptions& options, const std::string& where) {
+  Volume& volume = loaded.volume;
+  if (options.watch_deface) {
+    options.watch_deface(volume);
+  }
+  loaded.face = deface(volume, where);
+  const auto [removed, from_brain] = *volume.defaced;
+  warn(fmt::format(
+      "{}: took {:.0f} ml of face and ears off, nothing within {} mm of the brain; look at what is "
+      "left before you give it away",
+      where, removed, from_brain));
+  loaded.prepared.push_back({"deface", {{"removed_ml", removed}, {"brain_mm", from_brain}}});
+  if (options.watch_deface) {
+    options.watch_deface(volume);
+  }
+}
+
+void warn_of_face(const Volume& volume, const std::string& where) {
+  if (shows_face(volume)) {
+    warn(
+        fmt::format("{}: this is a head with a face: whoever knows the person may recognise it; "
+                    "--deface removes it",
+                    where));
+  }
+}
+
 /// HU of another scale look like CT, but no preset of CT fits them.
 void warn_of_units(const Volume& volume, const std::string& where) {
   const std::optional<Rescale> hu = likely_rescale(volume);
@@ -218,11 +244,16 @@ LoadedVolume make_volume(StoredImage stored, const LoadOptions& options, const s
   } else if (volume.modality == Modality::kUnknown && !options.keep_table) {
     warn_of_table(volume, where);
   }
+  volume.part = said_part(hints, options);
+  if (options.deface) {
+    take_face_off(loaded, options, where);
+  } else if (options.warn_of_face) {
+    warn_of_face(volume, where);
+  }
   prepare(volume, options.prepare, where, loaded.prepared);
   if (options.prepare.crops()) {
     check_cropped(volume, options, where);
   }
-  volume.part = said_part(hints, options);
   if (volume.part == BodyPart::kUnknown) {
     volume.part = seen_part(volume);
   }
@@ -303,6 +334,9 @@ LoadedVolume load_with_series(const fs::path& path, const LoadOptions& options) 
   LoadedVolume loaded = load_values(path, options);
   if (!options.labels.empty()) {
     add_labels(loaded.volume, options.labels);
+    if (loaded.face) {
+      deface_labels(loaded.volume, *loaded.face);
+    }
   }
   return loaded;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "volume/deface.h"
 #include "volume/gaps.h"
 #include "volume/prepare.h"
 #include "volume/rescale.h"
@@ -27,6 +28,7 @@ struct LoadOptions {
   Modality modality = Modality::kUnknown;
   BodyPart part = BodyPart::kUnknown;  ///< --region: instead of what a header or the voxels tell
   bool keep_table = false;             ///< leave what a CT shows beside the patient
+  bool deface = false;                 ///< then take the face off a head (deface())
   PrepareOptions prepare;              ///< what is done to the volume after that
   std::filesystem::path labels;        ///< segmentation of the volume (add_labels()); empty: none
   /// Bytes of memory that the caller will take beside the loaded volume. Where loading or that is
@@ -34,6 +36,9 @@ struct LoadOptions {
   /// leaves. Empty: nothing is checked.
   std::function<std::uint64_t(const VolumeSize&)> work;
   bool warn_of_size = false;  ///< a warning instead of that Error
+  bool warn_of_face = false;  ///< a warning where a face is shown (shows_face())
+  /// Is shown a volume before and after its face is taken off. Empty: nobody is.
+  std::function<void(const Volume&)> watch_deface;
 };
 
 /// One series of a DICOM folder, or one phase of it, as a person tells them apart.
@@ -50,6 +55,7 @@ struct SeriesInfo {
 struct LoadedVolume {
   Volume volume;
   std::vector<PreparationStep> prepared;  ///< in their order
+  std::optional<Face> face;               ///< that was taken off
   std::vector<SeriesInfo> series;  ///< of DICOM, in the order in which LoadOptions::series counts
 };
 

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/body_part.h"
+#include "core/defaced.h"
 #include "core/geometry.h"
 #include "core/modality.h"
 #include "volume/hints.h"
@@ -43,6 +45,7 @@ struct Volume {
   std::vector<std::uint8_t> labels;
   std::vector<int> label_numbers;  ///< as the segmentation's file has them; the first is 0
   Hints hints;                     ///< what the file's header says, beside the modality
+  std::optional<Defaced> defaced;  ///< what went with its face (deface()); none: nothing
 
   size_t voxels() const { return static_cast<size_t>(dims.x) * dims.y * dims.z; }
   size_t offset(int x, int y, int z) const {

@@ -7,12 +7,12 @@
 
 namespace clipgs {
 
-/// Means of a CT over blocks of about 2 mm along each axis (or single voxels, where they are
+/// Means over blocks of about 2 mm along each axis (or single voxels, where they are
 /// larger), x fastest: less noise and fewer voxels, and every wall of bone is still there.
-struct CoarseCt {
+struct CoarseVolume {
   IVec3 dims{0};
   Vec3 spacing{1};  ///< mm
-  std::vector<float> hu;
+  std::vector<float> values;
 
   size_t slice() const { return static_cast<size_t>(dims.x) * dims.y; }
   float ml() const { return spacing.x * spacing.y * spacing.z / 1000; }  ///< of a block
@@ -27,6 +27,6 @@ struct CoarseCt {
   }
 };
 
-CoarseCt coarse_ct(const Volume& volume);
+CoarseVolume coarse_volume(const Volume& volume);
 
 }  // namespace clipgs
