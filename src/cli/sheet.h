@@ -2,7 +2,6 @@
 
 #include <cairo.h>
 #include <filesystem>
-#include <functional>
 
 #include "core/image.h"
 
@@ -10,9 +9,6 @@ namespace clipgs {
 
 /// Fills a rectangle of an RGB image with display sRGB.
 void fill(Image& sheet, const float (&color)[3], int left, int top, int width, int height);
-
-/// draw(cairo) writes and draws over an RGB image, in px. Throws Error if the image is too large.
-void write_over(Image& sheet, const std::function<void(cairo_t*)>& draw);
 
 /// Ink of a lightness, 0…1.
 void grey(cairo_t* cairo, double value);

@@ -2,7 +2,10 @@
 
 #include <cairo.h>
 #include <cstdint>
+#include <functional>
 #include <string>
+
+#include "core/image.h"
 
 namespace clipgs {
 
@@ -13,5 +16,8 @@ enum class Align : std::uint8_t { kLeft, kMiddle, kRight };
 /// in the surface's units).
 void draw_text(cairo_t* cairo, const std::string& text, double x, double y, double size,
                Align align, double room, bool bold = false);
+
+/// draw(cairo) writes and draws over an RGB image, in px. Throws Error if the image is too large.
+void write_over(Image& picture, const std::function<void(cairo_t*)>& draw);
 
 }  // namespace clipgs

@@ -1,5 +1,6 @@
 #include "core/json_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -109,6 +110,14 @@ glm::dmat4 JsonReader::matrix(const char* key) const {
     }
   }
   return result;
+}
+
+void JsonReader::allow_only(std::initializer_list<std::string_view> keys) const {
+  for (const auto& [key, value] : object_.items()) {
+    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+      throw Error("{}: \"{}\" is no key there{}", name_, key, remedy());
+    }
+  }
 }
 
 void JsonReader::fail(const char* key) const {

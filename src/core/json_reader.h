@@ -1,7 +1,9 @@
 #pragma once
 
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry.h"
@@ -44,6 +46,9 @@ class JsonReader {
   Vec3 unit_vector(const char* key) const;
   /// Four rows of four numbers.
   glm::dmat4 matrix(const char* key) const;
+
+  /// Throws Error if there is a key that is none of these: a misspelt one would be passed over.
+  void allow_only(std::initializer_list<std::string_view> keys) const;
 
   [[noreturn]] void fail(const char* key) const;
   /// As fail(), for a value that is there and should be `expected`, e.g. "a unit vector".
