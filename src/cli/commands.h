@@ -7,6 +7,7 @@ namespace clipgs {
 // Each adds one subcommand; its callback does the work and throws Error on failure.
 // One file per command: src/cli/<name>_command.cpp; manual_command.cpp has what tells of all of
 // them.
+void add_archive_command(CLI::App& app);
 void add_bake_command(CLI::App& app);
 void add_build_command(CLI::App& app);
 void add_cinema_command(CLI::App& app);

@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
     clipgs::Progress::set_enabled(!quiet);
   });
 
+  clipgs::add_archive_command(app);
   clipgs::add_bake_command(app);
   clipgs::add_build_command(app);
   clipgs::add_cinema_command(app);
