@@ -18,14 +18,18 @@ readonly prefix="$work/prefix"
 cmake --install "$build" --prefix "$prefix" >"$work/log"
 readonly unit="$prefix/lib/systemd/system/clipgs.service"
 grep -q "^ExecStart=$prefix/bin/clipgs serve " "$unit" || fail "the unit starts another program"
+readonly archive_unit="${unit%.service}-archive.service"
+grep -q "^ExecStart=$prefix/bin/clipgs archive " "$archive_unit" || fail "the archive's unit starts another program"
 [ -z "$(find "$prefix" -path '*/etc/*')" ] || fail "cmake --install writes beside its prefix"
 if command -v systemd-analyze >/dev/null; then
   # Of this unit; others of the machine may have their own faults.
-  for one in "$unit" "${unit%.service}"-tokens.{path,service}; do
+  for one in "$unit" "$archive_unit" "${unit%.service}"-tokens.{path,service}; do
     said="$(systemd-analyze verify --man=no --recursive-errors=no "$one" 2>&1)" || fail "systemd refuses $(basename "$one"): $said"
   done
-  systemd-analyze security --offline=true --threshold=15 "$unit" >"$work/log" 2>&1 ||
-    fail "the service may do more than it needs: $(tail -n 1 "$work/log")"
+  for one in "$unit" "$archive_unit"; do
+    systemd-analyze security --offline=true --threshold=15 "$one" >"$work/log" 2>&1 ||
+      fail "$(basename "$one") may do more than it needs: $(tail -n 1 "$work/log")"
+  done
 else
   echo "package: there is no systemd-analyze: the unit is not tested" >&2
 fi
@@ -45,7 +49,8 @@ done
 
 dpkg-deb -x "$package" "$work/root"
 dpkg-deb -e "$package" "$work/control"
-for file in etc/default/clipgs etc/logrotate.d/clipgs etc/clipgs usr/bin/clipgs usr/lib/systemd/system/clipgs.service usr/lib/systemd/system/clipgs-tokens.path \
+for file in etc/default/clipgs etc/logrotate.d/clipgs etc/clipgs usr/bin/clipgs usr/lib/systemd/system/clipgs.service usr/lib/systemd/system/clipgs-archive.service usr/lib/systemd/system/clipgs-tokens.path \
+  usr/share/clipgs/orthanc/clipgs.lua usr/share/doc/clipgs/examples/orthanc/rules.json usr/share/doc/clipgs/orthanc.md \
   usr/share/bash-completion/completions/clipgs usr/share/doc/clipgs/changelog.Debian.gz usr/share/doc/clipgs/changelog.gz \
   usr/share/doc/clipgs/copyright usr/share/doc/clipgs/service.md usr/share/fish/vendor_completions.d/clipgs.fish \
   usr/share/man/man1/clipgs-serve.1.gz usr/share/man/man1/clipgs-token.1.gz usr/share/zsh/vendor-completions/_clipgs; do
