@@ -2,7 +2,7 @@
 # How soon what arrives in Orthanc is seen: from the last byte of storescu to the first picture in a browser, and to the
 # finished draft, beside `clipgs build` of the same folder in the same run. Prints Markdown.
 #
-#   CLIPGS_DATA=... bench/archive.sh [CLIPGS]    needs orthanc, dcmtk, numpy, curl and Chromium; eight minutes on two cores
+#   CLIPGS_DATA=... bench/archive.sh [CLIPGS]    needs orthanc, dcmtk, numpy, curl, Chromium; eight minutes on two cores
 #
 # The head of CLIPGS_DATA as 234 slices of 512 × 512. Orthanc's StableAge and the rules' settle_seconds are STABLE (2).
 set -euo pipefail

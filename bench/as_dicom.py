@@ -55,8 +55,9 @@ def dicom_file(slice_, index, spacing, sign, options):
     rows, columns = slice_.shape
     place = f"{-sign * spacing[0] * columns / 2:.4f}\\{-sign * spacing[1] * rows / 2:.4f}\\{spacing[2] * index:.4f}"
     body = b"".join([
-        element(8, 5, b"CS", "ISO_IR 192"), element(8, 8, b"CS", "ORIGINAL\\PRIMARY\\AXIAL"), element(8, 0x16, b"UI", ct),
-        element(8, 0x18, b"UI", instance), element(8, 0x20, b"DA", "20270101"), element(8, 0x30, b"TM", "120000"),
+        element(8, 5, b"CS", "ISO_IR 192"), element(8, 8, b"CS", "ORIGINAL\\PRIMARY\\AXIAL"),
+        element(8, 0x16, b"UI", ct), element(8, 0x18, b"UI", instance), element(8, 0x20, b"DA", "20270101"),
+        element(8, 0x30, b"TM", "120000"),
         element(8, 0x50, b"SH", f"A{options.number}"), element(8, 0x60, b"CS", "CT"), element(8, 0x90, b"PN", ""),
         element(8, 0x103e, b"LO", "measured"), element(0x10, 0x10, b"PN", options.patient),
         element(0x10, 0x20, b"LO", options.id), element(0x10, 0x30, b"DA", "19010203"), element(0x10, 0x40, b"CS", "O"),

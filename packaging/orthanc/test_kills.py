@@ -108,8 +108,8 @@ def write_rules(work, orthanc, **changes):
     credentials.chmod(0o600)
     rules = {"clipgs_archive": 1, "orthanc": f"http://127.0.0.1:{orthanc.http}", "credentials": str(credentials),
              "public_url": "https://cases.example/", "wake": str(orthanc.wake), "settle_seconds": SETTLE,
-             "poll_seconds": 1, "tries": 1000, "retry_seconds": 1, "film_pictures": 6, "film_size": 96, "rules": [{"name": "ct", "modality": "CT",
-                                                                              "build": BUILD}]}
+             "poll_seconds": 1, "tries": 1000, "retry_seconds": 1, "film_pictures": 6, "film_size": 96,
+             "rules": [{"name": "ct", "modality": "CT", "build": BUILD}]}
     (work / "rules.json").write_text(json.dumps({**rules, **changes}))
     return work / "rules.json"
 
@@ -130,8 +130,9 @@ def make_series(clipgs, work, data):
         shutil.copytree(source, folder, copy_function=shutil.copyfile)
         folder.chmod(0o755)
         patient = f"ZQX7^Real{number}"
-        run("dcmodify", "-nb", "-gin", "-i", f"(0010,0010)={patient}", "-i", f"(0010,0020)=zqx7-r{number}",
-            *folder.iterdir())
+        values = {"0008,0016": "1.2.840.10008.5.1.4.1.1.2", "0010,0010": patient, "0010,0020": f"zqx7-r{number}"}
+        insert = [word for tag, value in values.items() for word in ("-i", f"({tag})={value}")]
+        run("dcmodify", "-nb", "-gin", *insert, *folder.iterdir())
         found.append((folder, patient))
     return [Series(folder, patient, sorted(folder.iterdir())) for folder, patient in found]
 
@@ -139,12 +140,14 @@ def make_series(clipgs, work, data):
 def send(orthanc, series, chance, stop):
     """As a scanner does: a few images at a time, each until it is taken."""
     files = list(series.files)
+    time.sleep(chance.uniform(0, 45))
     while files and not stop.is_set():
         some = files[:chance.randint(4, 12)]
-        sent = subprocess.run(["storescu", "-aec", "ORTHANC", "-to", "5", "127.0.0.1", str(orthanc.dicom),
+        sent = subprocess.run(["storescu", "-xv", "-aec", "ORTHANC", "-to", "5", "127.0.0.1", str(orthanc.dicom),
                                *map(str, some)], capture_output=True).returncode == 0
         files = files[len(some):] if sent else files
-        time.sleep(chance.uniform(0, 0.3) if sent else 0.5)
+        # Sometimes for longer than a series takes to be held for complete.
+        time.sleep(chance.choice([0.2, 1, 2 * SETTLE + 3]) * chance.uniform(0.5, 1) if sent else 0.5)
 
 
 def kill_around(orthanc, worker, kills, chance):

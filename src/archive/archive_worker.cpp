@@ -118,6 +118,7 @@ std::string reason_of(const std::string& log, int status) {
 
 std::vector<Image> some_of(const std::vector<Image>& pictures, size_t count) {
   std::vector<Image> some;
+  some.reserve(count);
   for (size_t i = 0; i < count; ++i) {
     some.push_back(pictures[i * pictures.size() / count]);
   }
@@ -372,7 +373,7 @@ void ArchiveWorker::uncount(const Job& job, SeriesRecord& record) const {
 
 std::optional<ArchiveWorker::Time> ArchiveWorker::fail(const Job& job, SeriesRecord& record,
                                                        const std::string& reason) {
-  constexpr Time kLongest = 60 * 60;
+  constexpr Time kLongest = 3600;  // s
   if (tells_of_full_disk(reason)) {
     say_once("a disk is full: free some space; waiting");
     uncount(job, record);
@@ -450,7 +451,7 @@ std::string ArchiveWorker::fetch(OrthancClient& orthanc, const Job& job) const {
   return digest.hex();
 }
 
-bool ArchiveWorker::is_unchanged(OrthancClient& orthanc, const Job& job) const {
+bool ArchiveWorker::is_unchanged(OrthancClient& orthanc, const Job& job) {
   return listing_of(orthanc.instances(job.series)) == job.listing;
 }
 
@@ -502,7 +503,9 @@ void ArchiveWorker::put_back(OrthancClient& orthanc, const Job& job, const Serie
     write_image(image_file(images, 0), *first);
     DerivedFrom source{image_file(images, 0), {}, record.content};
     for (const OrthancInstance& one : job.instances) {
-      source.images.push_back({job.sop_class, one.sop_instance});
+      if (!job.sop_class.empty()) {  // as some anonymised files have it: no reference can be made
+        source.images.push_back({job.sop_class, one.sop_instance});
+      }
     }
     const Case contents = read_case(case_file(job));
     const int count = back.film ? work_.rules.film_pictures : kReportPictures;

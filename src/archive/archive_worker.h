@@ -78,7 +78,7 @@ class ArchiveWorker {
   bool run_build(const Job& job);
   void put_back(OrthancClient& orthanc, const Job& job, const SeriesRecord& record);
   void put_link(OrthancClient& orthanc, const Job& job) const;
-  bool is_unchanged(OrthancClient& orthanc, const Job& job) const;
+  static bool is_unchanged(OrthancClient& orthanc, const Job& job);
 
   std::filesystem::path case_file(const Job& job) const;
   std::string link_to(const Job& job) const;

@@ -59,7 +59,7 @@ constexpr std::array kPatientAndStudy = {
 /// A data set, element by element.
 class Elements {
  public:
-  void put(gdcm::Tag tag, VR::VRType vr, std::string text) {
+  void put(const gdcm::Tag& tag, VR::VRType vr, std::string text) {
     if (text.size() % 2 != 0) {
       text += vr == VR::UI || vr == VR::OB ? '\0' : ' ';
     }
@@ -68,11 +68,11 @@ class Elements {
     element.SetByteValue(text.data(), static_cast<std::uint32_t>(text.size()));
     data_.Replace(element);
   }
-  void put(gdcm::Tag tag, int number) {
+  void put(const gdcm::Tag& tag, int number) {
     const auto value = static_cast<std::uint16_t>(number);
     put(tag, VR::US, {reinterpret_cast<const char*>(&value), sizeof value});
   }
-  void put(gdcm::Tag tag, const std::vector<gdcm::DataSet>& items) {
+  void put(const gdcm::Tag& tag, const std::vector<gdcm::DataSet>& items) {
     const gdcm::SmartPointer<gdcm::SequenceOfItems> sequence = new gdcm::SequenceOfItems;
     sequence->SetLengthToUndefined();
     for (const gdcm::DataSet& nested : items) {
@@ -94,7 +94,7 @@ class Elements {
 };
 
 /// The value's bytes; "" if it is not there.
-std::string value_of(const gdcm::DataSet& data, gdcm::Tag tag) {
+std::string value_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   const gdcm::ByteValue* const bytes =
       data.FindDataElement(tag) ? data.GetDataElement(tag).GetByteValue() : nullptr;
   return bytes != nullptr ? std::string(bytes->GetPointer(), bytes->GetLength()) : std::string();
@@ -118,7 +118,10 @@ void keep_patient_and_study(const std::filesystem::path& file, Elements& element
   }
 }
 
-void put_images(Elements& elements, gdcm::Tag tag, const std::vector<SourceImage>& images) {
+void put_images(Elements& elements, const gdcm::Tag& tag, const std::vector<SourceImage>& images) {
+  if (images.empty()) {
+    return;
+  }
   std::vector<gdcm::DataSet> items;
   for (const SourceImage& image : images) {
     Elements item;

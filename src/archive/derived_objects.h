@@ -17,7 +17,7 @@ struct SourceImage {
 /// What a new DICOM object is derived from.
 struct DerivedFrom {
   std::filesystem::path file;       ///< one of the series: whose patient and study it is
-  std::vector<SourceImage> images;  ///< all of the series
+  std::vector<SourceImage> images;  ///< all of the series; empty: no reference is made
   std::string content;              ///< of the images, a digest: the same gives the same UIDs
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const gdcm::DataSet& data, gdcm::Tag tag) {
+std::string text_of(const gdcm::DataSet& data, const gdcm::Tag& tag) {
   if (!data.FindDataElement(tag)) {
     return "(none)";
   }
@@ -52,7 +52,7 @@ class DerivedObjectsTest : public ::testing::Test {
   }
   ~DerivedObjectsTest() override { fs::remove(file_); }
 
-  void plant(gdcm::Tag tag, gdcm::VR::VRType vr, std::string text) const {
+  void plant(const gdcm::Tag& tag, gdcm::VR::VRType vr, std::string text) const {
     gdcm::Reader reader;
     reader.SetFileName(file_.c_str());
     ASSERT_TRUE(reader.Read());
@@ -86,7 +86,7 @@ class DerivedObjectsTest : public ::testing::Test {
     EXPECT_NE(text_of(data, {0x0020, 0x000e}), "1.2.826.0.1.3680043.2.1125.1");
   }
 
-  void expect_sources(const gdcm::DataSet& data, gdcm::Tag tag) const {
+  void expect_sources(const gdcm::DataSet& data, const gdcm::Tag& tag) const {
     const auto items = data.GetDataElement(tag).GetValueAsSQ();
     ASSERT_EQ(items->GetNumberOfItems(), 2U);
     EXPECT_EQ(text_of(items->GetItem(2).GetNestedDataSet(), {0x0008, 0x1155}), "1.2.3.2");
