@@ -5,7 +5,7 @@
 #
 #   scripts/tidy.sh              every room
 #   scripts/tidy.sh ROOM...      only these rooms, e.g. core measure
-#   scripts/tidy.sh --turn       a third of the rooms, which takes turns from commit to commit
+#   scripts/tidy.sh --turn       a fifth of the rooms, in turn from commit to commit
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -14,17 +14,19 @@ if ! command -v clang-tidy-19 >/dev/null; then
   exit 0
 fi
 
-# Each line takes about as long as the others.
-thirds=(
-  "core light splat section measure tour"
-  "train bake volume study archive"
-  "cinema asset pipeline serve cli"
+# Some minutes of processor each.
+turns=(
+  "core light splat section tour"
+  "train bake measure archive"
+  "volume study"
+  "cinema asset pipeline serve"
+  "cli"
 )
 rooms=("$@")
 if [ "${#rooms[@]}" -eq 0 ]; then
-  read -ra rooms <<<"${thirds[*]}"
+  read -ra rooms <<<"${turns[*]}"
 elif [ "$1" = --turn ]; then
-  read -ra rooms <<<"${thirds[$(git rev-list --count HEAD 2>/dev/null || echo 0) % ${#thirds[@]}]}"
+  read -ra rooms <<<"${turns[$(git rev-list --count HEAD 2>/dev/null || echo 0) % ${#turns[@]}]}"
 fi
 echo "tidy: ${rooms[*]}"
 for room in "${rooms[@]}"; do
