@@ -130,7 +130,9 @@ def make_series(clipgs, work, data):
         shutil.copytree(source, folder, copy_function=shutil.copyfile)
         folder.chmod(0o755)
         patient = f"ZQX7^Real{number}"
-        values = {"0008,0016": "1.2.840.10008.5.1.4.1.1.2", "0010,0010": patient, "0010,0020": f"zqx7-r{number}"}
+        values = {"0008,0016": "1.2.840.10008.5.1.4.1.1.2", "0010,0010": patient, "0010,0020": f"zqx7-r{number}",
+                  "0020,000d": f"1.2.826.0.1.3680043.2.1125.78.{number}", "0020,000e":
+                  f"1.2.826.0.1.3680043.2.1125.78.{number}.1"}  # some are anonymised, without any
         insert = [word for tag, value in values.items() for word in ("-i", f"({tag})={value}")]
         run("dcmodify", "-nb", "-gin", *insert, *folder.iterdir())
         found.append((folder, patient))

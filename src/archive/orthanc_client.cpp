@@ -21,7 +21,10 @@ HttpOptions options_for(const Credentials& credentials) {
   options.user = credentials.user;
   options.password = credentials.password;
   options.connect_limit = std::chrono::seconds(5);
-  options.attempts = 1;  // who waits for Orthanc can be told to end meanwhile
+  options.idle_limit = std::chrono::seconds(30);
+  // Twice, for a connection that Orthanc closed just now; who waits longer can be told to end.
+  options.attempts = 2;
+  options.first_wait = std::chrono::milliseconds(100);
   return options;
 }
 

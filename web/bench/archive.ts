@@ -11,9 +11,9 @@ const [url = ""] = process.argv.slice(2);
 
 async function firstCase(): Promise<string> {
   for (;;) {
-    const list = (await (await fetch(new URL("api/cases", url))).json()) as { name: string }[];
-    if (list[0]) {
-      return list[0].name;
+    const { cases } = (await (await fetch(new URL("api/cases", url))).json()) as { cases: { name: string }[] };
+    if (cases[0]) {
+      return cases[0].name;
     }
     await new Promise((done) => setTimeout(done, 100));
   }
