@@ -28,32 +28,15 @@ constexpr size_t kMostPatterns = 100;
 constexpr const char* kRulesRemedy = "docs/orthanc.md tells what a file of rules may hold";
 
 // Of clipgs build, those that depend on nothing but the series.
-constexpr std::array kBuildOptions = {"quality",
-                                      "preset",
-                                      "rig",
-                                      "exposure",
-                                      "tone",
-                                      "title",
-                                      "model",
-                                      "seed",
-                                      "size",
-                                      "test-frames",
-                                      "budget",
-                                      "train-frames",
-                                      "steps",
-                                      "sh-degree",
-                                      "crop",
-                                      "gaps",
-                                      "region",
-                                      "soften-metal",
-                                      "bias",
-                                      "keep-table",
-                                      "denoise",
-                                      "as-scanned",
-                                      "denoise-volume",
-                                      "no-section",
-                                      "section-size",
-                                      "gradient-opacity"};
+constexpr std::array kBuildOptions = {"quality",      "preset",       "rig",
+                                      "exposure",     "tone",         "title",
+                                      "model",        "seed",         "size",
+                                      "test-frames",  "budget",       "train-frames",
+                                      "steps",        "sh-degree",    "crop",
+                                      "deface",       "gaps",         "region",
+                                      "soften-metal", "bias",         "keep-table",
+                                      "denoise",      "as-scanned",   "denoise-volume",
+                                      "no-section",   "section-size", "gradient-opacity"};
 
 const std::string& fact_of(const SeriesFacts& facts, const std::string& key) {
   static const std::map<std::string, std::string SeriesFacts::*> kFacts = {

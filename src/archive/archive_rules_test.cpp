@@ -86,7 +86,7 @@ TEST_F(ArchiveRulesTest, ReadsWhatIsToBeDone) {
   const ArchiveRules rules = rules_of(
       R"("public_url": "https://cases.example", "tries": 2, "settle_seconds": 0,
          "rules": [{"name": "one", "folder": "ct/chest", "back": "report",
-                    "build": {"quality": "draft", "size": 64, "denoise": true, "bias": false}}])");
+                    "build": {"quality": "draft", "size": 64, "deface": true, "bias": false}}])");
   EXPECT_EQ(rules.public_url, "https://cases.example/");
   EXPECT_EQ(rules.tries, 2);
   EXPECT_EQ(rules.settle.count(), 0);
@@ -95,7 +95,7 @@ TEST_F(ArchiveRulesTest, ReadsWhatIsToBeDone) {
   EXPECT_EQ(rule.folder, "ct/chest");
   EXPECT_TRUE(rule.back.report);
   EXPECT_FALSE(rule.back.film || rule.back.link);
-  EXPECT_THAT(rule.build, ElementsAre("--denoise", "--quality", "draft", "--size", "64"));
+  EXPECT_THAT(rule.build, ElementsAre("--deface", "--quality", "draft", "--size", "64"));
 }
 
 TEST_F(ArchiveRulesTest, RefusesWhatItDoesNotKnow) {
