@@ -122,7 +122,7 @@ BackChoice back_of(const json& rule, const JsonReader& reader) {
     } else if (one == "link") {
       back.link = true;
     } else {
-      reader.fail("back", "a list of \"film\", \"report\" and \"link\"");
+      reader.fail("back", R"(a list of "film", "report" and "link")");
     }
   }
   return back;

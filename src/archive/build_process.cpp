@@ -26,7 +26,9 @@ constexpr int kNotStarted = 127;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nothing = ::open("/dev/null", O_RDONLY);
-  ::dup2(nothing, STDIN_FILENO);
+  if (nothing >= 0) {
+    ::dup2(nothing, STDIN_FILENO);
+  }
   ::dup2(log, STDOUT_FILENO);
   ::dup2(log, STDERR_FILENO);
   ::execv(words[0], words);
@@ -37,6 +39,7 @@ constexpr int kNotStarted = 127;
 
 BuildProcess::BuildProcess(std::vector<std::string> words, const std::filesystem::path& log) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) {
     arguments.push_back(word.data());
   }
