@@ -11,7 +11,9 @@ const [url = ""] = process.argv.slice(2);
 
 async function firstCase(): Promise<string> {
   for (;;) {
-    const { cases } = (await (await fetch(new URL("api/cases", url))).json()) as { cases: { name: string }[] };
+    const { cases } = (await (await fetch(new URL("api/cases", url))).json()) as {
+      cases: { name: string }[];
+    };
     if (cases[0]) {
       return cases[0].name;
     }
