@@ -78,7 +78,7 @@ TEST_F(ManualTest, HasAPageOfEveryCommandThatRoffTakes) {
 
 TEST_F(ManualTest, CompletesInBash) {
   EXPECT_EQ(offered("bui"), "build");
-  EXPECT_THAT(offered("\"\""), AllOf(StartsWith("bake build cinema"), HasSubstr("unpack view")));
+  EXPECT_THAT(offered("\"\""), AllOf(StartsWith("archive bake build"), HasSubstr("unpack view")));
   EXPECT_EQ(offered("build --tit"), "--title");
   EXPECT_EQ(offered("build ct.nii.gz --tone \"\""), "srgb filmic");
   EXPECT_EQ(offered("--quiet render case.sog --thr"), "--threads");
