@@ -17,8 +17,9 @@ std::vector<Image> turntable(Case contents, int pictures, int side) {
     Image picture = composite(draw_case(contents, camera, Cut()), 0, 0, 0);
     write_over(picture, [&](cairo_t* cairo) {
       cairo_set_source_rgb(cairo, kGrey, kGrey, kGrey);
-      draw_text(cairo, "clipgs: not for diagnosis", side / 2.0, side - kTextSize / 2, kTextSize,
-                Align::kMiddle, side);
+      const double room = side;
+      draw_text(cairo, "clipgs: not for diagnosis", room / 2, room - kTextSize / 2, kTextSize,
+                Align::kMiddle, room);
     });
     result.push_back(std::move(picture));
   }

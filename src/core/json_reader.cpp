@@ -114,7 +114,7 @@ glm::dmat4 JsonReader::matrix(const char* key) const {
 
 void JsonReader::allow_only(std::initializer_list<std::string_view> keys) const {
   for (const auto& [key, value] : object_.items()) {
-    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
+    if (std::ranges::find(keys, key) == keys.end()) {
       throw Error("{}: \"{}\" is no key there{}", name_, key, remedy());
     }
   }

@@ -19,6 +19,7 @@ CoarseVolume coarse_volume(const Volume& volume) {
   coarse.spacing = volume.spacing * Vec3(factor);
   coarse.values.resize(coarse.slice() * coarse.dims.z);
   std::vector<size_t> columns;  // of blocks, by voxel
+  columns.reserve(static_cast<size_t>(volume.dims.x));
   for (int x = 0; x < volume.dims.x; ++x) {
     columns.push_back(static_cast<size_t>(x / factor.x));
   }

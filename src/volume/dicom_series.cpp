@@ -251,7 +251,7 @@ LaidOutStack lay_out(DicomStack stack, Gaps gaps, const std::string& where) {
   drop_repeats(stack.slices, where);
   require_whole(stack, where);
   StackPlan plan = plan_stack(stack.slices, gaps, where);
-  ResampleGrid grid = resample_grid(stack.slices, plan, where);
+  const ResampleGrid grid = resample_grid(stack.slices, plan, where);
 
   StoredImage image;
   const DicomHeader& first = stack.slices.front();
