@@ -7,6 +7,7 @@
 #include <netinet/in.h>
 
 #include "core/error.h"
+#include "volume/header_text.h"
 
 namespace clipgs {
 
@@ -16,12 +17,6 @@ constexpr int kHttpPort = 80;
 constexpr int kHttpsPort = 443;
 constexpr size_t kMostText = 2048;  // bytes
 constexpr int kMostPort = 65535;
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower;
-}
 
 [[noreturn]] void refuse() {
   throw Error("the archive's address is none; give one as https://archive.example:8443/dicom-web");
