@@ -6,13 +6,13 @@
 #                                                      all, are those of `parts` below
 #
 # Takes hours on two cores, which should have nothing else to do: what is timed comes first. Stop it whenever you
-# like; run again, it goes on. It refuses to go on with other sources than it began with. Needs Chromium, the package
-# `time`, and Blender with python3-openvdb for one of the tables.
+# like; run again, it goes on. It refuses to go on with other sources than it began with. Needs Chromium, the packages
+# `time` and `snakemake`, and Blender with python3-openvdb for one of the tables.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 all="$(realpath -m "${1:-build/all}")"
 shift || true
-readonly parts=(instant draft standard tracer kernels viewer flicker seeds operators cuts papers ablation samples clone)
+readonly parts=(instant draft standard tracer kernels viewer archive batch flicker seeds operators cuts papers ablation samples clone)
 [ $# -gt 0 ] || set -- "${parts[@]}"
 mkdir -p "$all/tables"
 
@@ -47,6 +47,8 @@ part_samples() { BUDGET=20000 STEPS=1500 bash bench/dataset.sh "$all/samples"; }
 part_tracer() { bash bench/cinema.sh; }
 part_kernels() { bash bench/kernels.sh; }
 part_viewer() { bash bench/web.sh "$all/standard/head/case.sog" "$all/standard/abdomen/case.sog"; }
+part_archive() { bash bench/archive.sh "$CLIPGS"; }
+part_batch() { bash bench/batch.sh "$CLIPGS" drafts; }
 part_flicker() {
   bash bench/flicker.sh "$all/draft/abdomen/case.sog" "$CLIPGS_DATA/abdomen_pelvis_3mm.nii.gz" "$all/flicker" --steps 8
 }

@@ -30,14 +30,15 @@ cat >"$work/rules.json" <<END
 END
 
 begin="$(now)"
-"$clipgs" build "$work/head" -o "$work/alone.sog" --quality draft --quiet 2>/dev/null
+"$clipgs" build "$work/head" -o "$work/alone.sog" --quality draft --quiet >/dev/null 2>&1
 alone="$(less "$(now)" "$begin")"
 
 /usr/sbin/Orthanc "$work/orthanc.json" >"$work/orthanc.log" 2>&1 &
 pids+=($!)
 until curl -sf http://127.0.0.1:18043/system >/dev/null; do sleep 0.1; done
 "$clipgs" archive "$work/rules.json" -o "$work/cases" --state "$work/state" 2>"$work/log" &
-pids+=($!)
+worker=$!
+pids+=("$worker")
 "$clipgs" serve "$work/cases" --port 18080 >/dev/null 2>&1 &
 pids+=($!)
 (cd "$here/web" && exec npx vite-node bench/archive.ts -- http://127.0.0.1:18080/) >"$work/seen" 2>"$work/browser" &
@@ -47,9 +48,15 @@ until grep -q waiting "$work/browser"; do sleep 0.1; done
 begin="$(now)"
 storescu -aec ORTHANC 127.0.0.1 14243 +sd "$work/head"
 received="$(now)"
-until grep -q 'built in' "$work/log"; do sleep 0.1; done
+wait_for() { # a line of the worker, while it lives
+  until grep -q "$1" "$work/log"; do
+    kill -0 "$worker" || { cat "$work/log" >&2; exit 1; }
+    sleep 0.1
+  done
+}
+wait_for 'built in'
 built="$(now)"
-until grep -q 'back in the archive' "$work/log"; do sleep 0.1; done
+wait_for 'back in the archive'
 back="$(now)"
 wait "$browser"
 read -r name seen <"$work/seen"

@@ -5,7 +5,8 @@
 #   scripts/fuzz.sh [MINUTES [TARGET...]]    MINUTES (default 10) for each target (default: all of them, one after
 #                                            another); e.g. scripts/fuzz.sh 60 nifti dicom
 #
-# Inputs that reached new code are kept in build/fuzzing/TARGET and gone on from; findings are in build/fuzzing/findings.
+# Inputs that reached new code are kept in build/fuzzing/TARGET and gone on from; findings are in build/fuzzing/findings,
+# and build/asan/src/ROOM/TARGET_fuzz FINDING reads one once again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

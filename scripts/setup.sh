@@ -94,7 +94,7 @@ packages=(
 browsers=(chromium chromium-driver firefox-esr webkit2gtk-driver xvfb libgl1-mesa-dri)
 # A hospital's archive, which the tests fetch from.
 archives=(orthanc orthanc-dicomweb dcmtk)
-checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev python3 groff-base zsh fish "${browsers[@]}"
+checks=(dpkg-dev file doxygen clang-format-19 clang-tidy-19 libclang-rt-19-dev llvm-19 python3 groff-base zsh fish "${browsers[@]}"
   "${archives[@]}")
 if [ "$with_checks" -eq 1 ]; then
   packages+=("${checks[@]}")

@@ -206,7 +206,7 @@ TEST_F(StateFolder, PlanesThatMakeNoStates) {
       "state_005.ply keeps the other side");
   refuses([](json& p) { p["states"][4]["plane"][3] = p["states"][4]["plane"][3].get<float>() + 1; },
           "evenly spaced");
-  refuses([](json& p) { p["states"] = {p["states"][0]}; }, "lists 1 states");
+  refuses([](json& p) { p["states"] = json::array({p["states"][0]}); }, "lists 1 states");
   refuses([](json& p) { p.erase("states"); }, "\"states\" is missing");
   refuses([](json& p) { p["states"][1].erase("file"); }, "states[1]: \"file\"");
   refuses([](json& p) { p["states"][1]["plane"] = {0, 0, 2, 1}; }, "states[1]: \"plane\"");

@@ -294,7 +294,7 @@ TEST(PathTracer, AgreesWithTheReferenceOnGradientOpacity) {
 
 // Green and gloss change most, and by the value too.
 BoundaryLook steep_look() {
-  return {100, 500,
+  return {{100, 500},
           TransferFunction({point(-500, 0, Vec3(0.9f), 0.4f), point(0, 0, Vec3(0.05f)),
                             point(340, 0, Vec3(0.1f), 0.2f), point(500, 0, Vec3(0.95f), 0.7f)})};
 }

@@ -1,5 +1,6 @@
 // What makes a libFuzzer program of a target: its seeds become a corpus beside those that the
 // command line names, and an Error is a good answer.
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <system_error>
@@ -56,6 +57,11 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   using namespace clipgs;
   Progress::set_enabled(false);
   std::atexit(fuzz::remove_scratch_folder);
+  // libFuzzer takes folders or, to read them once again, files.
+  if (std::any_of(*argv + 1, *argv + *argc,
+                  [](const char* word) { return std::filesystem::is_regular_file(word); })) {
+    return 0;
+  }
   const std::filesystem::path folder = fuzz::scratch_folder() / "seeds";
   std::filesystem::create_directories(folder);
   int number = 0;

@@ -25,11 +25,27 @@ namespace {
               temporary_folder().string(), what, std::strerror(errno));
 }
 
+/// Blocks what ends this process and others of its terminal.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t ends;
+    ::sigemptyset(&ends);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
+      ::sigaddset(&ends, signal);
+    }
+    ::pthread_sigmask(SIG_BLOCK, &ends, &before_);
+  }
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
 /// In the child: outlives what ends its parent, and holds nothing of its files and locks.
 [[noreturn]] void sweep_after(int life, const fs::path& folder) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
-    std::signal(signal, SIG_IGN);
-  }
   constexpr int kLife = STDERR_FILENO + 1;
   const int nowhere = ::open("/dev/null", O_RDWR);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
@@ -64,9 +80,12 @@ PrivateFolder::PrivateFolder() {
   }
   path_ = name;
   life_ = pipe[1];
-  sweeper_ = ::fork();
-  if (sweeper_ == 0) {
-    sweep_after(pipe[0], path_);
+  {
+    const BlockedSignals from_the_first_moment;  // of the child, which keeps them blocked
+    sweeper_ = ::fork();
+    if (sweeper_ == 0) {
+      sweep_after(pipe[0], path_);
+    }
   }
   ::close(pipe[0]);
   if (sweeper_ < 0) {

@@ -10,7 +10,7 @@ Histogram histogram(const Volume& volume) {
   const auto [low, high] = volume.values.range();
   h.min = low;
   h.max = high;
-  // In double: a range of floats may be beyond them, or its inverse.
+  // In double: the inverse of a range of floats may be beyond them.
   const double range = static_cast<double>(h.max) - h.min;
   const double scale = range > 0 ? Histogram::kBins / range : 0;
   for (const float value : volume.values.all()) {

@@ -34,13 +34,18 @@ Modality guess_modality(float min, float max) {
   return min <= -500 && min >= -4096 && max > 0 && max < 32768 ? Modality::kCt : Modality::kUnknown;
 }
 
-/// Throws unless all values are finite and not all the same.
+/// Throws unless all values are finite, and so are their differences, and not all are the same.
 VoxelValues::Range checked_range(const Volume& volume, const std::string& where) {
   if (!std::ranges::all_of(volume.values.all(), [](float v) { return std::isfinite(v); })) {
     throw Error("{}: holds voxels that are not finite numbers (NaN or infinity); replace them",
                 where);
   }
   const VoxelValues::Range range = volume.values.range();
+  if (!std::isfinite(range.max - range.min)) {
+    throw Error(
+        "{}: its values go from {:g} to {:g}, further than single precision does; rescale them",
+        where, range.min, range.max);
+  }
   if (range.min == range.max) {
     throw Error("{}: every voxel has the value {}: there is nothing to show", where, range.min);
   }

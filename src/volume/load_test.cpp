@@ -70,8 +70,9 @@ void write_nrrd(const std::filesystem::path& path, const std::string& fields,
   write_text(path, "NRRD0004\n" + fields + "encoding: raw\nendian: little\n\n" + voxels);
 }
 
-std::string bytes_of(const std::vector<std::int16_t>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(std::int16_t)};
+template <typename T>
+std::string bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
 std::string counting_bytes(size_t count) {
@@ -259,6 +260,10 @@ TEST(LoadErrors, SayWhatIsWrong) {
   const std::string voxels = bytes_of(std::vector<std::int16_t>(60, 42));
   write_nrrd(folder / "constant.nrrd", short_3d + "sizes: 5 4 3\n", voxels);
   EXPECT_THAT(load_error(folder / "constant.nrrd"), HasSubstr("every voxel has the value 42"));
+  std::vector<float> far(60, -3e38f);
+  far[7] = 3e38f;
+  write_nrrd(folder / "far.nrrd", "type: float\ndimension: 3\nsizes: 5 4 3\n", bytes_of(far));
+  EXPECT_THAT(load_error(folder / "far.nrrd"), HasSubstr("from -3e+38 to 3e+38, further than"));
   write_nrrd(folder / "zero.nrrd", short_3d + "sizes: 5 0 3\n", "");
   EXPECT_THAT(load_error(folder / "zero.nrrd"), HasSubstr("sizes gives the size 0 along axis 2"));
   write_nrrd(folder / "flat.nrrd", short_3d + "sizes: 20 3 1\n", voxels);
