@@ -1,10 +1,10 @@
 #include "archive/multipart.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 
 namespace clipgs {
 
@@ -13,10 +13,7 @@ namespace {
 constexpr std::string_view kLineEnd = "\r\n";
 
 bool begins_alike(std::string_view text, std::string_view beginning) {
-  return text.size() >= beginning.size() &&
-         std::ranges::equal(
-             text.substr(0, beginning.size()), beginning,
-             [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+  return is_alike(text.substr(0, beginning.size()), beginning);
 }
 
 std::string_view without_blanks(std::string_view text) {

@@ -7,7 +7,7 @@
 #include <netinet/in.h>
 
 #include "core/error.h"
-#include "volume/header_text.h"
+#include "core/letter_case.h"
 
 namespace clipgs {
 

@@ -15,6 +15,7 @@
 
 #include "asset/zip.h"
 #include "cli/cli_fixture.h"
+#include "core/letter_case.h"
 #include "volume/dicom_fixture.h"
 #include "volume/phantom.h"
 
@@ -186,8 +187,7 @@ class ArchiveTest : public CliTest {
 };
 
 void expect_no_patient(const std::string& bytes, const std::string& where) {
-  std::string lower = bytes;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string lower = lower_case(bytes);
   for (const char* const text : {"zqx7", kPlantedDay, "1.2.999.777"}) {
     EXPECT_EQ(lower.find(text), std::string::npos) << text << " is in " << where;
   }

@@ -16,6 +16,7 @@
 
 #include "asset/zip.h"
 #include "cli/cli_fixture.h"
+#include "core/letter_case.h"
 #include "volume/dicom_fixture.h"
 
 namespace clipgs {
@@ -143,8 +144,7 @@ void write_ball(const fs::path& folder) {
 
 /// Fails where one of the planted texts is.
 void expect_clean(const std::string& bytes, const std::string& where) {
-  std::string lower = bytes;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string lower = lower_case(bytes);
   for (const char* text : {"zqx7", kDay, "1901-02-03", kUid}) {
     EXPECT_EQ(lower.find(text), std::string::npos) << text << " is in " << where;
   }

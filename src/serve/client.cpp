@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "serve/http.h"
 
 namespace clipgs {

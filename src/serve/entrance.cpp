@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "core/letter_case.h"
 #include "serve/http.h"
 #include "serve/token.h"
 

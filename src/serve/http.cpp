@@ -8,19 +8,12 @@
 #include <map>
 #include <netinet/in.h>
 
+#include "core/letter_case.h"
 #include "core/percent.h"
 
 namespace clipgs {
 
 namespace {
-
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return result;
-}
 
 /// Takes the first element, without the blanks around it, off a list in a header.
 std::string_view next_of_list(std::string_view& list, char separator) {
@@ -72,10 +65,6 @@ bool is_loopback_v4(const in_addr& address) {
 }
 
 }  // namespace
-
-bool is_alike(std::string_view one, std::string_view other) {
-  return lower_case(one) == lower_case(other);
-}
 
 std::vector<std::string_view> header_list(std::string_view list, char separator) {
   std::vector<std::string_view> elements;

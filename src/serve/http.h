@@ -10,9 +10,6 @@
 
 namespace clipgs {
 
-/// Whether they differ in capitals at most.
-bool is_alike(std::string_view one, std::string_view other);
-
 /// The elements of a list in a header, without the blanks around them.
 std::vector<std::string_view> header_list(std::string_view list, char separator);
 

@@ -12,7 +12,6 @@ namespace clipgs {
 
 /// Without blanks at either end.
 std::string_view trimmed(std::string_view text);
-std::string lower_case(std::string_view text);
 std::vector<std::string> words(std::string_view text);
 
 /// The beginning of a text from a file, fit for a message.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "volume/header_text.h"
 #include "volume/image_header.h"
 #include "volume/inflater.h"

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "volume/header_text.h"
 
 namespace clipgs {

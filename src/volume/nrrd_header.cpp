@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/letter_case.h"
 #include "volume/header_text.h"
 
 namespace clipgs {
