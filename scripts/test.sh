@@ -116,12 +116,12 @@ echo "test: waited for these for $((SECONDS - waited)) s"
 
 # Statistics over many samples, finite differences, whole scans and the same again at other thread counts take minutes
 # there, through code that other tests go through as well.
-step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits|OnBoundaries|EndsWhereTheSection|ManySmallSteps|NoSplitComesNear|LeavesLessThanHalf'
+step "tests asan ubsan" run_tests asan -L fast -E 'HoldsEveryTissue|GradientsOf|OnGradientOpacity|TwoThreads|NumberOfThreads|Denoise\.B|RealDicom|RealData|ThePenaltyOnOverdraw|FlippedBits|OnBoundaries|EndsWhereTheSection|ManySmallSteps|NoSplitComesNear|LeavesLessThanHalf|IsThatOfRaysThroughAPixel|HaveABoundarysLook'
 count_tests "tests asan ubsan"
 # Every reader of files and requests, with some thousand inputs each; scripts/fuzz.sh goes on for hours.
 step "tests fuzz targets" run_tests asan -L fuzz
 count_tests "tests fuzz targets"
-step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients|NoSplitComesNear|ManySmallSteps|HaveABoundarysLook|OnBoundaries|MakesUpForTheLight'
+step "tests tsan" run_tests_in_place -L fast -E 'NoiseFloor|GradientsOf|FiniteDifferences|TheTracer|Gloss|FastIsTheReference|FitReflectance|ResumesFrom|Learns|ThePenaltyOnOverdraw|GaussiansTooSmall|RefiningImproves|SameBytesAtOneAndTwo|AUniaxialModelIsTheSame|OnGradientOpacity|Denoise\.B|SlowClients|NoSplitComesNear|ManySmallSteps|HaveABoundarysLook|OnBoundaries|MakesUpForTheLight|ComesBackFromDisk|WithASectionFacesAreRight|LookAsThePathTracer'
 count_tests "tests tsan"
 
 echo "test: release, address, undefined-behaviour and thread sanitizers, $((SECONDS / 60)) min"

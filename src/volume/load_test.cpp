@@ -280,7 +280,7 @@ TEST(LoadErrors, SayWhatIsWrong) {
              short_3d +
                  "space: left-posterior-superior\nsizes: 5 4 3\n"
                  "space directions: (1,0,0) (0.5,1,0) (0,0,1)\nspace origin: (0,0,0)\n",
-             bytes_of({1, 2}) + voxels.substr(4));
+             bytes_of<std::int16_t>({1, 2}) + voxels.substr(4));
   EXPECT_THAT(load_error(folder / "sheared.nrrd"), HasSubstr("perpendicular"));
 }
 
