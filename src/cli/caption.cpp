@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "cli/overlay.h"
+#include "cli/text_box.h"
+#include "core/draw_text.h"
 
 namespace clipgs {
 

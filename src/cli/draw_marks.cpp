@@ -6,7 +6,8 @@
 
 #include "tour/label_layout.h"
 
-#include "cli/overlay.h"
+#include "cli/text_box.h"
+#include "core/draw_text.h"
 #include "core/utf8.h"
 
 namespace clipgs {

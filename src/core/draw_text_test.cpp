@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cairo.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <memory>
 #include <string>
+
+#include "core/error.h"
 
 /// Asked by the leak sanitizer: fontconfig keeps what it read of fonts until the process ends.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig"; }
@@ -57,6 +60,36 @@ TEST(DrawText, ShrinksToItsRoom) {
   EXPECT_GT(free.last - free.first, 90);
   EXPECT_LE(tight.last, 74);  // hinted letters are whole pixels wide
   EXPECT_GT(tight.last, 60);
+}
+
+void half_cover(cairo_t* cairo) {
+  cairo_set_source_rgba(cairo, 1, 0.2, 0, 0.6);
+  cairo_paint(cairo);
+}
+
+TEST(WriteOver, LiesBeforeWhatIsThere) {
+  Image rgb(2, 2, 3);
+  std::ranges::fill(rgb.data, 0.5f);
+  write_over(rgb, half_cover);
+  EXPECT_NEAR(rgb.at(1, 1)[0], 0.8, 0.01);
+  EXPECT_NEAR(rgb.at(1, 1)[1], 0.32, 0.01);
+  EXPECT_NEAR(rgb.at(1, 1)[2], 0.2, 0.01);
+
+  Image rgba(2, 2, 4);  // nothing, then half of white
+  std::fill_n(rgba.at(1, 0), 3, 1.0f);
+  rgba.at(1, 0)[3] = 0.5f;
+  write_over(rgba, half_cover);
+  EXPECT_NEAR(rgba.at(0, 0)[0], 1, 0.01);
+  EXPECT_NEAR(rgba.at(0, 0)[1], 0.2, 0.01);
+  EXPECT_NEAR(rgba.at(0, 0)[3], 0.6, 0.01);
+  EXPECT_NEAR(rgba.at(1, 0)[3], 0.8, 0.01);
+  EXPECT_NEAR(rgba.at(1, 0)[1], (0.6 * 0.2 + 0.4 * 0.5) / 0.8, 0.01);
+}
+
+TEST(WriteOver, TooLargeAPictureIsRefused) {
+  Image picture(40'000, 1, 3);
+  EXPECT_THAT([&] { write_over(picture, half_cover); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("choose a smaller --size")));
 }
 
 }  // namespace
