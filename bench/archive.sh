@@ -16,6 +16,14 @@ trap 'kill "${pids[@]}" 2>/dev/null || true; rm -rf "$work"' EXIT
 now() { date +%s.%N; }
 less() { echo "$1 $2" | awk '{printf "%.1f", $1 - $2}'; }
 
+# wait_for TEXT: until the worker, while it lives, says so.
+wait_for() {
+  until grep -q "$1" "$work/log"; do
+    kill -0 "$worker" || { cat "$work/log" >&2; exit 1; }
+    sleep 0.1
+  done
+}
+
 /usr/bin/python3 "$here/bench/as_dicom.py" "$CLIPGS_DATA/head.nrrd" "$work/head" --hu 16,-1024
 mkdir "$work/cases"
 cat >"$work/orthanc.json" <<END
@@ -48,12 +56,6 @@ until grep -q waiting "$work/browser"; do sleep 0.1; done
 begin="$(now)"
 storescu -aec ORTHANC 127.0.0.1 14243 +sd "$work/head"
 received="$(now)"
-wait_for() { # a line of the worker, while it lives
-  until grep -q "$1" "$work/log"; do
-    kill -0 "$worker" || { cat "$work/log" >&2; exit 1; }
-    sleep 0.1
-  done
-}
 wait_for 'built in'
 built="$(now)"
 wait_for 'back in the archive'
