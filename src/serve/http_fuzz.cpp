@@ -11,6 +11,7 @@
 #include "serve/client.h"
 #include "serve/site.h"
 #include "serve/test_cases.h"
+#include "serve/token.h"
 
 namespace clipgs::fuzz {
 
@@ -94,8 +95,9 @@ void read(std::span<const std::uint8_t> input) {
   log_request(request);
   // That it is well, "ok\n", is for everybody.
   const bool is_health = answer.find("\r\nContent-Length: 3\r\n") != std::string::npos;
-  const bool entered = who == kSecret && request.find(kToken) == std::string::npos &&
-                       answer.starts_with("HTTP/1.1 200") && !is_health;
+  // Whoever types a token may leave out strokes, add some and write capitals.
+  const bool knows = plain_token(request).find(plain_token(kToken)) != std::string::npos;
+  const bool entered = who == kSecret && !knows && answer.starts_with("HTTP/1.1 200") && !is_health;
   if (entered || answer.find("nobody may have this") != std::string::npos) {
     std::abort();
   }
