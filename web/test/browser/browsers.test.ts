@@ -557,14 +557,15 @@ describe.skipIf(missing !== undefined)(`browsers${missing ? ` (${missing} is mis
           ),
         );
         await page.press("h"); // without the handle
-        const picture = await pagePicture(page, 160, 160);
+        const side = 160 * (await page.evaluate(() => devicePixelRatio));
+        const picture = await pagePicture(page, side, side);
         await waitFor(page, () => window.clipgs.stats.settled, undefined);
         await page.evaluate(
           () =>
             new Promise<void>((drawn) => requestAnimationFrame(() => requestAnimationFrame(() => drawn()))),
         );
         const shown = decodePng(await page.screenshot());
-        expect(psnr(topLeft(shown, 160, 160), onBlack(picture)).color).toBeGreaterThan(kMinShown);
+        expect(psnr(topLeft(shown, side, side), onBlack(picture)).color).toBeGreaterThan(kMinShown);
       });
 
       it("stands random input, and shows the case afterwards", async () => {
