@@ -70,6 +70,8 @@ std::vector<Bytes> seeds() {
       kLocal + ("GET /metrics" + end + "X-Forwarded-For: 6.6.6.6, [2001:db8::7]:1\r\n" +
                 "Forwarded: for=\"[::1]:2\";by=x\r\nUser-Agent: \xff\"\r\n\r\n"),
       kSecret + ("GET /health" + end + "Authorization: Bearer " + kToken + "\r\n\r\n"),
+      kSecret +
+          ("GET /api/cases" + end + "Authorization: bearer K3V9QTXW7H-23456-abcde-fghij-k\r\n\r\n"),
       kSecret + ("GET /api/cases" + end + "Cookie: a=1; __Host-clipgs=" + kToken + "\r\n\r\n"),
   };
   std::vector<Bytes> result;
