@@ -1,5 +1,6 @@
-// What most sources include and takes long to parse: sanitized builds do it once for all of them
-// (clipgs_precompile in CMakeLists.txt). Sources name what they use themselves, as everywhere else.
+// What most sources include and takes long to parse: sanitized builds by clang do it once for all
+// of them (clipgs_precompile in CMakeLists.txt). Sources name what they use themselves, as
+// everywhere else.
 #pragma once
 
 #include <algorithm>
