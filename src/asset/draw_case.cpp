@@ -133,6 +133,11 @@ bool can_draw(const Case& contents, const Cut& cut, ClipOperator clip) {
          (!contents.scene.layers.empty() && switches_layers(contents.scene, cut));
 }
 
+bool draws_surface(const Case& contents) {
+  // Of photographs, brightness does not tell which way a surface faces.
+  return contents.openings && contents.openings->drawn() && contents.section->channels == 1;
+}
+
 Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
                 const DrawOptions& options) {
   if (contents.model && !can_draw(contents, cut, options.clip)) {
@@ -159,11 +164,10 @@ Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,
           ? std::optional(face_distances(*contents.section, camera, cut))
           : std::nullopt;
   const std::optional<Outline> outline = outline_of(contents, camera, cut, options);
-  // Of photographs, brightness does not tell which way a surface faces.
-  const bool has_surface = outline && light && contents.section->channels == 1;
   const std::optional<Image> surface =
-      has_surface ? std::optional(draw_surface(*contents.section, camera, cut, *light, options.cue))
-                  : std::nullopt;
+      outline && light && draws_surface(contents)
+          ? std::optional(draw_surface(*contents.section, camera, cut, *light, options.cue))
+          : std::nullopt;
   const auto draw = [&](const Gaussians& gaussians, const FaceGain& gain, const Cut& kept,
                         const LayerSwitch& switched) {
     return draw_cued(

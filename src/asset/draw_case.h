@@ -31,6 +31,10 @@ struct DrawOptions {
 /// (switches_layers). Scenes can draw any by the other operators.
 bool can_draw(const Case& contents, const Cut& cut, ClipOperator clip);
 
+/// Whether draw_case() shows the surface of a case's section in the splats' colours, and no splats
+/// in front of it; see prepare_openings().
+bool draws_surface(const Case& contents);
+
 /// A picture of the case: RGBA, display sRGB, straight alpha, in [0, 1]. A model truncates and
 /// adjusts as it has learnt to, whatever the operator; throws Error for a cut that it cannot draw.
 Image draw_case(const Case& contents, const Camera& camera, const Cut& cut,

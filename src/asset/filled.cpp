@@ -5,8 +5,11 @@
 #include <tuple>
 #include <vector>
 
+#include "asset/draw_case.h"
+#include "asset/seen_colors.h"
 #include "core/error.h"
 #include "section/face_splats.h"
+#include "section/material_table.h"
 #include "section/surface_splats.h"
 #include "splat/trim.h"
 
@@ -32,26 +35,43 @@ Gaussians joined(const std::vector<Gaussians>& parts, int sh_degree) {
   return all;
 }
 
-/// Without those where a cut lets light into the dark: pictures saw them through no gap, and what
-/// they show there is noise. `walls` show it now, which lie `spacing` mm apart.
-Gaussians without_dark(const Gaussians& gaussians, const Gaussians& walls, float spacing) {
-  using Cell = std::tuple<int, int, int>;
-  const auto cell_of = [&](const Vec3& x) {
-    const IVec3 cell(glm::floor(x / spacing));
-    return Cell(cell.x, cell.y, cell.z);
-  };
-  std::set<Cell> dark;
-  for (size_t i = 0; i < walls.size(); ++i) {
-    dark.insert(cell_of(walls.mean(i)));
-  }
+/// Those in the matter of a section: around it, its surface is what is seen.
+Gaussians in_matter(const Gaussians& gaussians, const Section& section) {
+  const MaterialTable materials(section);
   std::vector<size_t> kept;
   for (size_t i = 0; i < gaussians.size(); ++i) {
-    if (!dark.contains(cell_of(gaussians.mean(i)))) {
+    const Vec3 sampled = section.sample(section.index_from_world(gaussians.mean(i)));
+    if (materials.of_value(section.value(sampled)).extinction > 0) {
       kept.push_back(i);
     }
   }
   return gaussians.gather(kept);
 }
+
+/// Without those within `spacing` mm or so of `discs`, which show what is there: skin, where they
+/// are spotted, as they were trained behind what the section draws, and walls that no picture saw,
+/// where they are noise.
+Gaussians without_shown(const Gaussians& gaussians, const Gaussians& discs, float spacing) {
+  using Cell = std::tuple<int, int, int>;
+  const auto cell_of = [&](const Vec3& x) {
+    const IVec3 cell(glm::floor(x / spacing));
+    return Cell(cell.x, cell.y, cell.z);
+  };
+  std::set<Cell> shown;
+  for (size_t i = 0; i < discs.size(); ++i) {
+    shown.insert(cell_of(discs.mean(i)));
+  }
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < gaussians.size(); ++i) {
+    if (!shown.contains(cell_of(gaussians.mean(i)))) {
+      kept.push_back(i);
+    }
+  }
+  return gaussians.gather(kept);
+}
+
+// Of surfaces there are so many times as many discs as of faces, as light may fall on all of them.
+constexpr size_t kOfSurfaces = 4;
 
 }  // namespace
 
@@ -69,14 +89,21 @@ Gaussians filled_splats(const Case& contents, const Cut& cut, size_t most) {
   std::vector<Gaussians> parts = {trim(scene.gaussians, planes)};
   // Discs of a case that was there at once are at the volume's ends already, coarser ones.
   parts.push_back(face_splats(section, scene.sphere, cut, most));
-  if (!cut.empty()) {
-    const SurfaceScan scan = scan_surfaces(section);
-    const Openings openings(section, scan);
-    if (openings.drawn()) {
-      const Gaussians walls = wall_splats(section, scan, openings, cut, most / 2);
-      parts[0] = without_dark(parts[0], walls, openings.light().patches().grid().spacing);
-      parts.push_back(walls);
+  if (contents.openings && contents.openings->drawn()) {
+    const Openings& openings = *contents.openings;
+    Gaussians discs;
+    if (draws_surface(contents)) {
+      const KeptSurfaces kept =
+          kept_surfaces(section, scan_surfaces(section, true), openings, cut, kOfSurfaces * most);
+      discs = trim(in_seen_colors(contents, cut, kept.discs, kept.lit,
+                                  std::min(1, scene.gaussians.sh_degree())),
+                   planes);
+      parts[0] = in_matter(parts[0], section);
+    } else if (!cut.empty()) {
+      discs = wall_splats(section, scan_surfaces(section), openings, cut, most / 2);
     }
+    parts[0] = without_shown(parts[0], discs, openings.light().patches().grid().spacing);
+    parts.push_back(discs);
   }
   return joined(parts, scene.gaussians.sh_degree());
 }

@@ -4,23 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "asset/draw_case.h"
+#include "asset/test_case.h"
 #include "core/error.h"
-#include "section/surface_splats.h"
-#include "section/test_section.h"
+#include "core/random.h"
 
 namespace clipgs {
 namespace {
-
-/// A ball of which nothing is learnt: its surface is discs.
-Case ball_case() {
-  Case contents(Scene{}, test::ball_section());
-  const SurfaceScan scan = scan_surfaces(*contents.section);
-  contents.openings = std::make_shared<const Openings>(*contents.section, scan);
-  contents.scene.gaussians = surface_splats(*contents.section, scan, *contents.openings, 8000);
-  contents.scene.sphere = {{0, 0, 0}, 16};
-  contents.scene.placed = true;
-  return contents;
-}
 
 Case of_splats(Gaussians gaussians) {
   Scene scene;
@@ -42,7 +31,7 @@ double likeness(const Image& a, const Image& truth) {
 }
 
 TEST(FilledSplats, ShowACutBodyMuchAsTheCaseDoes) {
-  const Case contents = ball_case();
+  const Case contents = test::ball_case();
   const Cut cut(Plane{glm::normalize(Vec3(0.3f, 1, -0.4f)), -1});
   const Camera camera = frame_sphere(contents.scene.sphere, View{200, 30, 1}, 128, 128);
   const Image truth = draw_case(contents, camera, cut);
@@ -51,6 +40,28 @@ TEST(FilledSplats, ShowACutBodyMuchAsTheCaseDoes) {
   const double with = likeness(draw_case(filled, camera, Cut()), truth);
   EXPECT_GT(with, 28);
   EXPECT_GT(with, likeness(draw_case(hollow, camera, cut), truth) + 5);
+}
+
+TEST(FilledSplats, ShowSkinWithoutTheSpotsOfItsSplats) {
+  const Camera camera = frame_sphere({{0, 0, 0}, 16}, View{30, -20, 1}, 128, 128);
+  const Image truth = draw_case(test::ball_case(), camera, Cut());
+  Case contents = test::ball_case();
+  // As after training behind what the section draws: right in the mean, and some in the air.
+  contents.scene.placed = false;
+  Gaussians& splats = contents.scene.gaussians;
+  Rng rng(1);
+  for (size_t i = 0; i < splats.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      splats.plane(Gaussians::kSh + c)[i] += rng.uniform() - 0.5f;
+      splats.plane(Gaussians::kMean + c)[i] *= i % 50 == 0 ? 1.1f : 1.0f;
+    }
+  }
+  const Gaussians filled = filled_splats(contents, Cut(), 8000);
+  for (size_t i = 0; i < filled.size(); ++i) {
+    ASSERT_LT(glm::length(filled.mean(i)), 15.5);
+  }
+  EXPECT_GT(likeness(draw_case(of_splats(filled), camera, Cut()), truth),
+            likeness(draw_case(of_splats(splats), camera, Cut()), truth) + 3);
 }
 
 TEST(FilledSplats, OfAModelAreRefused) {

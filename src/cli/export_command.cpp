@@ -66,7 +66,8 @@ std::string format_of(const ExportArguments& arguments) {
 void run_export(const ExportArguments& arguments) {
   const std::string format = format_of(arguments);
   require_writable(arguments.output);
-  const Case contents = load_case(arguments.input);
+  Case contents = load_case(arguments.input);
+  prepare_openings(contents);
   const Cut cut = parse_cut(arguments.cut);
   warn_if_plane_misses(cut, contents.scene.bounds);
   const Gaussians gaussians =
@@ -96,10 +97,10 @@ void add_export_command(CLI::App& app) {
       ->check(CLI::IsMember({"ply", "spz", "glb", "sog"}));
   add_cut_options(*command, arguments->cut);
   command
-      ->add_option(
-          "--fill", arguments->fill,
-          "Splats, about, that fill faces: those of a cut and where the volume ends, which "
-          "clipgs draws from the volume")
+      ->add_option("--fill", arguments->fill,
+                   "Splats, about, that fill faces, those of a cut and where the volume ends, and "
+                   "up to four "
+                   "times as many for skin and walls: clipgs draws these from the volume")
       ->check(CLI::Range(100, 2'000'000))
       ->capture_default_str();
   command

@@ -178,14 +178,15 @@ Occluders make_occluders(const Section& section, int size) {
   return occluders;
 }
 
-SurfaceScan scan_surfaces(const Section& section) {
+SurfaceScan scan_surfaces(const Section& section, bool all) {
   constexpr float kLeastMatter = 0.01f;
   constexpr float kHalf = 0.5f;
   const std::array<float, ValueCurve::kCodes> table = coverages(section);
   const MaterialTable materials(section);
   // About as many points on each patch, however fine the voxels are.
   const int stride =
-      std::max(1, static_cast<int>(cell_size(section) / 4 / mean_spacing(section.spacing)));
+      all ? 1
+          : std::max(1, static_cast<int>(cell_size(section) / 4 / mean_spacing(section.spacing)));
   const auto coverage = [&](const IVec3& voxel) {
     return table[static_cast<size_t>(section.code_at(voxel))];
   };
@@ -217,17 +218,17 @@ SurfaceScan scan_surfaces(const Section& section) {
       }
     }
   });
-  SurfaceScan all;
+  SurfaceScan scan;
   size_t matter = 0;
   size_t translucent = 0;
   for (const SliceScan& slice : slices) {
-    all.points.insert(all.points.end(), slice.points.begin(), slice.points.end());
+    scan.points.insert(scan.points.end(), slice.points.begin(), slice.points.end());
     matter += slice.matter;
     translucent += slice.translucent;
   }
-  all.translucent =
+  scan.translucent =
       static_cast<float>(translucent) / static_cast<float>(std::max<size_t>(1, matter));
-  return all;
+  return scan;
 }
 
 CutLight make_cut_light(const Section& section, std::span<const SurfacePoint> points,

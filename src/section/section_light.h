@@ -25,7 +25,8 @@ struct SurfaceScan {
   /// Of the matter, by volume, what takes less than half of the light in a voxel, 0…1.
   float translucent = 0;
 };
-SurfaceScan scan_surfaces(const Section& section);
+/// `all`: points at every voxel of a surface, not only as many as its light needs.
+SurfaceScan scan_surfaces(const Section& section, bool all = false);
 
 /// Light under any cut of a section.
 CutLight make_cut_light(const Section& section, std::span<const SurfacePoint> points,

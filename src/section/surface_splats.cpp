@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <vector>
 
+#include "core/parallel.h"
 #include "section/display_curve.h"
 #include "section/face_light.h"
 #include "section/material_table.h"
@@ -18,6 +20,10 @@ namespace {
 constexpr float kWide = 0.65f;
 constexpr float kThick = 0.15f;
 constexpr float kOpacity = 0.95f;
+// Where points lie on the surface itself, not between voxels: thinner discs, no smaller than so
+// many voxels of the section.
+constexpr float kThin = 0.05f;
+constexpr float kFinest = 1.2f;
 
 /// The grid of light, or a finer one with about `count` patches for `lit` of its own.
 PatchGrid grid_of(const PatchGrid& light, size_t lit, size_t count) {
@@ -36,6 +42,31 @@ std::vector<SurfacePoint> colored(const SurfaceScan& scan) {
     return std::max({point.reflectance.r, point.reflectance.g, point.reflectance.b}) > kBlack;
   });
   return points;
+}
+
+/// Points of a scan, which lie halfway between voxels, where rays that come straight meet a wall.
+std::vector<SurfacePoint> on_walls(const Section& section, const Openings& openings,
+                                   std::vector<SurfacePoint> points) {
+  const float reach = 1.5f * mean_spacing(section.spacing);
+  constexpr size_t kGrain = 4096;
+  parallel_for(points.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      SurfacePoint& point = points[i];
+      const Vec3 eye = point.position + reach * point.normal;
+      const std::optional<Wall> wall =
+          openings.first_wall(section, eye, -point.normal, 0, 2 * reach);
+      // In a narrow gap the eye is in other matter.
+      if (wall && glm::distance(wall->position, eye) > 0.25f * reach) {
+        point = {wall->position, wall->normal, wall->reflectance};
+      }
+    }
+  });
+  return points;
+}
+
+bool is_kept(const Vec3& position, const Cut& cut) {
+  return std::ranges::all_of(
+      cut.planes(), [&](const Plane& plane) { return plane.signed_distance(position) > 0; });
 }
 
 /// What discs show: places, and what the eye sees there, linear RGB before exposure.
@@ -101,14 +132,16 @@ void add_ends(const Section& section, const PatchGrid& grid, Shown& shown) {
   }
 }
 
-Gaussians discs_of(const Section& section, const Shown& shown, float spacing) {
+/// `thick`: in cells.
+Gaussians discs_of(const Section& section, const Shown& shown, float spacing,
+                   float thick = kThick) {
   const DisplayCurve& display = display_curve(section.tone);
   Gaussians discs(shown.points.size(), 0);
   for (size_t i = 0; i < discs.size(); ++i) {
     const Vec3 seen = section.exposure * shown.radiance[i];
     place({shown.points[i].position, shown.points[i].normal,
            Vec3(display(seen.r), display(seen.g), display(seen.b)), kWide * spacing,
-           kThick * spacing, kOpacity},
+           thick * spacing, kOpacity},
           i, discs);
   }
   return discs;
@@ -147,14 +180,38 @@ Gaussians wall_splats(const Section& section, const SurfaceScan& scan, const Ope
   for (const SurfacePoint& point : patches.all()) {
     const Vec3 uncut = light_at(light, openings.own_light(), point.position, point.normal);
     const Vec3 white = light_at(light, solution, point.position, point.normal);
-    const bool is_kept = std::ranges::all_of(cut.planes(), [&](const Plane& plane) {
-      return plane.signed_distance(point.position) > 0;
-    });
-    if (is_kept && Openings::is_lit(white) && !Openings::is_lit(uncut)) {
+    if (is_kept(point.position, cut) && Openings::is_lit(white) && !Openings::is_lit(uncut)) {
       shown.add(point, white);
     }
   }
   return discs_of(section, shown, grid.spacing);
+}
+
+KeptSurfaces kept_surfaces(const Section& section, const SurfaceScan& scan,
+                           const Openings& openings, const Cut& cut, size_t most) {
+  const Patches& light = openings.light().patches();
+  const std::vector<Vec3> solution = openings.solve(cut.planes());
+  size_t lit = 0;
+  for (size_t i = 0; i < solution.size(); ++i) {
+    lit += Openings::is_lit(solution[i]) && is_kept(light.all()[i].position, cut) ? 1 : 0;
+  }
+  const float finer = light.grid().spacing / (kFinest * mean_spacing(section.spacing));
+  const auto finest = static_cast<size_t>(finer * finer * static_cast<float>(lit));
+  const PatchGrid grid =
+      grid_of(light.grid(), std::max<size_t>(1, lit), std::max<size_t>(1, std::min(most, finest)));
+  const Patches patches(grid, on_walls(section, openings, colored(scan)));
+  Shown shown;
+  size_t shown_lit = 0;
+  for (const bool is_lit : {true, false}) {
+    for (const SurfacePoint& point : patches.all()) {
+      const Vec3 white = light_at(light, solution, point.position, point.normal);
+      if (is_kept(point.position, cut) && Openings::is_lit(white) == is_lit) {
+        shown.add(point, white);
+        shown_lit += is_lit ? 1 : 0;
+      }
+    }
+  }
+  return {discs_of(section, shown, grid.spacing, kThin), shown_lit};
 }
 
 }  // namespace clipgs

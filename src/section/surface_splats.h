@@ -19,8 +19,19 @@ Gaussians surface_splats(const Section& section, const SurfaceScan& scan, const 
                          size_t count);
 
 /// The same for walls of cavities that a cut lets light into, for programs that draw splats alone:
-/// of what is dark uncut what is lit then and is kept. At most about `most`.
+/// of what is dark uncut what is lit then and is kept, at most about `most`.
 Gaussians wall_splats(const Section& section, const SurfaceScan& scan, const Openings& openings,
                       const Cut& cut, size_t most);
+
+/// Discs of surfaces, those first that light comes to.
+struct KeptSurfaces {
+  Gaussians discs;
+  size_t lit = 0;
+};
+
+/// The same of all surfaces that a cut keeps, at most about `most` that are lit and none smaller
+/// than a voxel or so. `scan`: of every voxel.
+KeptSurfaces kept_surfaces(const Section& section, const SurfaceScan& scan,
+                           const Openings& openings, const Cut& cut, size_t most);
 
 }  // namespace clipgs

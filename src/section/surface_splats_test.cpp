@@ -1,5 +1,6 @@
 #include "section/surface_splats.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "core/camera.h"
@@ -69,6 +70,29 @@ TEST(SurfaceSplats, LeaveNoGaps) {
       }
     }
   }
+}
+
+TEST(KeptSurfaces, LieOnTheSurfaceThatACutKeeps) {
+  const Input input;
+  const Plane plane{glm::normalize(Vec3(1, 2, -0.5f)), 3};
+  const KeptSurfaces kept = kept_surfaces(input.section, scan_surfaces(input.section, true),
+                                          input.openings, Cut(plane), 1000);
+  // Of the sphere's area what lies beyond the plane.
+  const double share = (kRadius - plane.offset) / (2 * kRadius);
+  const KeptSurfaces whole =
+      kept_surfaces(input.section, scan_surfaces(input.section, true), input.openings, Cut(), 1000);
+  EXPECT_NEAR(static_cast<double>(whole.discs.size()), 1000, 350);
+  EXPECT_EQ(whole.lit, whole.discs.size());
+  EXPECT_NEAR(static_cast<double>(kept.discs.size()), 1000, 350);  // as many on less of it
+  for (size_t i = 0; i < kept.discs.size(); ++i) {
+    const Vec3 mean = kept.discs.mean(i);
+    ASSERT_GT(plane.signed_distance(mean), 0);
+    ASSERT_NEAR(glm::length(mean), kRadius, 0.6);
+    const Vec3 out = glm::mat3_cast(kept.discs.rotation(i))[2];
+    ASSERT_GT(glm::dot(out, glm::normalize(mean)), 0.97f);
+  }
+  const double coarser = whole.discs.scale(0).x / kept.discs.scale(0).x;
+  EXPECT_NEAR(coarser, 1 / std::sqrt(share), 0.2);
 }
 
 }  // namespace
