@@ -22,7 +22,7 @@ constexpr float kGrazing = 0.15f;  // cosine below which a disc is not looked at
 constexpr float kBehind = 3;       // deviations behind the nearest disc that are still seen
 constexpr float kLeastAlpha = 0.5f;
 constexpr float kFar = 1e9f;
-// Weight of a view without any change from side to side.
+// How much a disc is held to look the same from all sides: as much as by so many views.
 constexpr float kSame = 0.3f;
 
 using Coefficients = Eigen::Matrix<float, 4, 3>;
