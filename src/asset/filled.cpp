@@ -98,7 +98,8 @@ Gaussians filled_splats(const Case& contents, const Cut& cut, size_t most) {
       discs = trim(in_seen_colors(contents, cut, kept.discs, kept.lit,
                                   std::min(1, scene.gaussians.sh_degree())),
                    planes);
-      parts[0] = in_matter(parts[0], section);
+      // Those of a case that was there at once are coarser discs of the same surfaces.
+      parts[0] = scene.placed ? parts[0].like(0) : in_matter(parts[0], section);
     } else if (!cut.empty()) {
       discs = wall_splats(section, scan_surfaces(section), openings, cut, most / 2);
     }

@@ -18,9 +18,10 @@ namespace {
 constexpr int kViews = 32;
 constexpr int kMostPixels = 768;  // a side
 constexpr int kLeastPixels = 64;
-constexpr float kGrazing = 0.15f;  // cosine below which a disc is not looked at
-constexpr float kBehind = 3;       // deviations behind the nearest disc that are still seen
-constexpr float kLeastAlpha = 0.5f;
+constexpr float kGrazing = 0.15f;    // cosine below which a disc is not looked at
+constexpr float kBehind = 3;         // deviations behind the nearest disc that are still seen
+constexpr float kLeastAlpha = 0.5f;  // of a face that hides what is behind it …
+constexpr float kLeastSeen = 0.2f;   // … and of a disc that is kept: thin matter has less than one
 constexpr float kFar = 1e9f;
 // How much a disc is held to look the same from all sides: as much as by so many views.
 constexpr float kSame = 0.3f;
@@ -177,7 +178,7 @@ Gaussians in_seen_colors(const Case& contents, const Cut& cut, const Gaussians& 
   const std::vector<Fit> fits = look_around(contents, cut, discs);
   std::vector<size_t> kept;
   for (size_t i = 0; i < fits.size(); ++i) {
-    if (fits[i].is_seen() ? fits[i].alpha() > kLeastAlpha : i < lit) {
+    if (fits[i].is_seen() ? fits[i].alpha() > kLeastSeen : i < lit) {
       kept.push_back(i);
     }
   }
