@@ -11,6 +11,7 @@
 #include "section/face_splats.h"
 #include "section/material_table.h"
 #include "section/surface_splats.h"
+#include "splat/select.h"
 #include "splat/trim.h"
 
 namespace clipgs {
@@ -38,14 +39,10 @@ Gaussians joined(const std::vector<Gaussians>& parts, int sh_degree) {
 /// Those in the matter of a section: around it, its surface is what is seen.
 Gaussians in_matter(const Gaussians& gaussians, const Section& section) {
   const MaterialTable materials(section);
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
+  return select(gaussians, [&](size_t i) {
     const Vec3 sampled = section.sample(section.index_from_world(gaussians.mean(i)));
-    if (materials.of_value(section.value(sampled)).extinction > 0) {
-      kept.push_back(i);
-    }
-  }
-  return gaussians.gather(kept);
+    return materials.of_value(section.value(sampled)).extinction > 0;
+  });
 }
 
 /// Without those within `spacing` mm or so of `discs`, which show what is there: skin, where they
@@ -61,13 +58,7 @@ Gaussians without_shown(const Gaussians& gaussians, const Gaussians& discs, floa
   for (size_t i = 0; i < discs.size(); ++i) {
     shown.insert(cell_of(discs.mean(i)));
   }
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
-    if (!shown.contains(cell_of(gaussians.mean(i)))) {
-      kept.push_back(i);
-    }
-  }
-  return gaussians.gather(kept);
+  return select(gaussians, [&](size_t i) { return !shown.contains(cell_of(gaussians.mean(i))); });
 }
 
 // Of surfaces there are so many times as many discs as of faces, as light may fall on all of them.

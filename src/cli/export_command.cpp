@@ -97,10 +97,10 @@ void add_export_command(CLI::App& app) {
       ->check(CLI::IsMember({"ply", "spz", "glb", "sog"}));
   add_cut_options(*command, arguments->cut);
   command
-      ->add_option("--fill", arguments->fill,
-                   "Splats, about, that fill faces, those of a cut and where the volume ends, and "
-                   "up to four "
-                   "times as many for skin and walls: clipgs draws these from the volume")
+      ->add_option(
+          "--fill", arguments->fill,
+          "Splats, about, that fill faces, those of a cut and where the volume ends, and "
+          "up to four times as many for skin and walls: clipgs draws these from the volume")
       ->check(CLI::Range(100, 2'000'000))
       ->capture_default_str();
   command

@@ -78,6 +78,11 @@ struct Shown {
     points.push_back(point);
     radiance.push_back(point.reflectance * white);
   }
+
+  void add(const Shown& others) {
+    points.insert(points.end(), others.points.begin(), others.points.end());
+    radiance.insert(radiance.end(), others.radiance.begin(), others.radiance.end());
+  }
 };
 
 void add_lit_surfaces(const Patches& patches, const Openings& openings, Shown& shown) {
@@ -201,16 +206,15 @@ KeptSurfaces kept_surfaces(const Section& section, const SurfaceScan& scan,
       grid_of(light.grid(), std::max<size_t>(1, lit), std::max<size_t>(1, std::min(most, finest)));
   const Patches patches(grid, on_walls(section, openings, colored(scan)));
   Shown shown;
-  size_t shown_lit = 0;
-  for (const bool is_lit : {true, false}) {
-    for (const SurfacePoint& point : patches.all()) {
+  Shown dark;
+  for (const SurfacePoint& point : patches.all()) {
+    if (is_kept(point.position, cut)) {
       const Vec3 white = light_at(light, solution, point.position, point.normal);
-      if (is_kept(point.position, cut) && Openings::is_lit(white) == is_lit) {
-        shown.add(point, white);
-        shown_lit += is_lit ? 1 : 0;
-      }
+      (Openings::is_lit(white) ? shown : dark).add(point, white);
     }
   }
+  const size_t shown_lit = shown.points.size();
+  shown.add(dark);
   return {discs_of(section, shown, grid.spacing, kThin), shown_lit};
 }
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
+
+#include "splat/select.h"
 
 namespace clipgs {
 
@@ -55,15 +56,11 @@ void press(Gaussians& gaussians, size_t i, const Vec3& normal, float inside) {
 }  // namespace
 
 Gaussians trim(const Gaussians& gaussians, std::span<const Plane> planes) {
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < gaussians.size(); ++i) {
+  Gaussians trimmed = select(gaussians, [&](size_t i) {
     const Vec3 mean = gaussians.mean(i);
-    if (std::ranges::all_of(planes,
-                            [&](const Plane& plane) { return plane.signed_distance(mean) > 0; })) {
-      kept.push_back(i);
-    }
-  }
-  Gaussians trimmed = gaussians.gather(kept);
+    return std::ranges::all_of(planes,
+                               [&](const Plane& plane) { return plane.signed_distance(mean) > 0; });
+  });
   // What is pressed by one plane may bulge towards another.
   for (int pass = 0; pass < static_cast<int>(planes.size()) && pass < kMostPasses; ++pass) {
     for (const Plane& plane : planes) {
